@@ -4,6 +4,7 @@ from .contact import ConvergenceError as ConvergenceError
 from .contact import solve as solve
 from .contact import solve_path as solve_path
 from .contact import verify_contact as verify_contact
+from .contact.slip import partial_slip as partial_slip
 from .elasticity.layer import Layer as Layer
 from .elasticity.layer_fields import layer_fields as layer_fields
 from .elasticity.loaded_solid import LoadedSolid as LoadedSolid

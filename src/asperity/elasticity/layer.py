@@ -231,6 +231,35 @@ class Layer:
         ratio = (1 + nu) * (1 - 2 * nu) / (1 - nu) if self.lateral == "confined" else 1.0
         return ratio * self.height / self.young
 
+    def tangential_compliance(self, q: ArrayLike) -> Array:
+        """Displacement of the surface along and across a wave per shear traction in the same direction.
+
+        They follow from Hooke's law and the stress in the surface, of which the traction t along the wave
+        causes no normal part: in a half-space 2/(E* q), as for a pressure, and 2 (1 + ν)/(E q).
+
+        Parameters
+        ----------
+        q : array
+            Wavenumbers |q|, 0 or from 1e-75 to 1e75.
+
+        Returns
+        -------
+        (2, ...) array
+            Along, across; in length per stress. At q = 0 that of a uniform traction, which is 0 by rule where
+            `uniform_compliance` is.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As for `shear_kernels`.
+        """
+        q = _wavenumbers(q)
+        wave, kernels = np.where(q > 0, q, 1.0), self.shear_kernels(q, 0.0)
+        shear = 2 * (1 + self.poisson) / self.young
+        along = kernels.longitudinal / self.effective_modulus / wave
+        uniform = shear * (self.height or 0.0)
+        return np.where(q > 0, np.stack([along, shear * kernels.in_plane / wave]), uniform)
+
     def uniform_stress(self) -> Array:
         """Stress of the mode q = 0 per unit mean pressure, (6,); it is the same at every depth."""
         lateral = -self.poisson / (1 - self.poisson) if self.lateral == "confined" else 0.0

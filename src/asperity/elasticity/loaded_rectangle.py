@@ -19,6 +19,7 @@ Methods Comput. Phys. 9 (1970) 135; S. Liu, Q. Wang, G. Liu, Wear 243 (2000) 101
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +28,7 @@ from numpy.typing import ArrayLike
 
 from asperity.core.compiled import compiled
 from asperity.core.types import Array
+from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Fourier, Grid, good_size
 
 # Columns at the end of the padded rows, so that the same elements of several rows do not compete for the same
@@ -70,6 +72,30 @@ def rectangle_slope_x(
     return out
 
 
+def rectangle_moments(y: ArrayLike, x: ArrayLike, edges: tuple[float, float]) -> Array:
+    """∫∫ of η²/ρ³, ξ²/ρ³ and η ξ/ρ³ over a rectangle, at points of the surface.
+
+    ρ = (η, ξ) is the vector from a point of the rectangle to that of the surface. The first two add up to
+    the integral of 1/ρ in the compliance; all three make up the displacement by a shear traction (V. Cerruti;
+    K. L. Johnson, Contact Mechanics, 1985, section 3.6).
+
+    Parameters
+    ----------
+    y, x, edges
+        As for `rectangle_compliance`.
+
+    Returns
+    -------
+    (3, ...) array
+        Lengths.
+    """
+    y, x = np.broadcast_arrays(np.asarray(y, float), np.asarray(x, float))
+    out = np.empty((3, *y.shape))
+    _fill_moments(np.abs(y).ravel(), np.abs(x).ravel(), 0.5 * edges[0], 0.5 * edges[1], out.reshape(3, -1))
+    out[2] *= np.sign(y) * np.sign(x)
+    return out
+
+
 @compiled
 def _span(low: float, high: float, aside: float) -> float:
     """asinh(high / |aside|) − asinh(low / |aside|) for high > |low|, without cancellation."""
@@ -92,6 +118,16 @@ def _fill_compliance(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> 
         y1, y2, x1, x2 = y[i] - half_y, y[i] + half_y, x[i] - half_x, x[i] + half_x
         along_x = _part(x2, y1, y2) - _part(x1, y1, y2)
         out[i] = along_x + _part(y2, x1, x2) - _part(y1, x1, x2)
+
+
+@compiled
+def _fill_moments(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> None:
+    """∫∫ of η²/ρ³, ξ²/ρ³ and η ξ/ρ³ over the rectangle, at points with y, x ≥ 0."""
+    for i in range(y.size):
+        y1, y2, x1, x2 = y[i] - half_y, y[i] + half_y, x[i] - half_x, x[i] + half_x
+        out[0, i] = _part(x2, y1, y2) - _part(x1, y1, y2)
+        out[1, i] = _part(y2, x1, x2) - _part(y1, x1, x2)
+        out[2, i] = np.hypot(y1, x2) + np.hypot(y2, x1) - np.hypot(y1, x1) - np.hypot(y2, x2)
 
 
 @compiled
@@ -169,6 +205,33 @@ def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
     along_y = rectangle_slope_x(x, y[:, None], (spacing_x, spacing_y), effective_modulus)
     along_x = rectangle_slope_x(y[:, None], x, (spacing_y, spacing_x), effective_modulus)
     return _modes(along_y, grid), _modes(along_x, grid)
+
+
+def shear_modes(grid: Grid, bodies: Sequence[Layer], degrees: float) -> tuple[Array, Array]:
+    """Factors that turn padded coefficients of a shear traction into those of the displacement by it.
+
+    Parameters
+    ----------
+    grid : Grid
+    bodies : sequence of Layer
+        Half-spaces, whose displacements add up.
+    degrees : float
+        Direction of the traction.
+
+    Returns
+    -------
+    along, across : (ny, nx // 2 + 1) complex arrays
+        Of the displacement in the direction of the traction, and a quarter turn further.
+    """
+    y, x = _distances(grid)
+    yy, xx, yx = rectangle_moments(y[:, None], x, grid.spacing)
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    units = [(1 + body.poisson) / (np.pi * body.young) for body in bodies]
+    alike = sum(unit * (1 - body.poisson) for unit, body in zip(units, bodies, strict=True))
+    turned = sum(unit * body.poisson for unit, body in zip(units, bodies, strict=True))
+    along = alike * (yy + xx) + turned * (cosine**2 * xx + sine**2 * yy + 2 * sine * cosine * yx)
+    across = turned * (sine * cosine * (yy - xx) + (cosine**2 - sine**2) * yx)
+    return _modes(along, grid), _modes(across, grid)
 
 
 def _distances(grid: Grid) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -66,6 +66,9 @@ class LoadedSolid:
     background : callable, optional
         Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as that of a
         contact far wider than the cell.
+    sticking_pressure : (ny, nx) array, optional
+        Part of the pressure that causes no shear traction: with friction μ that is μ times the rest of the
+        pressure. `asperity.partial_slip` finds it; by default none, full sliding.
 
     Examples
     --------
@@ -87,6 +90,7 @@ class LoadedSolid:
     boundary: str = "periodic"
     hardness: float = math.inf
     background: Callable[[float], Array] | None = None
+    sticking_pressure: Array | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.grid, Grid) or not isinstance(self.layer, Layer):
@@ -107,6 +111,9 @@ class LoadedSolid:
                 f"pressure: its largest magnitude is {highest:g}; 0 or a value {RANGE} is needed"
             )
         object.__setattr__(self, "pressure", pressure)
+        if self.sticking_pressure is not None:
+            sticking = self.grid.field("sticking_pressure", self.sticking_pressure)
+            object.__setattr__(self, "sticking_pressure", sticking)
 
     @classmethod
     def of(cls, contact: ContactLike) -> LoadedSolid:
@@ -125,7 +132,10 @@ class LoadedSolid:
                 "Contact or a LoadedSolid"
             )
         boundary, hardness = getattr(contact, "boundary", "periodic"), getattr(contact, "hardness", math.inf)
-        return cls(contact.pressure, contact.grid, contact.layer, boundary, hardness)
+        sticking = getattr(contact, "sticking_pressure", None)
+        return cls(
+            *(contact.pressure, contact.grid, contact.layer, boundary, hardness), sticking_pressure=sticking
+        )
 
     @classmethod
     def from_dataset(cls, contact: xr.Dataset) -> LoadedSolid:
@@ -140,8 +150,17 @@ class LoadedSolid:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         pressure = contact["pressure"].transpose("y", "x").values.astype(float)
         boundary = str(contact.attrs.get("boundary", "periodic"))
-        hardness = float(contact.get("hardness", math.inf))
-        return cls(pressure, grid_of(contact), layer_of(contact), boundary, hardness)
+        hardness, sticking = float(contact.get("hardness", math.inf)), contact.get("sticking_pressure")
+        if sticking is not None:
+            sticking = sticking.transpose("y", "x").values.astype(float)
+        return cls(
+            *(pressure, grid_of(contact), layer_of(contact), boundary, hardness), sticking_pressure=sticking
+        )
+
+    @property
+    def sliding_pressure(self) -> Array:
+        """The shear traction over the friction."""
+        return self.pressure if self.sticking_pressure is None else self.pressure - self.sticking_pressure
 
     @property
     def is_plastic(self) -> bool:
@@ -191,6 +210,15 @@ class Sliding:
     sliding_direction: str | float = "x"
 
 
+def degrees_of(sliding_direction: Any) -> float:
+    """Angle in degrees of "x", "y" or a number, which is an angle already."""
+    accepted = '"x", "y" or an angle in degrees from x towards y'
+    degrees = {"x": 0.0, "y": 90.0}.get(sliding_direction) if isinstance(sliding_direction, str) else None
+    if degrees is None:
+        degrees = number("sliding_direction", sliding_direction, accepted, lambda angle: True)
+    return degrees
+
+
 def traction_direction(sliding_direction: str | float, body: str = "lower") -> str | float:
     """Direction of the shear traction on a body, as `asperity.stress_planes` takes it.
 
@@ -203,4 +231,4 @@ def traction_direction(sliding_direction: str | float, body: str = "lower") -> s
     """
     if body == "lower":
         return sliding_direction
-    return {"x": 0.0, "y": 90.0}.get(sliding_direction, sliding_direction) + 180.0  # type: ignore
+    return degrees_of(sliding_direction) + 180.0

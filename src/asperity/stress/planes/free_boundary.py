@@ -72,32 +72,39 @@ class FreePlanes:
         work: Work,
     ) -> None:
         grid = self._grid = solid.grid
-        self._pressure, self._traction, self._threads, self._work = solid.pressure, traction, threads, work
+        self._threads, self._work = threads, work
+        # Load along z, x and y over a pressure, and that pressure.
+        self._loads = [((1.0, *traction), solid.pressure)]
+        if solid.sticking_pressure is not None and any(traction):
+            self._loads = [((1.0, 0.0, 0.0), solid.pressure), ((0.0, *traction), solid.sliding_pressure)]
         coarse = [other for other in coarser_grids(grid)[1:] if _saves_work(other, grid)]
         if tolerance == 0 or not coarse:
             self.plan = [PlaneGrid(grid, 0.0, 0.0, 0) for _ in depths]
             return
         own = {_repeated(each): each for each in (grid, *coarse)}
-        truncation = Truncation(self._repeated_modes, list(own), solid.layer, tolerance, envelope, ALIASES)
+        modes, sliding = self._repeated_modes[0], self._repeated_modes[-1]
+        truncation = Truncation(modes, list(own), solid.layer, tolerance, envelope, ALIASES, sliding)
         chosen = [truncation.choose(depth, all_columns=True) for depth in depths]
         self.plan = [PlaneGrid(own[each.grid], each.bound, 0.0, 0) for each in chosen]
 
     @cached_property
-    def _repeated_modes(self) -> Array:
-        """Coefficients of the pressure in the cell of coarse planes."""
+    def _repeated_modes(self) -> list[Array]:
+        """Coefficients of the pressures in the cell of coarse planes."""
         return self._forward(_repeated(self._grid))
 
     @cached_property
-    def _padded(self) -> tuple[Grid, Array]:
-        """Cell in which the map is convolved on its own grid, and the coefficients of the pressure there."""
+    def _padded(self) -> tuple[Grid, list[Array]]:
+        """Cell in which the map is convolved on its own grid, and the coefficients of the pressures there."""
         cell = padded_grid(self._grid)
         return cell, self._forward(cell)
 
-    def _forward(self, cell: Grid) -> Array:
-        """Coefficients in a cell of the pressure, which is zero beside the map."""
-        field = np.zeros(cell.shape)
-        field[: self._grid.shape[0], : self._grid.shape[1]] = self._pressure
-        return Fourier(cell, threads=self._threads, work=self._work).forward(field)
+    def _forward(self, cell: Grid) -> list[Array]:
+        """Coefficients in a cell of the pressures, which are zero beside the map."""
+        field, found = np.zeros(cell.shape), []
+        for _, pressure in self._loads:
+            field[: self._grid.shape[0], : self._grid.shape[1]] = pressure
+            found.append(Fourier(cell, threads=self._threads, work=self._work).forward(field))
+        return found
 
     @staticmethod
     def row_length(grid: Grid) -> int:
@@ -117,36 +124,41 @@ class FreePlanes:
         ny, nx = own.grid.shape
 
         def transform(field: BasisField, out: Array) -> None:
-            fourier = Fourier(cell)
-            spectrum = fourier.forward(self._influence(field, depth, cell) * taper)
-            spectrum *= modes
-            spectrum *= cell.size
-            out[...] = fourier.inverse(spectrum, overwrite=True)[:ny, :nx]
+            fourier, total = Fourier(cell), 0.0
+            for (load, _), own_modes in zip(self._loads, modes, strict=True):
+                spectrum = fourier.forward(self._influence(field, depth, cell, load) * taper)
+                spectrum *= own_modes
+                spectrum *= cell.size
+                total += fourier.inverse(spectrum, overwrite=True)[:ny, :nx]
+            out[...] = total
 
         tasks = [partial(transform, field, out) for field, out in zip(fields, values, strict=True)]
         results_of(tasks, self._threads)
-        self._work.nodes += 2 * len(fields) * cell.size
+        self._work.nodes += 2 * len(fields) * len(modes) * cell.size
 
         if visit is not None:
             bands = [partial(visit, number, *band) for number, band in enumerate(bands_of(ny))]
             results_of(bands, self._threads)
 
-    def _cell(self, grid: Grid) -> tuple[Grid, Array, Array | float]:
-        """Cell of the convolution, coefficients of the pressure in it, and the taper of the influence."""
+    def _cell(self, grid: Grid) -> tuple[Grid, list[Array], Array | float]:
+        """Cell of the convolution, coefficients of the pressures in it, and the taper of the influence."""
         if grid == self._grid:
             return *self._padded, 1.0
         cell, source = _repeated(grid), _repeated(self._grid)
-        modes = resample(self._repeated_modes, source, cell)
+        modes = [resample(own, source, cell) for own in self._repeated_modes]
         for axis, wavenumber in ((0, cell.qy[:, None]), (1, cell.qx[None, :])):
             fine, coarse = (np.sinc(wavenumber * own.spacing[axis] / (2 * np.pi)) for own in (source, cell))
-            modes *= fine / coarse
+            for each in modes:
+                each *= fine / coarse
         return cell, modes, np.outer(_taper(cell, grid, 0), _taper(cell, grid, 1))
 
-    def _influence(self, field: BasisField, depth: float, cell: Grid) -> Array:
+    def _influence(
+        self, field: BasisField, depth: float, cell: Grid, load: tuple[float, float, float]
+    ) -> Array:
         """The basis field around one loaded pixel, in the order of a cyclic convolution."""
         y, x = (step * np.arange(n // 2 + 1) for step, n in zip(cell.spacing, cell.shape, strict=True))
         total = np.zeros(cell.shape)
-        for loaded, share in zip("zxy", (1.0, *self._traction), strict=True):
+        for loaded, share in zip("zxy", load, strict=True):
             if share:
                 a, b = rectangle_stress(field.component, loaded, y, x, float(depth), cell.spacing)
                 # Reversing y or x changes the sign once for each such letter in component and load.

@@ -64,13 +64,20 @@ class PeriodicPlanes:
     ) -> None:
         self._layer, self._traction, self._threads, self._work = solid.layer, traction, threads, work
         self._background = solid.background
-        modes = Fourier(solid.grid, threads=threads, work=work).forward(solid.pressure)
-        truncation = Truncation(modes, coarser_grids(solid.grid), solid.layer, tolerance, envelope)
+        fourier = Fourier(solid.grid, threads=threads, work=work)
+        modes = sliding = fourier.forward(solid.pressure)
+        if solid.sticking_pressure is not None and any(traction):
+            sliding = fourier.forward(solid.sliding_pressure)
+        grids = coarser_grids(solid.grid)
+        truncation = Truncation(modes, grids, solid.layer, tolerance, envelope, sliding=sliding)
         self.plan = [truncation.choose(depth) for depth in depths]
-        self.mean_pressure = float(modes[0, 0].real)
+        self.mean_pressure, self._mean_sliding = float(modes[0, 0].real), float(sliding[0, 0].real)
         self.dtype = np.dtype(dtype)
         self._pressure, self._kept = solid.pressure, KeptArrays()
-        self._finest = solid.grid, modes.astype(np.result_type(self.dtype, np.complex64), copy=False)
+        precision = np.result_type(self.dtype, np.complex64)
+        self._finest, self._modes = solid.grid, {"modes": modes.astype(precision, copy=False)}
+        if sliding is not modes:
+            self._modes["sliding"] = sliding.astype(precision, copy=False)
         self._use(solid.grid)
 
     def _use(self, grid: Grid) -> None:
@@ -80,11 +87,11 @@ class PeriodicPlanes:
             np.stack(pair).astype(self.dtype) for pair in ((grid.qx, grid.odd_qx), (grid.qy, grid.odd_qy))
         )
 
-    def _modes_of(self, columns: slice) -> Array:
-        """Modes of the pressure on the present grid in some columns, (ny, columns)."""
-        (finest, modes), grid = self._finest, self._fourier.grid
-        out = self._kept.array("modes", (grid.shape[0], columns.stop - columns.start), modes.dtype)
-        if grid == finest:
+    def _modes_of(self, name: str, columns: slice) -> Array:
+        """Modes of the pressure, or the sliding part of it, on the present grid in some columns."""
+        modes, grid = self._modes[name], self._fourier.grid
+        out = self._kept.array(name, (grid.shape[0], columns.stop - columns.start), modes.dtype)
+        if grid == self._finest:
             np.copyto(out, modes[:, columns])
             return out
         out[:] = 0
@@ -136,7 +143,7 @@ class PeriodicPlanes:
         is_surface = is_xz_derived = False
         is_plain = self._background is None and not any(self._traction)
         if len(first) == len(COMPONENTS) and self._layer.height is None and is_plain:
-            is_surface = depth == 0 and grid == self._finest[0]
+            is_surface = depth == 0 and grid == self._finest
             is_xz_derived = not is_surface and fields[first["xx"]].slope >= 0
         own_fields = list(fields)
         mean = self.dtype.type(self.mean_pressure)
@@ -190,7 +197,7 @@ class PeriodicPlanes:
     def _coefficients(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
         """Coefficients of basis fields in some columns, (fields, ny, columns)."""
         real, kept = self.dtype.type, self._kept
-        modes = self._modes_of(columns)
+        modes = self._modes_of("modes", columns)
         out = kept.array("coefficients", (len(fields), *modes.shape), modes.dtype)
         directions = np.ascontiguousarray(self._along_x[:, columns]), self._along_y
         kinds = np.array([COMPONENTS.index(field.component) for field in fields])
@@ -208,6 +215,8 @@ class PeriodicPlanes:
             shear_kernels = tuple(self._layer.shear_kernels(q, depth))
             over_q = 1 / np.where(q > 0, q, np.inf).astype(self.dtype)
             sliding = tuple(map(real, self._traction)), (*directions, over_q), shear_kernels
+            if "sliding" in self._modes:
+                modes = self._modes_of("sliding", columns)
             for kind, (constant, slope), spectrum in zip(kinds, factors, out, strict=True):
                 _add_sliding(kind, constant, slope, *sliding, modes, spectrum)
         if columns.start == 0:
@@ -222,8 +231,9 @@ class PeriodicPlanes:
 
     def _mean(self, field: BasisField) -> float:
         """The mean of a basis field."""
-        traction = dict(zip(("xz", "yz"), self._traction, strict=True))
-        return field.constant * self.mean_pressure * {"zz": -1.0, **traction}.get(field.component, 0.0)
+        along_x, along_y = (share * self._mean_sliding for share in self._traction)
+        means = {"zz": -self.mean_pressure, "xz": along_x, "yz": along_y}
+        return field.constant * means.get(field.component, 0.0)
 
 
 def _in_surface(field: BasisField) -> tuple[float, float, float, float]:

@@ -29,7 +29,7 @@ from asperity.core.arguments import choices, number, real_array, whole_number
 from asperity.core.parallel import aligned_memory
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
+from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid, degrees_of
 from asperity.fourier.grid import Grid, Work
 from asperity.stress.planes.fields import (
     BASIS,
@@ -321,10 +321,7 @@ def shear_traction(friction: Any, direction: Any, layer: Layer) -> tuple[float, 
     """Shear traction over pressure along x and y under full sliding, see `asperity.stress_planes`."""
     accepted = f"a number from 0 to {MAX_FRICTION:g}"
     friction = number("friction", friction, accepted, lambda size: 0 <= size <= MAX_FRICTION)
-    accepted = '"x", "y" or an angle in degrees from x towards y'
-    degrees = {"x": 0.0, "y": 90.0}.get(direction) if isinstance(direction, str) else None
-    if degrees is None:
-        degrees = number("sliding_direction", direction, accepted, lambda angle: True)
+    degrees = degrees_of(direction)
     if friction and layer.height is not None and layer.bottom != "bonded":
         raise ValueError(
             f"friction = {friction:g}: 0 is needed in a layer with a {layer.bottom} bottom, which bears no "

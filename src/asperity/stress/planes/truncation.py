@@ -70,6 +70,8 @@ class Truncation:
     aliases : float
         Number of short waves of comparable size that the nodes of a plane take for one long wave, at most;
         0 where the modes of the plane are transformed.
+    sliding : (ny, nx // 2 + 1) complex array, optional
+        Coefficients of the part of the pressure that causes the shear traction; by default all of it.
     """
 
     def __init__(
@@ -80,6 +82,7 @@ class Truncation:
         tolerance: float,
         envelope: Callable[[float], float],
         aliases: float = 0.0,
+        sliding: Array | None = None,
     ) -> None:
         grid, self._grids, self._layer = grids[0], grids, layer
         self._tolerance, self._envelope, self._aliases = tolerance, envelope, aliases
@@ -96,7 +99,10 @@ class Truncation:
         rings = occupied.size
         self._width, self._wavenumber = width, width * occupied
         magnitude = np.abs(pressure)
-        amplitude = _folded(magnitude, grid.multiplicity)
+        largest = magnitude
+        if sliding is not None and sliding is not pressure:
+            largest = np.maximum(magnitude, np.abs(sliding))
+        amplitude = _folded(largest, grid.multiplicity)
         magnitude *= magnitude
         power = _folded(magnitude, grid.multiplicity)
         self._qx, self._of_columns = grid.qx, amplitude.sum(axis=0)
