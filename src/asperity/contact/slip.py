@@ -1,16 +1,16 @@
 """Partial slip: a tangential force below the friction limit on two bodies that are pressed together.
 
 Coulomb's law lets the faces slip where the shear traction is μ p, and they stick elsewhere. If the tangential
-compliance is everywhere the same multiple r of the normal one, the traction under a force Q that grows under a
-constant load P is the difference of two pressures without friction,
+compliance is everywhere the same multiple r of the normal one, the traction under a force Q that has grown
+under a constant load P is the difference of two pressures without friction,
 
     q = μ (p(P) − p(P − Q/μ)),    Δ = μ r (δ(P) − δ(P − Q/μ)),
 
 with the tangential displacement Δ of the bodies and the approach δ (M. Ciavarella, J. Mech. Phys. Solids 46
 (1998) 2349, DOI 10.1016/S0022-5096(98)00024-X; J. Jäger, Arch. Appl. Mech. 68 (1998) 493): the faces stick
 where they touch under the smaller load. The slip is μ r times the gap g* under that load. In a cycle between
-−Q and Q every node with pressure p slips there and back by twice that against μ p, so that the energy lost in a
-cycle is 4 μ² r ∫ p g* dA, without the difference of large numbers that the area of the loop is.
+−Q and Q every node slips there and back by twice that against μ p: the energy lost in a cycle is therefore
+4 μ² r ∫ p g* dA, without the difference of large numbers that the area of the loop is.
 
 What is neglected
 -----------------
@@ -18,8 +18,8 @@ Of a half-space the compliance along a wave is that for a pressure, and across i
 superposition is exact for waves all along or all across the force (a line contact), for ν = 0, and in the
 stick zone of circles and ellipses; r is the ratio of the energies of the pressure as a shear traction and as
 it is, which in a circle is Mindlin's (2 − ν)/(2 − 2ν). Elsewhere nodes that stick would have to be displaced
-alike, and `PartialSlip.deviation` says how far they are from it. The change of the pressure by the shear traction
-is neglected as in full sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
+alike, and `PartialSlip.deviation` says how far they are from it. The change of the pressure by the shear
+traction is neglected as in full sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
 """
 
 from __future__ import annotations
@@ -56,19 +56,6 @@ class PartialSlip:
         Coefficient μ.
     sliding_direction : "x", "y" or float
         Direction of the force on the lower body; a number is an angle in degrees from x towards y.
-
-    Examples
-    --------
-    A ball under a force of half the friction limit, which sticks within (1 − 1/2)^(1/3) of the contact radius:
-
-    >>> ball = asp.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
-    >>> contact = asp.solve(ball, asp.Layer(1.0, 0.3), force=2e-3, boundary="free")
-    >>> slip = asp.partial_slip(contact, friction=0.4, tangential_force=0.5 * 0.4 * contact.force)
-    >>> slip
-    <PartialSlip: 51 % of the limit, sticking 0.6337 of the contact, displacement 8.17e-06>
-    >>> bool(abs(np.sqrt(slip.sticking_area) - 0.5 ** (1 / 3)) < 0.02)
-    True
-    >>> stress = asp.analyse_stress(slip.in_body("lower"), friction=slip.friction)
     """
 
     contact: Contact
@@ -79,8 +66,8 @@ class PartialSlip:
     def __repr__(self) -> str:
         share = self.tangential_force / (self.friction * self.contact.force) if self.contact.force else 0.0
         return (
-            f"<PartialSlip: {100 * share:.2g} % of the limit, sticking {self.sticking_area:.4g} of the contact, "
-            f"displacement {self.displacement:.4g}>"
+            f"<PartialSlip: {100 * share:.2g} % of the limit, sticking {self.sticking_area:.4g} of the "
+            f"contact, displacement {self.displacement:.4g}>"
         )
 
     @property
@@ -130,7 +117,7 @@ class PartialSlip:
 
     @property
     def stiffness(self) -> float:
-        """Change of the mean traction per tangential displacement as the force grows, in stress per length."""
+        """Mean traction per tangential displacement as the force grows further, in stress per length."""
         return self._stiffness_of(self.sticking)
 
     @property
@@ -246,6 +233,8 @@ def partial_slip(
     Returns
     -------
     PartialSlip
+        With ``traction``, ``slip``, ``sticking_area``, ``displacement``, ``tangential_force``, ``stiffness``,
+        ``lost_energy``, the error ``deviation``, the loop of a ``cycle()``, and ``in_body()`` for the stress.
 
     Raises
     ------
@@ -253,6 +242,19 @@ def partial_slip(
         If an argument is out of range, the contact is plastic, or a layer bears no shear.
     ConvergenceError
         If the second contact does not converge.
+
+    Examples
+    --------
+    A ball under half of the force at which it slides, which sticks within 0.5^(1/3) of its contact radius:
+
+    >>> ball = asp.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
+    >>> contact = asp.solve(ball, asp.Layer(1.0, 0.3), force=2e-3, boundary="free")
+    >>> slip = asp.partial_slip(contact, friction=0.4, tangential_force=0.2 * contact.force)
+    >>> print(f"{slip.sticking_area:.2f} of the contact sticks, exactly {0.5 ** (2 / 3):.2f}")
+    0.64 of the contact sticks, exactly 0.63
+    >>> round(slip.compliance_ratio, 4), round((2 - 0.3) / (2 - 0.6), 4)  # that of Mindlin
+    (1.2143, 1.2143)
+    >>> stress = asp.analyse_stress(slip.in_body("lower"), friction=slip.friction, sliding_direction="x")
     """
     if not isinstance(contact, Contact):
         raise TypeError(f"contact = {shown(contact)}: a Contact is needed")
@@ -282,7 +284,7 @@ def partial_slip(
     if not sticking >= lowest:
         limit = friction * slip.compliance_ratio * (contact.approach - lowest)
         raise ValueError(
-            f"tangential_displacement = {displacement:.6g}: at most {limit:.6g}, where all of it slips, is needed"
+            f"tangential_displacement = {displacement:.6g}: at most {limit:.6g} is needed, where all slips"
         )
     return replace(slip, sticking=_under(contact, approach=sticking))
 

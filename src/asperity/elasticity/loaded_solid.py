@@ -150,9 +150,9 @@ class LoadedSolid:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         pressure = contact["pressure"].transpose("y", "x").values.astype(float)
         boundary = str(contact.attrs.get("boundary", "periodic"))
-        hardness, sticking = float(contact.get("hardness", math.inf)), contact.get("sticking_pressure")
-        if sticking is not None:
-            sticking = sticking.transpose("y", "x").values.astype(float)
+        hardness, sticking = float(contact.get("hardness", math.inf)), None
+        if "sticking_pressure" in contact:
+            sticking = contact["sticking_pressure"].transpose("y", "x").values.astype(float)
         return cls(
             *(pressure, grid_of(contact), layer_of(contact), boundary, hardness), sticking_pressure=sticking
         )

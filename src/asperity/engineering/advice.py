@@ -81,7 +81,7 @@ ACCEPTED_VIOLATION = 1e-3
 """Violation of the conditions of contact, relative, from which a solution is doubtful."""
 
 NEGLECTED_COUPLING = 0.1
-"""Share of the displacement of a wave by which friction changes it, from which it counts."""
+"""Share of a displacement by which friction changes it, or by which sticking nodes differ, that counts."""
 
 NOT_SEPARATE = 0.1
 """Change of the Hertz pressure over the map above which it is no small part of the contact."""
@@ -146,6 +146,8 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}
     if not numbers.violation <= ACCEPTED_VIOLATION:
         yield True, "inaccurate", {}
+    if answer.slip is not None and answer.slip.deviation > 0:
+        yield answer.slip.deviation > NEGLECTED_COUPLING, "uneven_sticking", {"size": answer.slip.deviation}
     if case.friction:
         wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
         change = case.friction * sliding_coupling(case.solid, 2 * np.pi / wave)

@@ -14,13 +14,15 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
+from asperity.contact.slip import PartialSlip
 from asperity.core.markup import picture, table, with_error
-from asperity.core.units import scaled_unit, shown_si
+from asperity.core.units import DIMENSIONS, scaled_unit, shown_si
 from asperity.engineering.answer_numbers import ContactNumbers, gap_of
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
-from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, Body, Case
+from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, SIDEWAYS, Body, Case
 from asperity.engineering.face import RoughFace
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
+from asperity.engineering.tangential import slip_rows
 from asperity.stress.peaks.selection import peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -135,6 +137,10 @@ class Answer:
         Of several loads.
     unfiltered : Contact or None
         Under the same load without the Gaussian filters; None if there are none.
+    slip : PartialSlip or None
+        Under the tangential force or displacement.
+    cycle : DataFrame or None
+        Force and displacement in a cycle between the tangential force and its opposite.
     advice : tuple of Advice
         Warnings and notes, warnings first.
     """
@@ -149,6 +155,8 @@ class Answer:
     plastic: Contact | None = None
     curve: AnswerCurve | None = None
     unfiltered: Contact | None = None
+    slip: PartialSlip | None = None
+    cycle: pd.DataFrame | None = None
     advice: tuple[Advice, ...] = ()
 
     @property
@@ -172,6 +180,8 @@ class Answer:
             shown.append(Row("contact", words, value, unit, f"{number}, without films and gap"))
         if self.plastic is not None:
             shown += _plastic_rows(self.plastic, self.case.hardness is not None, self.numbers.rms_gradient)
+        if self.slip is not None:
+            shown += [Row("partial slip", *row) for row in slip_rows(self.slip, self.face.map_area)]
         if self.curve is not None:
             shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
@@ -249,7 +259,11 @@ def case_in_words(case: Case) -> str:
     upper = "a rigid body" if case.upper is None else _material(case.upper)
     direction = case.sliding_direction
     along = direction if isinstance(direction, str) else f"{direction:g}° from x"
-    sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""
+    moved = "sliding"
+    for name, dimension in SIDEWAYS.items():
+        if (imposed := getattr(case, name)) is not None:
+            moved = f"{name.replace('_', ' ')} {shown_si(imposed, DIMENSIONS[dimension].unit)}"
+    sliding = f", {moved} along {along} with friction {case.friction:g}" if case.friction else ""
     return f"{_material(case.lower)} against {upper}, {kind} imposed: {value}{sliding}"
 
 

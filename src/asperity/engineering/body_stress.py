@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact import Contact
+from asperity.contact.slip import PartialSlip
 from asperity.core.types import Array, Progress
 from asperity.engineering.case import Body, Case
 from asperity.engineering.close_up import CloseUp
@@ -114,7 +115,7 @@ class BodyAnswer:
 
 
 def body_answer(
-    contact: Contact,
+    pressed: Contact | PartialSlip,
     half: HalfGrid,
     case: Case,
     name: str,
@@ -126,7 +127,7 @@ def body_answer(
 
     Parameters
     ----------
-    contact : Contact
+    pressed : Contact or PartialSlip
     half : HalfGrid
     case : Case
         The peaks of its fields are found beside those that are sought by default.
@@ -138,7 +139,9 @@ def body_answer(
     """
     body = case.bodies[name]
     watch = _Extremes(case.fields, body.poisson, body.yield_stress)
-    loaded, sliding, cycles = case.loaded_body(contact, name), case.sliding_of(name), None
+    contact = pressed.contact if isinstance(pressed, PartialSlip) else pressed
+    loaded = pressed.in_body(name) if pressed is not contact else case.loaded_body(contact, name)
+    sliding, cycles = case.sliding_of(name), None
     if body.fatigue_torsion is not None:
         limits = body.fatigue_torsion, body.fatigue_bending, body.yield_stress
         cycles = Cycles(loaded, *limits, sliding["sliding_direction"], body.poisson)

@@ -61,6 +61,9 @@ LARGEST_LOAD = 1e6
 HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
+SIDEWAYS = {"tangential_force": "force", "tangential_displacement": "length"}
+"""Setting and field of `Case` → its dimension."""
+
 CONDUCTION = ("conductivity", "resistivity")
 """Fields of `Body` that the conductance of a contact needs of both bodies."""
 
@@ -243,6 +246,9 @@ class Case:
     hertz : HertzPlace, optional
         Place of the map in the Hertz contact of two half-spaces. The load is then the largest pressure or the
         force of that contact, or the mean pressure at the place.
+    tangential_force, tangential_displacement : float, optional
+        Force on the map in N, of at most the friction times the load, or displacement of the bodies in m:
+        instead of full sliding the bodies slip in part, see `asperity.partial_slip`.
 
     Examples
     --------
@@ -262,6 +268,8 @@ class Case:
     counter_map: CounterMap | None = None
     fields: Sequence[str] = ("von_mises",)
     hertz: HertzPlace | None = None
+    tangential_force: float | None = None
+    tangential_displacement: float | None = None
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
@@ -288,6 +296,7 @@ class Case:
         self._check_hertz()
         if self.load.kind == "mean_pressure" or self.hertz is not None:
             self.check_pressure(self.cell_pressure)
+        self._check_sideways()
 
     def _check_hertz(self) -> None:
         if self.hertz is None:
@@ -349,6 +358,37 @@ class Case:
                 f"{shown_si(mean_pressure, 'Pa')} is needed, the mean over the nominal area"
             )
 
+    def _check_sideways(self) -> None:
+        given = {name: value for name in SIDEWAYS if (value := getattr(self, name)) is not None}
+        for name, value in given.items():
+            magnitude(name, value)
+            text = f"{name} = {shown_si(value, DIMENSIONS[SIDEWAYS[name]].unit)}"
+            if len(given) > 1:
+                raise ValueError(f"{text}: not accepted together with {next(iter(given.keys() - {name}))}")
+            if not self.friction:
+                raise ValueError(f"{text}: a friction above 0 is needed")
+            if self.hertz is not None:
+                raise ValueError(f"{text}: a map that is no part of a Hertz contact is needed")
+            if self.load.path:
+                raise ValueError(f"{text}: one load is needed, not a load curve")
+            if self.hardness:
+                raise ValueError(f"{text}: an elastic contact is needed, without hardness")
+            if any(body.fatigue_torsion for body in self.bodies.values()):
+                raise ValueError(f"{text}: full sliding is needed for stress cycles (fatigue_torsion)")
+            if name == "tangential_displacement" and self.solid.uniform_compliance():
+                raise ValueError(f"{text}: half-spaces are needed, or a tangential_force on layers")
+        if self.load.kind == "force":
+            self.check_tangential_force(self.load.value)
+
+    def check_tangential_force(self, force: float) -> None:
+        """Raise `ValueError` if the tangential force is above the friction times a load on the map."""
+        limit = self.friction * force
+        if self.tangential_force is not None and self.tangential_force > limit * (1 + 1e-12):
+            raise ValueError(
+                f"tangential_force = {shown_si(self.tangential_force, 'N')}: at most {shown_si(limit, 'N')} "
+                "is needed, friction times load, at which the bodies slide"
+            )
+
     @classmethod
     def of(cls, settings: Mapping[str, Any]) -> Case:
         """The case from the settings of ``asperity run``, quantities as texts with their units."""
@@ -380,6 +420,7 @@ class Case:
             counter_map_of(settings),
             tuple(settings.get("fields", ("von_mises",))),
             hertz_of(settings),
+            **{name: si(name, dimension) for name, dimension in SIDEWAYS.items() if name in settings},
         )
 
     def settings(self) -> dict[str, Any]:
@@ -419,6 +460,8 @@ class Case:
             add("cylinder_axis", "x" if hertz.radius_x == math.inf else None)
             add("radius_y", None if is_roller else hertz.radius_y, None, "length")
             add("at", hertz.at)
+        for name, dimension in SIDEWAYS.items():
+            add(name, getattr(self, name), dimension=dimension)
         return found
 
     def sliding_of(self, body: str) -> dict[str, Any]:

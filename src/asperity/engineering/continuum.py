@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import xarray as xr
 
 from asperity.contact import Contact, solve
+from asperity.contact.slip import PartialSlip, partial_slip
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Grid
@@ -34,11 +35,14 @@ class HalfGrid:
         Share of the squared gradient of the surface that these nodes do not hold.
     reason : str
         Why the grid allows no estimate; empty if it does.
+    slip : PartialSlip or None
+        The contact under a tangential force.
     """
 
     contact: Contact
     lost: float
     reason: str
+    slip: PartialSlip | None = None
 
 
 def continuum(
@@ -107,8 +111,8 @@ def continuum(
     return found
 
 
-def solved_on_half(contact: Contact) -> HalfGrid:
-    """The contact on half of the nodes, under the same load."""
+def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGrid:
+    """The contact on half of the nodes, under the same load, and under its tangential force."""
     height, grid = contact.height, contact.grid
     reason, lost = "the boundary is free, and the estimate is made for periodic cells", 0.0
     if contact.boundary == "free":  # every second node
@@ -128,7 +132,12 @@ def solved_on_half(contact: Contact) -> HalfGrid:
         hardness=contact.hardness if math.isfinite(contact.hardness) else None,
         rtol=TOLERANCE,
     )
-    return HalfGrid(half, lost, reason)
+    if slip is None:
+        return HalfGrid(half, lost, reason)
+    force = min(slip.tangential_force, slip.friction * half.force)
+    direction = slip.sliding_direction
+    on_half = partial_slip(half, slip.friction, tangential_force=force, sliding_direction=direction)
+    return HalfGrid(half, lost, reason, on_half)
 
 
 def estimates(
@@ -144,7 +153,7 @@ def estimates(
         planes = stress["plane_depth"].values
         spacing = planes[1] / min(contact.grid.spacing)  # the same on both grids, in their spacings
         coarse = analyse_stress(
-            loaded(half.contact, body),
+            loaded(half.contact, body) if half.slip is None else half.slip.in_body(body),
             depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],

@@ -121,6 +121,8 @@ def _write_results(answer: Answer, folder: Path) -> None:
     tables = {"peaks": answer.peaks(), "spots": answer.spots, "gaps": answer.gaps()}
     if answer.curve is not None:
         tables["curve"] = answer.curve.frame()
+    if answer.cycle is not None:
+        tables["cycle"] = answer.cycle
     for name, table in tables.items():
         write_table(table, f"answer_{name}", folder / f"{name}.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
@@ -242,9 +244,13 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
         f"spot_{str(name).rsplit('_', 1)[0]}": ("spot", values.to_numpy())
         for name, values in answer.spots.items()
     }
+    slip = {}
+    if answer.slip is not None:
+        fields = {"sticking_pressure": answer.slip.sticking.pressure, "slip": answer.slip.slip}
+        slip = {name: (("y", "x"), values) for name, values in fields.items()}
     return (
         answer.contact.to_dataset()
-        .assign(spots)
+        .assign(spots | slip)
         .assign_attrs(
             settings=json.dumps(settings_of(answer), sort_keys=True),
             force=answer.numbers.force,

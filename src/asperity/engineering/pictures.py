@@ -7,15 +7,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from asperity.core.units import shown_si
+from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import Answer, body_title, cycles_title
 from asperity.engineering.close_up import CloseUp
 from asperity.engineering.load_curve import AnswerCurve
 from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
-from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, Map, draw_maps, map_of
+from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, SHEAR_TRACTION, SLIP, Map, draw_maps, map_of
 from asperity.views.panels import canvas
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.scales import STRESS, Look
@@ -31,6 +32,11 @@ if TYPE_CHECKING:
 MAPS = {
     "height": (HEIGHT, "Heights as pressed face down, lowest first, with the outlines of the contact"),
     "pressure": (PRESSURE, "Contact pressure, white where there is no contact"),
+    "shear_traction": (SHEAR_TRACTION, "Shear traction by the tangential force"),
+    "slip": (
+        SLIP,
+        "Slip of the faces under the tangential force, white within the outlines where they stick",
+    ),
     "plastic_depth": (PLASTIC_DEPTH, "Plastic depth, by which the surface is flattened at the hardness"),
 }
 """Field of the contact → its colours, and the caption of its picture."""
@@ -38,6 +44,11 @@ MAPS = {
 CURVE_CAPTION = (
     "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against "
     "the mean pressure. A dotted line marks a load where yield begins."
+)
+
+CYCLE_CAPTION = (
+    "Tangential force against tangential displacement in a cycle between the force and its opposite, after "
+    "the first loading (dashed). The loop encloses the energy that a cycle loses."
 )
 
 WIDE = 10
@@ -70,10 +81,13 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     peaks.
     """
     (source,) = sources({plain_text(answer.face.name): answer.contact}, SI_UNITS)
+    if answer.slip is not None:
+        slip = {"shear_traction": answer.slip.traction, "slip": answer.slip.slip}
+        source = replace(source, fields=source.fields | slip)
     field = answer.case.fields[0]
     near = _close_up(answer, "lower", field)
     for name, (look, caption) in MAPS.items():
-        if name == "plastic_depth" and not answer.contact.plastic_area:
+        if name not in source.fields or (name == "plastic_depth" and not answer.contact.plastic_area):
             continue
         maps = [map_of(source, name, _whole(answer, source.grid))]
         if near is not None:
@@ -82,6 +96,8 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         yield Picture(name, f"{caption}.", _drawn(maps, look))
     if answer.curve is not None:
         yield Picture("curve", CURVE_CAPTION, _of_curve(answer.curve))
+    if answer.cycle is not None:
+        yield Picture("cycle", CYCLE_CAPTION, _of_cycle(answer.cycle))
     for body in answer.case.different_bodies:
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field)
@@ -119,6 +135,18 @@ def _of_curve(curve: AnswerCurve) -> Figure:
         for name, load in curve.yield_loads.items():
             if 0 < load < np.inf:
                 axis.axvline(1e-6 * load, color=f"C{bodies.index(name)}", ls=":", lw=1)
+    return figure
+
+
+def _of_cycle(cycle: pd.DataFrame) -> Figure:
+    """Loop of tangential force and displacement; first loading is half of the way back, reversed."""
+    factors, symbols = zip(*map(scaled_unit, cycle.abs().max(), ("N", "m")), strict=True)
+    force, displacement = (cycle.to_numpy() / factors).T
+    back = slice(force.size // 2 + 1)
+    with canvas([0.8], None) as (figure, (axis,)):
+        axis.plot(displacement, force, "-o", ms=3)
+        axis.plot((displacement[0] - displacement[back]) / 2, (force[0] - force[back]) / 2, "--")
+        axis.set(xlabel=f"tangential displacement ({symbols[1]})", ylabel=f"tangential force ({symbols[0]})")
     return figure
 
 

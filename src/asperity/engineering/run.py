@@ -30,6 +30,7 @@ from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
+from asperity.engineering.tangential import cycle_table, slip_of
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -54,6 +55,8 @@ def run(
     map_options: MapOptions | None = None,
     fields: Sequence[str] = ("von_mises",),
     progress: Progress | None = None,
+    tangential_force: float | None = None,
+    tangential_displacement: float | None = None,
 ) -> Answer:
     """Press a measured surface against a flat or rough body and analyse the stress in every elastic body.
 
@@ -94,6 +97,8 @@ def run(
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
     progress : callable, optional
         Called as progress(done, total).
+    tangential_force, tangential_displacement : float, optional
+        In N or m, for partial slip instead of full sliding; see `Case`.
 
     Returns
     -------
@@ -129,7 +134,10 @@ def run(
     )
     options = map_options or MapOptions()
     counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
-    case = Case(source, lower, upper, load, friction, sliding_direction, options, counter, fields, hertz)
+    case = Case(
+        *(source, lower, upper, load, friction, sliding_direction, options, counter, fields, hertz),
+        *(tangential_force, tangential_displacement),
+    )
     return answer_of(case, progress=progress)
 
 
@@ -152,16 +160,19 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     rough = rough or read_face(case.source, case.options, case.counter_map)
     case, face = replace(case, options=rough.options or case.options), rough.face
     check_cell(case, face)
+    if case.load.kind == "mean_pressure":
+        case.check_tangential_force(case.load.value * face.map_area)
     contact = press(face, case, _part(progress, 0.1, 0.5))
+    slip = slip_of(case, face, contact)
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)
     form_repeats = face.boundary == "periodic" and case.options.radius is not None
-    half = solved_on_half(contact)
+    half = solved_on_half(contact, slip)
     share, bodies = (0.1 if case.load.path else 0.5) / len(case.different_bodies), {}
     for number, name in enumerate(case.different_bodies):
         begin, near = 0.5 + share * number, close_ups(face, contact, numbers.typical_patch_width)
         bodies[name] = body_answer(
-            contact, half, case, name, face, near, _part(progress, begin, begin + share)
+            slip or contact, half, case, name, face, near, _part(progress, begin, begin + share)
         )
     answer = Answer(
         case,
@@ -173,6 +184,8 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
         plastic_contact(face, case, contact),
         unfiltered=unfiltered_contact(case),
+        slip=slip,
+        cycle=None if slip is None else cycle_table(slip, face.map_area),
     )
     if case.load.path:
         answer = replace(answer, curve=answer_curve(answer, _part(progress, 0.6, 1.0)))

@@ -53,6 +53,8 @@ class View(TypedDict, total=False):
 HEIGHT = Look("height, lowest touches first", "length", SEQUENTIAL, "white", np.mean)
 PRESSURE = Look("contact pressure", "stress", ON_WHITE, "", np.fmax.reduce, low=0.0)
 PLASTIC_DEPTH = Look("plastic depth", "length", ON_WHITE, "", np.fmax.reduce, low=0.0)
+SHEAR_TRACTION = Look("shear traction", "stress", ON_WHITE, "", np.fmax.reduce, low=0.0)
+SLIP = Look("slip", "length", ON_WHITE, "black", np.fmax.reduce, low=0.0)
 GAP = Look("gap", "length", SEQUENTIAL, "white", np.mean, low=0.0)
 
 
@@ -133,9 +135,9 @@ def _plot(
 
 
 def map_of(source: Source, name: str, part: Part, note: str = "") -> Map:
-    """Map of one of the fields of a result; pressure and plastic depth are missing where there is none."""
+    """Map of one of the fields of a result; those of the contact alone are missing where there is none."""
     values = source.field(name)[part]
-    shown = np.where(values > 0, values, np.nan) if name in ("pressure", "plastic_depth") else values
+    shown = values if name in ("height", "gap") else np.where(values > 0, values, np.nan)
     return Map(source, part, shown, note)
 
 

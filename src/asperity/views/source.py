@@ -20,7 +20,7 @@ from asperity.results.dataset import height_of, settings_of, unit_system
 from asperity.results.variables import SI_UNITS
 from asperity.views.style import label, plain_text
 
-SURFACE_FIELDS = ("height", "pressure", "gap", "displacement", "plastic_depth")
+SURFACE_FIELDS = ("height", "pressure", "gap", "displacement", "plastic_depth", "sticking_pressure")
 
 Span = tuple[float, float]
 """First and last position of a part of an axis."""
@@ -150,8 +150,9 @@ class Source:
         if body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
         direction = self.sliding.sliding_direction if sliding_direction is None else sliding_direction
-        pressure = self.fields["pressure"].astype(float)
-        return LoadedSolid(pressure, self.grid, self.layers[body], self.boundary), {
+        pressure, sticking = self.fields["pressure"].astype(float), self.fields.get("sticking_pressure")
+        solid = LoadedSolid(pressure, self.grid, self.layers[body], self.boundary, sticking_pressure=sticking)
+        return solid, {
             "friction": self.sliding.friction if friction is None else friction,
             "sliding_direction": traction_direction(direction, body),
         }

@@ -124,7 +124,7 @@ class FreePlanes:
         ny, nx = own.grid.shape
 
         def transform(field: BasisField, out: Array) -> None:
-            fourier, total = Fourier(cell), 0.0
+            fourier, total = Fourier(cell), np.zeros(own.grid.shape)
             for (load, _), own_modes in zip(self._loads, modes, strict=True):
                 spectrum = fourier.forward(self._influence(field, depth, cell, load) * taper)
                 spectrum *= own_modes

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact import solve
+from asperity.contact.slip import partial_slip
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid
@@ -414,11 +415,13 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
 
 
 def metal_contacts(points: int = 128) -> xr.Dataset:
-    """Hardness, stiffness and stress cycles: a flattened map, a sphere and a cylinder.
+    """Hardness, stiffness, partial slip and stress cycles: a flattened map, a sphere and a cylinder.
 
     A map that was flattened under a load, pressed elastically under it, has the same pressure. A sphere has
-    the stiffness 2 E* a. As a cylinder moves, σ_xz changes by p₀/2, and elastic shakedown ends at
-    p₀ = 4 k (K. L. Johnson, Contact Mechanics, 1985, Sec. 9.3).
+    the stiffness 2 E* a. Under half of the tangential force at which it slides it sticks within 0.5^(1/3) of
+    the contact radius, and a cycle between this force and its opposite loses energy (Johnson, Sec. 7.4). As a
+    cylinder moves, σ_xz changes by p₀/2, and elastic shakedown ends at p₀ = 4 k (K. L. Johnson, Contact
+    Mechanics, 1985, Sec. 9.3).
 
     Parameters
     ----------
@@ -428,7 +431,8 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, shear_range and shakedown_pressure.
+        ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, sticking_area, tangential_displacement,
+        lost_energy, shear_range and shakedown_pressure.
     """
     solid = Layer(1 - 0.3**2, 0.3)
     height = self_affine((points, points), 0.8, 1 / 4, 8 / points, rms_height=1e-3, seed=1)
@@ -439,12 +443,20 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     x = (np.arange(points) - points / 2 + 0.5) / points
     sphere = solve((x[:, None] ** 2 + x**2) / 4, solid, force=exact.load, boundary="free", rtol=RTOL)
     edges = (0.0625, 1.0)
+    friction = 0.4
+    slip = partial_slip(sphere, friction, tangential_force=friction * exact.load / 2)
+    compliance = 2 * (1 + 0.3) * (2 - 0.3) / solid.young / exact.contact_radius
+    displacement = slip.displacement / (3 / 16 * friction * exact.load * compliance)
+    lost = slip.lost_energy / (0.9 * (friction * exact.load) ** 2 * compliance)
     x = (np.arange(4 * points) - 2 * points) / (4 * points)
     line = solve(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
     cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
     pressure = line.max_pressure
     pairs = {
         "stiffness": ((), sphere.stiffness * sphere.grid.area / exact.contact_radius, 2.0),
+        "sticking_area": ((), slip.sticking_area, 0.5 ** (2 / 3)),
+        "tangential_displacement": ((), displacement, 1 - 0.5 ** (2 / 3)),
+        "lost_energy": ((), lost, 1 - 0.5 ** (5 / 3) - 5 / 12 * (1 + 0.5 ** (2 / 3))),
         "shear_range": ((), cycles["worst_shear_range"][0] / pressure, 0.5),
         "shakedown_pressure": ((), cycles["worst_shakedown_line"][0] * pressure, 4.0),
     }

@@ -1,0 +1,95 @@
+"""Answers under a tangential force: numbers on the map, files, stress of both bodies, and what is refused."""
+
+import numpy as np
+import pytest
+from samples import refuses
+from test_engineering import STEEL, a_rough_map
+
+import asperity as asp
+from asperity.engineering import Body, Case, run
+
+LOAD, FRICTION, AREA = 100e6, 0.3, (64e-6) ** 2
+LIMIT = FRICTION * LOAD * AREA
+HALF = {"mean_pressure": LOAD, "friction": FRICTION, "tangential_force": 0.5 * LIMIT}
+
+
+@pytest.fixture(scope="module")
+def fretting():
+    return run(a_rough_map(), STEEL, STEEL, **HALF)
+
+
+def values(answer, group="partial slip"):
+    return {row.name: row.value for row in answer.rows if row.group == group}
+
+
+def test_numbers_are_those_of_partial_slip(fretting):
+    found = values(fretting)
+    contact = fretting.contact
+    slip = asp.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
+    assert found["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-5)
+    assert found["tangential displacement"] == pytest.approx(slip.displacement, rel=1e-5)
+    assert found["energy lost in a cycle ± force"] == pytest.approx(slip.lost_energy / 4, rel=1e-4)
+    assert fretting.face.is_mirrored  # the cell holds four images of the map
+    by_displacement = {"tangential_displacement": slip.displacement}
+    other = run(a_rough_map(), STEEL, STEEL, mean_pressure=LOAD, friction=FRICTION, **by_displacement)
+    assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
+
+
+def test_stress_lies_between_rest_and_sliding(fretting):
+    """σ_xz in the surface is the traction; in the upper body it is opposite."""
+    settings = {"mean_pressure": LOAD, "friction": FRICTION}
+    sliding = run(a_rough_map(), STEEL, STEEL, **settings)
+    largest = fretting.bodies["lower"].largest["principal_1"].value
+    assert largest < sliding.bodies["lower"].largest["principal_1"].value
+    np.testing.assert_array_equal(fretting.contact.pressure, sliding.contact.pressure)
+    limits = fretting.bodies["lower"].limits  # of both grids, with the same traction
+    peak = limits["largest"].sel(quantity="von_mises", kind="on_half")
+    assert float(peak.squeeze()) == pytest.approx(fretting.bodies["lower"].largest_von_mises, rel=0.3)
+
+
+def test_files_hold_the_slip(fretting, tmp_path):
+    names = {path.name for path in asp.write_answer(fretting, tmp_path)}
+    assert names >= {"slip.png", "shear_traction.png", "cycle.png", "cycle.csv"}
+    stored = asp.read_result(tmp_path / "contact.nc")
+    solid = asp.LoadedSolid.from_dataset(stored)
+    np.testing.assert_allclose(FRICTION * solid.sliding_pressure, fretting.slip.traction)
+    (plane,) = asp.stress_planes(solid, [0.0], fields=["xz"], friction=FRICTION)
+    np.testing.assert_allclose(plane.fields["xz"][0], fretting.slip.traction, atol=1e-9 * LOAD)
+    assert "In full sliding" not in (tmp_path / "report.html").read_text("utf-8")
+
+
+SETTINGS = {"map": "a.x3p", "young": "210 GPa", "poisson": 0.3, "force": "2 N", "friction": 0.3}
+
+
+def test_case_keeps_the_tangential_force():
+    settings = SETTINGS | {"tangential_force": "0.5 N"}
+    case = Case.of(settings)
+    assert case.tangential_force == 0.5
+    assert Case.of(case.settings()) == case
+
+
+def case_of(**changed):
+    return lambda: Case.of({**SETTINGS, "tangential_force": "0.5 N"} | changed)
+
+
+LAYER = {"layer_height": "5 um", "tangential_displacement": "1 nm"}
+test_bad_cases = refuses(
+    (case_of(tangential_force="0.7 N"), "tangential_force = 700 mN: at most 600 mN is needed"),
+    (case_of(tangential_displacement="1 nm"), "tangential_force = 500 mN: not accepted together"),
+    (case_of(friction=0.0), "tangential_force = 500 mN: a friction above 0"),
+    (case_of(force=["1 N", "2 N"]), "tangential_force = 500 mN: one load"),
+    (case_of(hardness="5 GPa"), "tangential_force = 500 mN: an elastic contact"),
+    (
+        case_of(fatigue_torsion="300 MPa", fatigue_bending="480 MPa"),
+        "tangential_force = 500 mN: full sliding",
+    ),
+    (lambda: Case.of(SETTINGS | LAYER), "tangential_displacement = 1 nm: half-spaces"),
+    (
+        lambda: run(a_rough_map(), STEEL, **HALF | {"tangential_force": 2 * LIMIT}),
+        "tangential_force = 245.8 mN: at",
+    ),
+    (
+        lambda: run(a_rough_map(), Body(1e9, 0.3), area_fraction=0.1, friction=0.1, tangential_force=1.0),
+        "tangential_force = 1 N: at most",
+    ),
+)
