@@ -44,6 +44,12 @@ LIMITS = {
 }
 """Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
 
+SHARES = (
+    *("real contact", "plastic real contact", "share above yield"),
+    *("area at the hardness", "load at the hardness"),
+)
+"""Plain numbers that are shown in per cent."""
+
 CYCLE_WORDS = {
     "dang_van": ("largest Dang Van stress over limit", "1"),
     "shear_range": ("largest range of σ_xz", "Pa"),
@@ -350,8 +356,8 @@ def _plastic_rows(contact: Contact, is_given: bool, rms_gradient: float) -> Iter
 
 
 def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
-    def row(name: str, value: float, unit: str = "Pa", shown: str = "") -> Row:
-        return _row(group, name, value, unit, shown or shown_si(value, unit), body.limits)
+    def row(name: str, value: float, unit: str = "Pa", shown: str = "", error: float = np.nan) -> Row:
+        return _row(group, name, value, unit, shown or shown_si(value, unit), body.limits, error)
 
     yield row("largest von Mises stress", body.largest_von_mises)
     yield row("at depth", body.depth, "m")
@@ -362,7 +368,8 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
         found = body.largest[field]
         value = DIRECTION[field] * found.value
         depth = f"at depth {shown_si(found.depth, 'm')}" if found.depth else "in the surface"
-        yield row(name, max(value, 0.0), "Pa", f"{shown_si(value, 'Pa')} {depth}" if value > 0 else "none")
+        shown, error = f"{shown_si(value, 'Pa')} {depth}", body.grid_error(field) * value
+        yield row(name, value, "Pa", shown, error) if value > 0 else row(name, 0.0, "Pa", "none")
     found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
     for percent in PERCENTS if found_peaks.size else ():
         value = float(np.percentile(found_peaks, percent))
@@ -379,15 +386,17 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
     factor, symbol = scaled_unit([last], "m")
     share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
     between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
+    error = body.grid_error("volume_above_yield")
     yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
-    yield row("volume above yield per area", fraction * last, "m")
-    yield row("share above yield", fraction, "1", share)
+    yield row("volume above yield per area", fraction * last, "m", "", error * fraction * last)
+    yield row("share above yield", fraction, "1", share, error * fraction)
     yield row("deepest point above yield", last, "m", between)
 
 
 def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
     """The worst cycles of a body, as if it were the smooth one."""
-    cycles, group = answer.bodies[name].cycles, cycles_title(answer.case, name)
+    body, group = answer.bodies[name], cycles_title(answer.case, name)
+    cycles = body.cycles
     if cycles is None:
         return
     for variable, (words, unit) in CYCLE_WORDS.items():
@@ -395,7 +404,8 @@ def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
             value, depth, y = cycles.attrs[f"worst_{variable}"]
             y = float(answer.face.on_map(y, 0.0)[0])
             place = f"at depth {shown_si(depth, 'm')}, y = {shown_si(y, 'm')}"
-            yield Row(group, words, value, unit, f"{shown_si(value, unit)} {place}")
+            error = body.grid_error(variable) * value
+            yield _row(group, words, value, unit, f"{shown_si(value, unit)} {place}", body.limits, error)
 
 
 def cycles_title(case: Case, name: str) -> str:
@@ -404,19 +414,22 @@ def cycles_title(case: Case, name: str) -> str:
     return f"cycles as the rough body moves along x, in {of or 'either body'} as if it were the smooth one"
 
 
-def _row(group: str, name: str, value: float, unit: str, shown: str, limits: xr.Dataset) -> Row:
-    """A line, with the estimate for vanishing pixels if there is one."""
-    if name not in LIMITS:
-        return Row(group, name, value, unit, shown)
-    values = limit_of(limits, name)
-    estimate, error = values["estimate"], values["estimate"] * values["error"]
+def _row(
+    group: str, name: str, value: float, unit: str, shown: str, limits: xr.Dataset, error: float = np.nan
+) -> Row:
+    """A line, with the estimate for vanishing pixels if there is one, or an error of the value as it is."""
+    estimate, words = value, "by the pixels"
+    if name in LIMITS:
+        values, words = limit_of(limits, name), "for vanishing pixels"
+        estimate, error = values["estimate"], values["estimate"] * values["error"]
     if not np.isfinite(estimate) or not error > 0:
         return Row(group, name, value, unit, shown)
     factor, symbol = (1.0, "") if unit == "1" else scaled_unit(estimate, unit)
-    if name == "real contact":
+    if name in SHARES:
         factor, symbol = 0.01, "%"
-    better = f"{with_error(estimate / factor, error / factor)} {symbol}".strip()
-    return Row(group, name, value, unit, f"{shown}; {better} for vanishing pixels", estimate, error)
+    better, sign, half = with_error(estimate / factor, error / factor).partition("± ")
+    number = f"{better if name in LIMITS else ''}{sign}{half} {symbol}".strip()
+    return Row(group, name, value, unit, f"{shown}; {number} {words}", estimate, error)
 
 
 def limit_of(limits: xr.Dataset, name: str) -> dict[str, float]:

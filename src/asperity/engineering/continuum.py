@@ -81,7 +81,8 @@ def continuum(
         contact pressure.
         Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why. The attribute
         ``lost_gradient`` is the share of the squared gradient of the surface that half of the nodes do not
-        hold; a surface whose roughness goes on below its nodes loses a third and more.
+        hold; a surface whose roughness goes on below its nodes loses a third and more. ``plastic_area`` is
+        that of the contact: at a hardness errors are larger, and depths and decay lengths have no estimate.
 
     Raises
     ------
@@ -120,7 +121,7 @@ def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGri
         edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
         grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
     else:
-        reason = reason_against(contact.pressure, height, contact.plastic_area)
+        reason = reason_against(contact.pressure, height)
         height, grid, lost = on_half_the_nodes(height, grid)
     pressure = contact.force / grid.area
     half = solve(
@@ -162,10 +163,12 @@ def estimates(
             sliding_direction=stress.attrs["sliding_direction"],
         )
     both = _on_grid(contact, stress), _on_grid(half.contact, coarse)
-    return extrapolate(*both, half.lost, half.reason).assign_attrs(lost_gradient=half.lost)
+    attributes = {"lost_gradient": half.lost, "plastic_area": contact.plastic_area}
+    return extrapolate(*both, half.lost, half.reason).assign_attrs(attributes)
 
 
 def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:
     """Results of a contact and of the analysis of its stress."""
     load = contact.mean_pressure / contact.solid.effective_modulus
-    return OnGrid(contact.pressure, load, contact.gradient_rms_contact, contact.grid, stress)
+    plastic = contact.plastic_area > 0
+    return OnGrid(contact.pressure, load, contact.gradient_rms_contact, contact.grid, stress, plastic)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from asperity.core.markup import table, with_error
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import Answer, case_in_words
+from asperity.engineering.answer import SHARES, Answer, case_in_words
 from asperity.surface.treatment.treatment import TreatedMap
 
 LEVEL = 0.95
@@ -30,12 +30,6 @@ OTHER_UNIT = 100
 
 PLACES = "at x", "at y"
 """Numbers that have no mean: places on a map."""
-
-SHARES = (
-    *("real contact", "plastic real contact", "share above yield"),
-    *("area at the hardness", "load at the hardness"),
-)
-"""Plain numbers that are shown in per cent."""
 
 SCALED = "m", "m^2", "m^3", "Pa", "N"
 """Units that take prefixes."""

@@ -20,6 +20,7 @@ contact fills nor by chance: of sizes, depths and decay lengths that of the numb
 most. `SHARE_OF_CHANGE` and the constants beside it hold the measured shares. With hundreds of peaks the error
 of their sizes is a share of the peaks that the grid missed (`OF_MISSED`, `benchmarks/statements.py`). A
 surface with waves shorter than four nodes loses them on half of the nodes, and its corrections err more.
+Under a hardness the errors are larger, and there is no estimate of depths and decay lengths.
 """
 
 from __future__ import annotations
@@ -107,6 +108,13 @@ OF_MISSED_COMPONENT = 0.3
 LOWER_PEAKS = 1.5
 """What is added to these factors in proportion to the share of higher peaks."""
 
+OF_PLASTIC = 2.5, 4.0
+"""Factors of the relative errors of area and gradient where the pressure reaches the hardness."""
+
+OF_PLASTIC_SIZE = {"p90": 0.3, "p99": 0.25, "largest": 0.4, "largest_von_mises": 0.4}
+"""There, least relative error of stresses over the root of the relative correction of the area: the pressure
+falls from the hardness to zero over less than a pixel, and the stress is largest below that edge."""
+
 WIDTH = 0.75
 """Relative error of the standard deviation of the peaks over the share of missed ones."""
 
@@ -131,6 +139,8 @@ class OnGrid(NamedTuple):
         Root-mean-square gradient over the contact.
     grid : Grid
     stress : dataset, optional
+    is_plastic : bool
+        True if the pressure reaches a hardness.
     """
 
     pressure: Array
@@ -138,14 +148,13 @@ class OnGrid(NamedTuple):
     gradient: float
     grid: Grid
     stress: xr.Dataset | None = None
+    is_plastic: bool = False
 
 
-def reason_against(pressure: Array, height: Array, plastic_area: float) -> str:
+def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0) -> str:
     """Why a periodic contact allows no estimate; empty if it does."""
     if plastic_area > 0:
-        return (
-            "the pressure reaches the hardness, and the errors of the estimate are known for elastic contacts"
-        )
+        return "the pressure reaches the hardness, and the errors of a study are known for elastic contacts"
     touching = pressure > 0
     nodes = np.count_nonzero(touching)
     if nodes < LEAST_NODES:
@@ -236,6 +245,9 @@ def estimates(
     area = best["area_fraction"]
     share = OF_GRADIENT[0] + OF_GRADIENT[1] * area**2 + OF_GRADIENT[2] * lost * (1 - area) ** 2
     error["gradient_rms_contact"] = share * of_gradient + OF_GRADIENT[3] * of_area
+    if fine.is_plastic:
+        for name, factor in zip(("area_fraction", "gradient_rms_contact"), OF_PLASTIC, strict=True):
+            error[name] *= factor
     both = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
     error["proportionality"] = OF_PROPORTIONALITY * both
     if fine.stress is not None:
@@ -245,6 +257,16 @@ def estimates(
         highest = xr.DataArray(shares, coords={"quantity": found["quantity"]})
         error["peak_quantile"] = missed * (highest + LOWER_PEAKS * (1 - found["level"]))
         error["peak_deviation"] = WIDTH * missed
+        if fine.is_plastic:
+            for name, least in OF_PLASTIC_SIZE.items():
+                error[name] = np.maximum(error[name], least * np.sqrt(of_area))
+                if name in PERCENTILES:  # pressures at the hardness are the same on every grid
+                    error[name] = error[name].where(found[name] != other[name], 0.0)
+            for name in (
+                *DEPTHS,
+                *DECAYS,
+            ):  # the depth of the largest stress below an edge changes many times
+                best[name], error[name] = best[name] * np.nan, error[name] * np.nan
     return found, best, error
 
 
