@@ -37,7 +37,7 @@ def ground_steel():
     return np.rint(height).astype(int), valid
 
 
-def write_x3p(path, height, valid):
+def write_x3p(path, height, valid, pixel=PIXEL):
     points = height.astype("<i2").tobytes()
     bits = np.packbits(valid.ravel(), bitorder="little").tobytes()
     main = f"""<?xml version="1.0" encoding="UTF-8" standalone="no" ?>
@@ -48,8 +48,8 @@ xsi:schemaLocation="http://www.opengps.eu/2008/ISO5436_2 http://www.opengps.eu/2
     <Revision>ISO5436 - 2000</Revision>
     <FeatureType>SUR</FeatureType>
     <Axes>
-      <CX><AxisType>I</AxisType><DataType>D</DataType><Increment>{PIXEL!r}</Increment><Offset>0</Offset></CX>
-      <CY><AxisType>I</AxisType><DataType>D</DataType><Increment>{PIXEL!r}</Increment><Offset>0</Offset></CY>
+      <CX><AxisType>I</AxisType><DataType>D</DataType><Increment>{pixel!r}</Increment><Offset>0</Offset></CX>
+      <CY><AxisType>I</AxisType><DataType>D</DataType><Increment>{pixel!r}</Increment><Offset>0</Offset></CY>
       <CZ><AxisType>A</AxisType><DataType>I</DataType><Increment>1e-9</Increment><Offset>0</Offset></CZ>
     </Axes>
   </Record1>
@@ -63,7 +63,7 @@ xsi:schemaLocation="http://www.opengps.eu/2008/ISO5436_2 http://www.opengps.eu/2
     <ProbingSystem><Type>Software</Type><Identification>make_maps.py</Identification></ProbingSystem>
   </Record2>
   <Record3>
-    <MatrixDimension><SizeX>{SHAPE[1]}</SizeX><SizeY>{SHAPE[0]}</SizeY><SizeZ>1</SizeZ></MatrixDimension>
+    <MatrixDimension><SizeX>{height.shape[1]}</SizeX><SizeY>{height.shape[0]}</SizeY><SizeZ>1</SizeZ></MatrixDimension>
     <DataLink>
       <PointDataLink>bindata/data.bin</PointDataLink>
       <MD5ChecksumPointData>{hashlib.md5(points).hexdigest().upper()}</MD5ChecksumPointData>

@@ -116,7 +116,6 @@ def test_boundary_share_gives_the_area_of_hertz():
         (lambda: asp.solve(pillars(), LAYER, mean_pressure=1e-5), "flat or stepped"),
         (lambda: contact_on(8, area_fraction=0.005), "nodes are in contact, and 200"),
         (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
-    
     ],
 )
 def test_no_estimate_where_the_grid_allows_none(contact, reason):

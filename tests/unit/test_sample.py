@@ -76,3 +76,17 @@ test_what_is_no_sample_is_refused = refuses(
     (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has an rms height of 19.98 µm"),
     (lambda: pooled_with(a_map(2), load=220e6), "answers: patch 2 is of E = 210 GPa.*220 MPa"),
 )
+
+
+def test_peaks_are_counted_per_area(answers):
+    """Against counts of the peaks of each map; those above yield lie between the levels beside it."""
+    sample = asp.pooled(answers)
+    found = sample.peaks_per_area().query("quantity == 'von_mises'")
+    for answer, name in zip(answers, sample.names, strict=True):
+        sizes = answer.peaks().query("quantity == 'von_mises'")["value_Pa"].to_numpy()
+        expected = [(sizes > level).sum() / (1e6 * EDGE**2) for level in found["stress_Pa"]]
+        np.testing.assert_allclose(found[f"map_{name}"], expected)
+    above = sample.mean("stress in the elastic body", "peaks above yield")
+    row = int((found["stress_Pa"] <= 2e9).sum()) - 1
+    per_mm2 = found["per_mm2"].to_numpy()
+    assert per_mm2[row] * (1 + 1e-9) >= 1e-6 * above.value >= per_mm2[row + 1] * (1 - 1e-9)

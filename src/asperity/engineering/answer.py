@@ -192,6 +192,7 @@ class Answer:
             shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
             shown += _body_rows(body_title(self.case, name), self.bodies[name])
+            shown += _peak_rows(self, name)
             shown += _cycle_rows(self, name)
         return shown
 
@@ -224,13 +225,28 @@ class Answer:
             table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
             table = table.rename(columns=PEAK_COLUMNS)
             own = self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
-            table = table[own & table["quantity"].isin(("pressure", *self.case.fields))].copy()
+            table = table[own & table["quantity"].isin(("pressure", *self.case.fields))]
+            table = pd.concat([table, *self._dang_van_peaks(body)], ignore_index=True)
             table["y_m"], table["x_m"] = self.face.on_map(table["y_m"], table["x_m"])
             tables.append(table.assign(body=body, size=table["value_Pa"].abs()))
         found = pd.concat(tables, ignore_index=True)
         order = {"body": True, "quantity": False, "size": False}
         found = found.sort_values([*order], ascending=[*order.values()], ignore_index=True)
         return found[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
+
+    def _dang_van_peaks(self, body: str) -> Iterator[pd.DataFrame]:
+        """Maxima over y of the largest Dang Van stress of each row, on the map; none without cycles."""
+        cycles, limit = self.bodies[body].cycles, self.case.bodies[body].fatigue_torsion
+        if cycles is not None and "dang_van" in cycles and limit is not None:
+            of_row = cycles["dang_van"].max("cycle_depth").values
+            row = np.flatnonzero(
+                (of_row > 0) & (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
+            )
+            y, deepest = cycles["cycle_y"].values[row], cycles["dang_van"].argmax("cycle_depth").values[row]
+            found = {"value_Pa": limit * of_row[row], "depth_m": cycles["cycle_depth"].values[deepest]}
+            table = pd.DataFrame(found | {"y_m": y, "x_m": 0.0, "quantity": "dang_van"})
+            table = table.assign(in_solid=table["depth_m"] > 0, under_contact=True)
+            yield table[self.face.is_on_map(y, np.zeros(y.size))]
 
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
@@ -391,6 +407,15 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
     yield row("volume above yield per area", fraction * last, "m", "", error * fraction * last)
     yield row("share above yield", fraction, "1", share, error * fraction)
     yield row("deepest point above yield", last, "m", between)
+
+
+def _peak_rows(answer: Answer, name: str) -> Iterator[Row]:
+    """Peaks of the von Mises stress above yield, per nominal area."""
+    limit, group = answer.case.bodies[name].yield_stress, body_title(answer.case, name)
+    if limit is not None:
+        found = answer.peaks().query("body == @name and quantity == 'von_mises'")["value_Pa"]
+        density = int((found > limit).sum()) / answer.numbers.nominal_area
+        yield Row(group, "peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
 
 
 def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:

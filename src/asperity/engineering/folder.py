@@ -41,6 +41,9 @@ LOCK_ATTEMPTS = 5
 COMPARISON = ("comparison.csv", "comparison.html")
 """Names of the files that compare several answers."""
 
+SAMPLE = ("sample.csv", "peaks_per_area.csv", "largest.csv", "sample.html", "case.yaml")
+"""Names of the files of pooled answers."""
+
 CASE_FILE = "case.yaml"
 """Name of the case file of an answer."""
 

@@ -227,6 +227,22 @@ def case_text(case: Case, folder: Path, out: Path | None = None, files: Sequence
     return yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
 
 
+def pool_text(cases: Sequence[tuple[Case, Sequence[ReadFile]]], folder: Path, area: str | None) -> str:
+    """The content of the case file of pooled maps, with the checksums of all their files."""
+    each = [yaml.safe_load(case_text(case, folder, files=files)) for case, files in cases]
+    names = ("map", "map_sha256", "counter_map", "counter_map_sha256")
+    lists = {name: [one[name] for one in each] for name in names if name in each[0]}
+    settings = each[0] | lists | {"pooled": True} | ({} if area is None else {"area": area})
+    return yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
+
+
+def holds_answer(folder: Path, case: Case, files: Sequence[ReadFile]) -> bool:
+    """Whether a folder has the whole answer of a case, whose maps are as they were read now."""
+    if "report.html" not in names_in(folder):
+        return False
+    return (folder / CASE_FILE).read_text(encoding="utf-8") == case_text(case, folder, files=files)
+
+
 def surface_of(answer: Answer) -> xr.Dataset:
     """The surface that was pressed, with its roughness parameters and spectrum."""
     face = answer.face

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -17,6 +17,7 @@ from asperity.core.markup import table, with_error
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import SHARES, Answer, case_in_words
+from asperity.engineering.largest import FEWEST, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
 
 LEVEL = 0.95
@@ -31,8 +32,24 @@ OTHER_UNIT = 100
 PLACES = "at x", "at y"
 """Numbers that have no mean: places on a map."""
 
+VOLUME, DEEPEST = "volume above yield per area", "deepest point above yield"
+"""Numbers of which the share above yield is made."""
+
 SCALED = "m", "m^2", "m^3", "Pa", "N"
 """Units that take prefixes."""
+
+PER_AREA = "1/m^2"
+"""Unit of numbers of peaks."""
+
+LEVELS = 20
+"""Stresses above which peaks are counted."""
+
+LARGEST = {
+    "pressure": "largest pressure",
+    "von_mises": "largest von Mises stress",
+    "dang_van": "largest Dang Van stress over limit",
+}
+"""Quantity of peaks → number whose error of the grid that of its largest value on an area is."""
 
 ONE_MAP = "one map: no interval, as parts of one map do not tell how places of the surface differ"
 
@@ -49,8 +66,11 @@ class SampleRow(NamedTuple):
     @property
     def shown(self) -> tuple[str, list[str]]:
         """The mean with half of its interval, and the value of each map, for a reader."""
-        factor, symbol = (1.0, "") if self.unit not in SCALED else scaled_unit(self.of_each, self.unit)
-        factor, symbol = (0.01, "%") if self.name in SHARES else (factor, symbol or self.unit.strip("1"))
+        factor, symbol = scaled_unit(self.of_each, self.unit) if self.unit in SCALED else (1.0, self.unit)
+        if self.unit == "1":
+            factor, symbol = (0.01, "%") if self.name in SHARES else (1.0, "")
+        elif self.unit == PER_AREA:
+            factor, symbol = 1e6, "per mm²"
         mean = with_error(self.mean.value / factor, self.mean.error / factor)
         return f"{mean} {symbol}".strip(), [f"{value / factor:.4g}" for value in self.of_each]
 
@@ -99,7 +119,7 @@ def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
     of_maps = np.nan
     if values.size > 1:
         scatter = float(values.std(ddof=1)) if np.ptp(values) > SAME * np.abs(values).max() else 0.0
-        of_maps = float(t.ppf((1 + LEVEL) / 2, values.size - 1)) * scatter / np.sqrt(values.size)
+        of_maps = float(t.ppf((1 + LEVEL) / 2, values.size - 1) * scatter / np.sqrt(values.size))
     return Mean(float(values.mean()), float(np.hypot(of_maps, np.nan_to_num(of_grid))), of_maps, of_grid)
 
 
@@ -197,18 +217,17 @@ class Sample:
         found: list[SampleRow] = []
         for (group, name), part in self.numbers.groupby(["group", "name"], sort=False):
             of_maps = part.set_index("map").reindex(list(self.names))
-            values = of_maps["estimate" if of_maps["estimate"].notna().all() else "value"].to_numpy(
-                dtype=float
-            )
+            whole = of_maps["estimate"].notna().all()
+            values = of_maps["estimate" if whole else "value"].to_numpy(dtype=float)
+            errors = of_maps["error"] if whole else np.nan
             if name == "share above yield":
-                known = {row.name: row.of_each for row in found if row.group == group}
-                deepest = self.numbers.query("group == @group and name == 'deepest point above yield'")[
-                    "value"
-                ]
-                values = known["volume above yield per area"] / deepest.max()
+                volume = next(row for row in found if (row.group, row.name) == (group, VOLUME))
+                deepest = self.numbers[self.numbers["name"] == DEEPEST].groupby("group")["value"].max()[group]
+                values, errors = volume.of_each / deepest, volume.mean.of_grid / deepest
             if name not in PLACES:
-                mean = mean_of_maps(values, of_maps["error"])
-                found.append(SampleRow(group, name, part["unit"].iloc[0], mean, values))
+                found.append(
+                    SampleRow(group, name, part["unit"].iloc[0], mean_of_maps(values, errors), values)
+                )
         return found
 
     def mean(self, group: str, name: str) -> Mean:
@@ -229,6 +248,74 @@ class Sample:
         columns = ["group", "name", "unit", "mean", "error", "error_of_maps", "error_of_grid"]
         columns += [f"map_{name}" for name in self.names]
         return pd.DataFrame([(*row[:3], *row.mean, *row.of_each) for row in self.rows], columns=columns)
+
+    @cached_property
+    def areas(self) -> Array:
+        """Nominal area of each map in m²."""
+        area = self.numbers[self.numbers["name"] == "nominal area"].set_index("map")["value"]
+        return area[list(self.names)].to_numpy(dtype=float)
+
+    def _peaks(self) -> Iterator[tuple[str, str, list[Array]]]:
+        """Body, quantity, and the sizes of its peaks on each map; the pressure once."""
+        for (body, quantity), part in self.peaks.groupby(["body", "quantity"]):
+            if (body, quantity) != ("upper", "pressure"):
+                sizes = [part["value_Pa"][part["map"] == name].abs().to_numpy() for name in self.names]
+                yield body, quantity, sizes
+
+    @property
+    def _hardness(self) -> float:
+        """Hardness that limits the pressure; infinite for an elastic contact."""
+        names = self.numbers.groupby("name")["value"].min()
+        return np.inf if "plastic real contact" in names else float(names.get("hardness", np.inf))
+
+    def peaks_per_area(self) -> pd.DataFrame:
+        """Peaks above a stress per nominal area, as means over the maps; columns as in ``docs/tables.md``."""
+        found = []
+        for body, quantity, sizes in self._peaks():
+            highest = max((float(size.max()) for size in sizes if size.size), default=0.0)
+            for level in highest * np.linspace(0, 1, LEVELS, endpoint=False):
+                each = np.array([np.count_nonzero(size > level) for size in sizes]) / (1e6 * self.areas)
+                mean = mean_of_maps(each)
+                found.append((body, quantity, level, mean.value, mean.error, *each))
+        columns = ["body", "quantity", "stress_Pa", "per_mm2", "error_per_mm2"]
+        return pd.DataFrame(found, columns=[*columns, *(f"map_{name}" for name in self.names)])
+
+    def largest(self, area: float) -> pd.DataFrame:
+        """Largest pressure, stresses and Dang Van stress that are expected on an area, by their peaks.
+
+        Parameters
+        ----------
+        area : float
+            In m²; at most `largest.FURTHEST` times that of all maps together.
+
+        Returns
+        -------
+        DataFrame
+            Columns as in ``docs/tables.md``. The interval holds the error of the grid, too. Of less than 40
+            peaks there is no row.
+
+        Raises
+        ------
+        ValueError
+            If the area is larger.
+        """
+        total, found = float(self.areas.sum()), []
+        check_area(area, total)
+        for body, quantity, sizes in self._peaks():
+            if sum(size.size for size in sizes) >= 2 * FEWEST:
+                value = largest_on(sizes, total, area)
+                rows = [row.mean for row in self.rows if row.name == LARGEST.get(quantity)]
+                share = max((row.of_grid / row.value for row in rows if row.of_grid > 0), default=0.0)
+                low, high = (
+                    value.value + sign * np.hypot(end - value.value, share * value.value)
+                    for sign, end in ((-1, value.low), (1, value.high))
+                )
+                ends = np.minimum(
+                    (value.value, low, high), self._hardness if quantity == "pressure" else np.inf
+                )
+                found.append((body, quantity, area, *ends, *value[3:]))
+        columns = ["body", "quantity", "area_m2", "value_Pa", "low_Pa", "high_Pa"]
+        return pd.DataFrame(found, columns=[*columns, "threshold_Pa", *Largest._fields[4:]])
 
     def text(self) -> str:
         """The means as a block of text."""

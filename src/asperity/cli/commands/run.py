@@ -36,6 +36,9 @@ PATHS = ("map", "counter_map", "out")
 CHECKSUMS = {f"{name}_sha256": name for name in PATHS[:2]}
 """Key of a case file with the checksum of a map → setting that names the map."""
 
+POOLING = ("pooled", "resume", "only")
+"""Options of pooled maps."""
+
 CASE_SUFFIXES = (".yaml", ".yml")
 """Ends of the names of case files."""
 
@@ -43,7 +46,7 @@ CASE_SUFFIXES = (".yaml", ".yml")
 class Job(NamedTuple):
     """A case as options and files describe it.
 
-    Case, face that is pressed, folder, what is wrong, and the maps that are read.
+    Case, face that is pressed, folder, what is wrong, the maps that are read, and the area of a prediction.
     """
 
     case: Any
@@ -51,42 +54,129 @@ class Job(NamedTuple):
     out: Path
     problems: list[str]
     read: list[str]
+    area: str | None
 
 
 def run(options: argparse.Namespace) -> None:
-    """Compute the answers, print them, and write results, pictures and reports; compare several."""
+    """Compute the answers, print them, and write results, pictures and reports; compare or pool several."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    from asperity.engineering.folder import COMPARISON, locked
+    from asperity.engineering.folder import COMPARISON, SAMPLE, locked
 
+    pool = pool_of(options.map)
+    maps, options.pooled = pool.get("map", options.map), options.pooled or pool.get("pooled", False)
+    counters = getattr(options, OPTIONS["counter_map"]) or [None]
     files = {"--out": options.out, "--save": options.save, "--config": options.config}
-    files |= {"--counter-map": getattr(options, OPTIONS["counter_map"])}
     empty = [name for name, path in files.items() if path == ""] + ["MAP"] * ("" in options.map)
+    empty += ["--counter-map"] * ("" in counters)
     if empty:
         sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
-    folder = Path(options.out or "comparison") if len(options.map) > 1 else None
-    names = _names(options.map)
-    outs = [folder and folder / name for name in names]
-    jobs = [_job(options, path, out) for path, out in zip(options.map, outs, strict=True)]
-    problems = [problem for job in jobs for problem in job.problems]
-    if folder is not None:
-        problems += _problems_of(folder, {}, COMPARISON)
+    if len(counters) > 1 and not (options.pooled and len(counters) == len(maps)):
+        words = f"one for each MAP is needed, with --pooled: {len(maps)}"
+        sys.exit(fail(f"--counter-map: {len(counters)} files are given; one, or {words}", WRONG_USAGE))
+    folder = None
+    if len(maps) > 1 or options.pooled:
+        folder = Path(options.out or pool.get("out") or ("pooled" if options.pooled else "comparison"))
+    names, jobs = names_of_maps(maps), {}
+    for number, name in enumerate(names):
+        if not options.only or options.only == name:
+            one = argparse.Namespace(**vars(options))
+            setattr(one, OPTIONS["counter_map"], counters[number % len(counters)])
+            path = options.map[0] if pool else maps[number]
+            jobs[name] = _job(one, path, None if folder is None else folder / name, number)
+    problems = [problem for job in jobs.values() for problem in job.problems]
+    if options.only and options.only not in names:
+        problems.append(f"--only {options.only}: one of {', '.join(names)} is needed")
+    elif folder is not None and not options.only:
+        problems += _problems_of(folder, {}, SAMPLE if options.pooled else COMPARISON)
         if len(set(names)) < len(names):
             problems.append("MAP: files of different names, or in folders of different names, are needed")
+        if options.pooled and not problems:
+            problems += _problems_of_pool(jobs)
     if options.save:
-        problems += _problems_of_save(options, jobs)
+        problems += _problems_of_save(options, [*jobs.values()])
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
+    if options.check:
+        return
     with ExitStack() as stack:
-        for path in dict.fromkeys([*([folder] if folder else []), *(job.out for job in jobs)]):
+        of_all = [folder] if folder and not options.only else []
+        for path in dict.fromkeys([*of_all, *(job.out for job in jobs.values())]):
             stack.enter_context(locked(path))
-        answers = {job.out.name: _answered(job, options.save) for job in jobs}
+        if options.pooled and folder is not None:
+            _pool_answers(options, folder, jobs)
+            return
+        answers = {job.out.name: _answered(job, options.save) for job in jobs.values()}
         if folder is not None:
             from asperity.engineering.comparison import write_comparison
 
             print(write_comparison(answers, folder))
 
 
-def _names(paths: Sequence[str]) -> list[str]:
+def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, Job]) -> None:
+    """Compute the answers of pooled maps, except for kept ones, and their means unless one map is asked for.
+
+    The means are made from the tables in the folders: they are the same whichever process wrote these.
+    """
+    from asperity.engineering.output import holds_answer
+    from asperity.engineering.sample_report import read_sample, write_sample
+
+    for job in jobs.values():
+        if options.resume and holds_answer(job.out, job.case, job.rough.files):
+            print(f"{one_line(str(job.out))}: kept")
+        else:
+            _answered(job, None)
+    if not options.only:
+        first, *_ = jobs.values()
+        sample = read_sample(folder, list(jobs), first.case)
+        cases = [(job.case, job.rough.files) for job in jobs.values()]
+        print(write_sample(sample, folder, cases, first.area))
+
+
+def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
+    """Why maps cannot be pooled."""
+    from asperity.core.units import to_si
+    from asperity.engineering.largest import check_area
+    from asperity.engineering.sample import check_alike
+
+    faces = {name: job.rough.face for name, job in jobs.items()}
+    areas = {job.area for job in jobs.values() if job.area}
+    try:
+        check_alike(faces)
+        for area in areas:
+            check_area(to_si(area, "area"), sum(face.map_area for face in faces.values()))
+    except ValueError as error:
+        yield with_flags(str(error), "run")
+
+
+def pool_of(paths: Sequence[str]) -> dict[str, Any]:
+    """Settings of one case file that names several maps, or pools them; empty of other files.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or lists of its maps are not alike in length.
+    """
+    if len(paths) > 1 or Path(paths[0]).suffix not in CASE_SUFFIXES:
+        return {}
+    path, content = Path(paths[0]), load(Path(paths[0]))
+    pool = content.get("engineering", content)
+    if not isinstance(pool, Mapping) or not (isinstance(pool.get("map"), list) or "pooled" in pool):
+        return {}
+    named = pool.get("map")
+    maps: list[Any] = named if isinstance(named, list) else [named]
+    for name in (*PATHS[:2], *CHECKSUMS):
+        given = pool.get(name, maps)
+        if isinstance(given, list) and not (
+            0 < len(given) == len(maps) and all(isinstance(each, str) and each for each in given)
+        ):
+            raise ConfigError(f"{path}: {name} = {shown(given)}: a list of {len(maps)} names is needed")
+    if not isinstance(pool.get("pooled", False), bool):
+        raise ConfigError(f"{path}: pooled = {shown(pool['pooled'])}: true or false is needed")
+    found = {"map": [str(path.parent / each) for each in maps], "pooled": pool.get("pooled", False)}
+    return found | ({"out": str(path.parent / pool["out"])} if "out" in pool else {})
+
+
+def names_of_maps(paths: Sequence[str]) -> list[str]:
     """Names of the folders of several answers: those of the files, alike ones after their folders' names."""
     stems = [Path(path).stem for path in paths]
     count = Counter(stems)
@@ -148,17 +238,17 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Itera
             yield f"--save {save}: is not a case file, another name is needed"
 
 
-def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
-    """The case of one map or case file; its answer goes into `folder`, if that is given.
+def _job(options: argparse.Namespace, path: str, folder: Path | None, number: int = 0) -> Job:
+    """The case of one map, in a case file of several that of this number; its answer goes into `folder`.
 
     A map that needs an option whose value is refused already is not blamed for it again.
     """
-    values, refused = _values(options, path)
+    values, refused = _values(options, path, number)
     out = folder or Path(values.get("out") or f"{Path(values.get('map', path)).stem}_run")
     values.pop("out", None)
     checksums = {name: values.pop(name) for name in CHECKSUMS if name in values}
     read = [values[name] for name in PATHS[:2] if name in values]
-    known = {**values, **refused}
+    known = {**values, **refused, **{name: True for name in POOLING if getattr(options, name)}}
     problems = [*refused.values(), *_contradictions(options, values, known)]
     missing = [
         f"{flag(name) if name != 'map' else ''} {values[name]}: no such file".strip()
@@ -166,7 +256,7 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
         if name in values and not os.path.exists(values[name])
     ]
     if missing:  # is answered without the packages that the calculation needs
-        return Job(None, None, out, [*problems, *_problems_of(out, values), *missing], read)
+        return Job(None, None, out, [*problems, *_problems_of(out, values), *missing], read, None)
     from asperity.engineering.case import Case
     from asperity.engineering.face import counter_map_of, options_of, read_face
     from asperity.engineering.folder import names_of
@@ -196,10 +286,12 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
             problems.append(
                 f"{path}: {key}: {one_line(file)} has changed since; delete the key to run it as it is now"
             )
-    return Job(case, rough, out, problems, read)
+    return Job(case, rough, out, problems, read, values.get("area"))
 
 
-def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any], dict[str, str]]:
+def _values(
+    options: argparse.Namespace, given_map: str, number: int = 0
+) -> tuple[dict[str, Any], dict[str, str]]:
     """Accepted values of all settings by name, and messages on refused ones.
 
     An option overrides the file of ``--config``, and that the case file in place of a map.
@@ -209,7 +301,7 @@ def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any]
     is_case = Path(given_map).suffix in CASE_SUFFIXES
     for path, name in ((given_map if is_case else None, ""), (options.config, "--config ")):
         if path:
-            _add_file(Path(path), name, values, refused)
+            _add_file(Path(path), name, values, refused, number)
     values |= {} if is_case else {"map": given_map}
     values |= {} if options.out is None else {"out": options.out}
     if is_case and "map" not in values:
@@ -227,8 +319,10 @@ def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any]
     return values, refused
 
 
-def _add_file(path: Path, option: str, values: dict[str, Any], refused: dict[str, str]) -> None:
-    """Add the settings of a case file, or of section ``engineering`` of a configuration."""
+def _add_file(
+    path: Path, option: str, values: dict[str, Any], refused: dict[str, str], number: int = 0
+) -> None:
+    """Add settings of a case file or of section ``engineering`` of a configuration, for one of its maps."""
     try:
         content = load(path)
     except ConfigError as error:
@@ -238,8 +332,11 @@ def _add_file(path: Path, option: str, values: dict[str, Any], refused: dict[str
         raise ConfigError(f"{option}{path}: engineering = {shown(section)}: a group of keys is needed")
     for name in section.keys() & set(CHECKSUMS.values()):
         values.pop(f"{name}_sha256", None)
-    for name, value in section.items():
+    for name, given in section.items():
+        value = given[number] if isinstance(given, list) and name in (*PATHS, *CHECKSUMS) else given
         key, text = f"{option}{path}: {name}", {"type": "string", "minLength": 1, "accepts": "a file name"}
+        if name == "pooled":
+            continue
         if name in CHECKSUMS:
             values[name] = value
         elif name not in (*OPTIONS, *PATHS):

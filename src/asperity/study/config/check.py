@@ -146,10 +146,11 @@ def _is_quantity(dimension: str, text: object) -> bool:
         if to_si(text, dimension) > 0:
             return True
     units = ", ".join(DIMENSIONS[dimension].examples)
-    raise ValueError(f"a {dimension} > 0 with its unit ({units}{misread(text, dimension)})")
+    article = "an" if dimension == "area" else "a"
+    raise ValueError(f"{article} {dimension} > 0 with its unit ({units}{misread(text, dimension)})")
 
 
-for _dimension in ("pressure", "force", "length"):
+for _dimension in ("pressure", "force", "length", "area"):
     _FORMATS.checks(_dimension, raises=ValueError)(partial(_is_quantity, _dimension))
 
 

@@ -1,0 +1,100 @@
+"""The folder of pooled answers: their means as tables, and one page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from asperity.core.markup import rendered
+from asperity.core.units import shown_si, to_si
+from asperity.engineering.answer import case_in_words
+from asperity.engineering.case import Case
+from asperity.engineering.face import ReadFile
+from asperity.engineering.folder import CASE_FILE, SAMPLE, locked, replacing
+from asperity.engineering.output import HEADLINE, pool_text
+from asperity.engineering.sample import ONE_MAP, Sample
+from asperity.results.atomic import write_text
+from asperity.results.tables import write_table
+
+PICTURES = ("height", "pressure", "plane", "plane_lower", "cycles", "cycles_lower")
+"""Pictures of the maps that stand beside each other, where there are such."""
+
+SHOWN = 3
+"""Maps whose pictures are shown."""
+
+QUANTITIES = {"pressure": "pressure", "von_mises": "von Mises stress", "dang_van": "Dang Van stress"}
+
+
+def read_sample(folder: Path, names: Sequence[str], case: Case) -> Sample:
+    """The sample of answers of maps in the folders of these names."""
+    tables = {
+        table: pd.concat(
+            [pd.read_csv(folder / name / f"{table}.csv").assign(map=name) for name in names],
+            ignore_index=True,
+        )
+        for table in ("answer", "peaks")
+    }
+    return Sample(case_in_words(case), tuple(names), tables["answer"], tables["peaks"])
+
+
+def write_sample(
+    sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]], area: str | None = None
+) -> str:
+    """Write tables, page and case file of pooled answers into the folder that holds those of the maps.
+
+    Parameters
+    ----------
+    sample : Sample
+    folder : Path
+    cases : sequence of (Case, files)
+        Of each map.
+    area : str, optional
+        Area with its unit, on which the largest values are predicted.
+
+    Returns
+    -------
+    str
+        The means as text.
+    """
+    tables = {"answer_sample": sample.frame(), "answer_peaks_per_area": sample.peaks_per_area()}
+    largest = None if area is None else sample.largest(to_si(area, "area"))
+    if largest is not None:
+        tables["answer_largest"] = largest
+    predicted = [] if largest is None else [largest_in_words(row) for row in largest.itertuples()]
+    page = rendered(
+        "asperity.engineering",
+        "sample.html.j2",
+        title=f"{', '.join(sample.names)}: contact and stress",
+        sample=sample,
+        headline=[(row.name, row.shown[0]) for row in sample.rows if row.name in HEADLINE],
+        groups=groupby(sample.rows, key=lambda row: row.group),
+        predicted=predicted,
+        one_map=ONE_MAP,
+        pictures=[
+            [f"{name}/{picture}.png" for name in sample.names[:SHOWN]]
+            for picture in PICTURES
+            if (folder / sample.names[0] / f"{picture}.png").exists()
+        ],
+        case_file=(case := pool_text(cases, folder, area)),
+    )
+    with locked(folder), replacing(folder, kept=set()) as unfinished:
+        for (table, frame), name in zip(tables.items(), SAMPLE, strict=False):
+            write_table(frame, table, unfinished / name, float_format="%.8g")
+        write_text(unfinished / "sample.html", page)
+        write_text(unfinished / CASE_FILE, case)
+    return "\n".join([sample.text(), *([""] if predicted else []), *predicted])
+
+
+def largest_in_words(row: Any) -> str:
+    """One line about the largest value on an area, of a row of `Sample.largest`."""
+    low, value, high = (shown_si(getattr(row, name), "Pa", 3) for name in ("low_Pa", "value_Pa", "high_Pa"))
+    threshold = shown_si(row.threshold_Pa, "Pa", 3)
+    return (
+        f"largest {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
+        f"{shown_si(row.area_m2, 'm^2')}: {value}, 95 % between {low} and {high}; from {row.peaks} peaks "
+        f"above {threshold}, {row.times:.3g} times the area of the maps"
+    )

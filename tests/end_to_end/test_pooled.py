@@ -1,0 +1,89 @@
+"""``asperity run --pooled``: patches of two faces of a bearing to one folder; kept answers; refusals."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from asperity.cli.main import main
+
+sys.path.append(str(Path(__file__).parents[1] / "data"))
+import bearing
+
+STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--yield", "2 GPa", "--hardness", "6 GPa"]
+COMMAND = [*STEEL, "--pressure", "400 MPa", "--despike", "5", "--pooled"]
+
+
+@pytest.fixture(scope="module")
+def maps(tmp_path_factory):
+    return bearing.write_maps(tmp_path_factory.mktemp("maps"), (60, 80))
+
+
+@pytest.fixture(scope="module")
+def folder(maps, tmp_path_factory):
+    out = tmp_path_factory.mktemp("answers") / "bearing"
+    files = [*map(str, maps["ring"]), "--counter-map", *map(str, maps["counter"])]
+    assert main(["run", *files, *COMMAND, "--area", "0.1 mm2", "--out", str(out)]) == 0
+    return out
+
+
+def test_the_folder_holds_means_of_all_maps(folder):
+    sample = pd.read_csv(folder / "sample.csv").set_index("name")
+    each = [pd.read_csv(folder / f"ring_{number}/answer.csv").set_index("name") for number in (1, 2, 3)]
+    areas = [answer["estimate"].fillna(answer["value"])["real contact"] for answer in each]
+    assert sample["mean"]["real contact"] == pytest.approx(np.mean(areas), rel=1e-6)
+    assert sample["error"]["real contact"] > sample["error_of_maps"]["real contact"] > 0
+    assert sample["error_of_grid"]["largest von Mises stress"] > 0  # under the hardness, too
+    largest = pd.read_csv(folder / "largest.csv").set_index("quantity")
+    assert largest["value_Pa"]["pressure"] == pytest.approx(6e9)  # is the hardness
+    assert (largest["low_Pa"] <= largest["value_Pa"]).all()
+    page = (folder / "sample.html").read_text(encoding="utf-8")
+    assert page.index("±") < page.index("<h2>Numbers</h2>")
+    assert "95 % between" in page
+
+
+def test_the_case_file_repeats_it_and_keeps_what_is_there(folder, maps, capsys):
+    """The same bits from answers of other processes; a changed map is named."""
+    case = yaml.safe_load((folder / "case.yaml").read_text(encoding="utf-8"))
+    assert len(case["map"]) == len(case["counter_map_sha256"]) == 3
+    before = (folder / "sample.csv").read_bytes()
+    (folder / "ring_2/case.yaml").unlink()
+    assert main(["run", str(folder / "case.yaml"), "--out", str(folder), "--only", "ring_2"]) == 0
+    assert "ring_1" not in capsys.readouterr().out
+    assert main(["run", str(folder / "case.yaml"), "--out", str(folder), "--resume"]) == 0
+    assert capsys.readouterr().out.count(": kept\n") == 3
+    assert (folder / "sample.csv").read_bytes() == before
+    changed = maps["counter"][1]
+    content = changed.read_bytes()
+    bearing.write_x3p(changed, *bearing.patch("counter", 7, (60, 80)), bearing.PIXEL)
+    with pytest.raises(SystemExit):
+        main(["run", str(folder / "case.yaml"), "--out", str(folder), "--check"])
+    changed.write_bytes(content)
+    assert f"{changed.name} has changed since" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--area", "2 mm2"], "--area = 2 mm²: an area > 0 and ≤ 0.36 mm² is needed, 100 times"),
+        (["--area", "2 mm"], "--area '2 mm': an area > 0 with its unit"),
+        (["--counter-map", "a", "b"], "--counter-map: 2 files are given; one, or one for each MAP"),
+        (["--only", "ring_4"], "--only ring_4: one of ring_1, ring_2, ring_3 is needed"),
+    ],
+)
+def test_a_pool_that_cannot_be_is_refused_before_it_is_computed(options, message, maps, tmp_path, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(["run", *map(str, maps["ring"]), *COMMAND, *options, "--out", str(tmp_path / "out")])
+    assert caught.value.code == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_unlike_pixels_are_refused(maps, tmp_path, capsys):
+    bearing.write_x3p(tmp_path / "fine.x3p", *bearing.patch("ring", 4, (60, 80)), 0.25e-6)
+    with pytest.raises(SystemExit):
+        main(["run", str(maps["ring"][0]), str(tmp_path / "fine.x3p"), *COMMAND, "--check"])
+    assert "--pooled: fine has pixels of 250 nm x 250 nm, ring_1 of 500 nm" in capsys.readouterr().err
