@@ -6,6 +6,7 @@ from samples import refuses
 
 import asperity as asp
 from asperity.engineering import Body, run
+from asperity.engineering.largest import largest_on
 from asperity.engineering.sample import ONE_MAP, mean_of_maps
 
 EDGE = 64e-6
@@ -64,16 +65,50 @@ def test_a_sample_pools_volumes_per_area_over_one_depth(answers):
     assert f"{100 * area.value:.1f}" in str(sample)
 
 
+@pytest.mark.parametrize("draw", ["exponential", "uniform", "rayleigh"])
+def test_the_largest_of_an_area_is_met_as_often_as_it_says(draw):
+    """Of 100 times the area of 4 maps; the median of the largest of n draws is F⁻¹(2^(−1/n))."""
+    random = np.random.default_rng(2)
+    sample, found = getattr(random, draw), []
+    for _ in range(20):
+        maps = [sample(size=random.poisson(60)) for _ in range(4)]
+        found.append((largest_on(maps, 4e-6, 4e-4), sample(size=24000).max()))
+    assert sum(each.low <= true <= each.high for each, true in found) >= 17
+    medians = {"exponential": np.log(24000 / np.log(2)), "uniform": 1.0}
+    medians["rayleigh"] = np.sqrt(2 * medians["exponential"])
+    assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
+
+
+def test_four_cells_predict_the_largest_stress_of_forty():
+    """Peaks of the von Mises stress of cells of one rough surface, under one load: ten predictions."""
+    layer, peaks = asp.Layer(young=1.0, poisson=0.3), []
+    for seed in range(40):
+        height = asp.self_affine((48, 48), 0.8, 1 / 2, 1 / 8, rms_height=1e-3, seed=seed)
+        contact = asp.solve(height, layer, mean_pressure=8e-4)
+        stress = asp.analyse_stress(contact, quantities=("von_mises",), tolerance=1e-3)
+        peaks.append(asp.peaks(stress, "von_mises")["peak_value"].values)
+    largest = max(each.max() for each in peaks)
+    found = [largest_on(peaks[first : first + 4], 4.0, 40.0) for first in range(0, 40, 4)]
+    assert sum(each.low <= largest <= each.high for each in found) >= 8
+    assert np.median([each.value for each in found]) == pytest.approx(largest, rel=0.2)
+    assert (
+        np.median([max(map(np.max, peaks[first : first + 4])) for first in range(0, 40, 4)]) < 0.85 * largest
+    )
+
+
 def test_one_map_has_no_interval_and_says_so(answers):
     sample = asp.pooled(answers[:1])
     assert ONE_MAP in str(sample)
     assert sample.frame()["error"].isna().all()
+    assert sample.largest(1e-8)[["low_Pa", "high_Pa"]].isna().all(axis=None)
 
 
 test_what_is_no_sample_is_refused = refuses(
     (lambda: asp.pooled([]), "answers: at least one"),
     (lambda: pooled_with(a_map(2, 32)), "pooled: patch 2 has pixels of 2 µm x 2 µm, patch 1 of 1 µm"),
     (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has an rms height of 19.98 µm"),
+    (lambda: largest_on([np.ones(30)], 1e-6, 1e-5), "area: 40 peaks are needed, the maps have 30"),
+    (lambda: largest_on([np.ones(90)], 1e-6, 2e-4), "area = 200 mm²: an area > 0 and ≤ 100 mm² is needed"),
     (lambda: pooled_with(a_map(2), load=220e6), "answers: patch 2 is of E = 210 GPa.*220 MPa"),
 )
 

@@ -50,6 +50,9 @@ SHARES = (
 )
 """Plain numbers that are shown in per cent."""
 
+PLACES = "at depth", "at x", "at y"
+"""Numbers that say where another one is."""
+
 CYCLE_WORDS = {
     "dang_van": ("largest Dang Van stress over limit", "1"),
     "shear_range": ("largest range of σ_xz", "Pa"),
@@ -115,6 +118,16 @@ class Row(NamedTuple):
     shown: str
     estimate: float = float("nan")
     error: float = float("nan")
+
+    @property
+    def with_error(self) -> str:
+        """The estimate and its error as text; empty where there is none."""
+        if not self.error > 0:
+            return ""
+        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(self.estimate, self.unit)
+        if self.name in SHARES:
+            factor, symbol = 0.01, "%"
+        return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -449,12 +462,9 @@ def _row(
         estimate, error = values["estimate"], values["estimate"] * values["error"]
     if not np.isfinite(estimate) or not error > 0:
         return Row(group, name, value, unit, shown)
-    factor, symbol = (1.0, "") if unit == "1" else scaled_unit(estimate, unit)
-    if name in SHARES:
-        factor, symbol = 0.01, "%"
-    better, sign, half = with_error(estimate / factor, error / factor).partition("± ")
-    number = f"{better if name in LIMITS else ''}{sign}{half} {symbol}".strip()
-    return Row(group, name, value, unit, f"{shown}; {number} {words}", estimate, error)
+    row = Row(group, name, value, unit, shown, estimate, error)
+    number = row.with_error if name in LIMITS else row.with_error[row.with_error.index("±") :]
+    return row._replace(shown=f"{shown}; {number} {words}")
 
 
 def limit_of(limits: xr.Dataset, name: str) -> dict[str, float]:

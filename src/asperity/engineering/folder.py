@@ -41,7 +41,7 @@ LOCK_ATTEMPTS = 5
 COMPARISON = ("comparison.csv", "comparison.html")
 """Names of the files that compare several answers."""
 
-SAMPLE = ("sample.csv", "peaks_per_area.csv", "largest.csv", "sample.html", "case.yaml")
+SAMPLE = ("sample.csv", "peaks_per_area.csv", "largest.csv", "sample.html", "sample.xlsx", "case.yaml")
 """Names of the files of pooled answers."""
 
 CASE_FILE = "case.yaml"
@@ -53,7 +53,16 @@ _held: set[tuple[Path, int]] = set()
 
 def names_of(case: Case | None) -> list[str]:
     """Names of the files that the answer of a case has, or may have; without a case those of every answer."""
-    names = [CASE_FILE, "surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv"]
+    names = [
+        CASE_FILE,
+        "surface.nc",
+        "contact.nc",
+        "peaks.csv",
+        "spots.csv",
+        "gaps.csv",
+        "answer.csv",
+        "answer.xlsx",
+    ]
     names += ["height.png", "pressure.png", "report.html"]
     if case is None:
         return names

@@ -22,20 +22,27 @@ import yaml
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.answer import Answer, body_title, case_in_words
+from asperity.engineering.answer import PLACES, Answer, Row, body_title, case_in_words
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
 from asperity.engineering.pictures import Picture, pictures, suffix_of
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table
+from asperity.results.tables import write_table, write_workbook
 from asperity.results.variables import SI_UNITS
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
 
-HEADLINE = ("real contact", "largest pressure", "largest von Mises stress", "at depth", "volume above yield")
-"""Numbers at the top of the report."""
+HEADLINE = (
+    *("real contact", "largest pressure"),
+    *("largest von Mises stress", "at depth", "volume above yield per area", "share above yield"),
+    *("largest Dang Van stress over limit", "shakedown factor, at least"),
+)
+"""Numbers at the top of the report: contact, yield, fatigue."""
+
+ALIKE = 0.01
+"""Relative difference of numbers of two bodies of the same material up to which they are shown once."""
 
 SPOTS = 10
 """Patches of contact in the report."""
@@ -126,6 +133,7 @@ def _write_results(answer: Answer, folder: Path) -> None:
     for name, table in tables.items():
         write_table(table, f"answer_{name}", folder / f"{name}.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
+    write_workbook({"answer": answer.frame()} | tables, folder / "answer.xlsx")
 
 
 def _write_report(answer: Answer, folder: Path) -> None:
@@ -133,23 +141,30 @@ def _write_report(answer: Answer, folder: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     groups: dict[str, list[tuple[Picture, str]]] = {}
+    same = len(answer.case.different_bodies) > 1 and answer.case.lower == answer.case.upper
     for picture in pictures(answer):
         path = folder / f"{picture.name}.png"
         # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
         canvas = FigureCanvasAgg(picture.figure)
         canvas.print_png(path, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
+        if same and picture.body == "upper":  # as those of the lower body
+            continue
         title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
     versions = {"asperity": __version__, "Python": platform.python_version()}
     versions |= {package: version(package) for package in PACKAGES if find_spec(package)}
+    rows = rows_shown_once(answer)
     page = rendered(
         "asperity.engineering",
         "report.html.j2",
         title=f"{answer.face.name}: contact and stress",
         answer=answer,
         case=case_in_words(answer.case),
-        headline=headline(answer),
-        groups=groupby(answer.rows, key=lambda row: row.group),
+        headline=headline(
+            rows, len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
+        ),
+        groups=groupby(rows, key=lambda row: row.group),
+        same_material=len(rows) < len(answer.rows),
         picture_groups=groups,
         case_file=case_text(answer.case, folder.parent, files=answer.rough.files),
         date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
@@ -161,17 +176,32 @@ def _write_report(answer: Answer, folder: Path) -> None:
     write_text(folder / "report.html", page)
 
 
-def headline(answer: Answer) -> list[tuple[str, str, str]]:
-    """The numbers that are asked for first: name, value and estimate."""
-    several = len(answer.case.different_bodies) > 1
+def headline(rows: Sequence[Row], several: bool) -> list[tuple[str, str, str]]:
+    """The numbers that are asked for first: name, value with its error, and the value on the pixels."""
     found = []
-    for row in answer.rows:
+    for row in rows:
         if row.name in HEADLINE:
-            value, _, estimate = row.shown.partition("; ")
+            value = row.shown.partition("; ")[0]
             body = row.group.removeprefix("stress in the ").partition(" (")[0]
-            of_body = several and row.group != "contact"
-            found.append((f"{row.name}, {body}" if of_body else row.name, value, estimate))
+            of_body = several and row.group.startswith("stress")
+            name = f"{row.name}, {body}" if of_body else row.name
+            found.append((name, row.with_error or value, value if row.with_error else ""))
     return found
+
+
+def rows_shown_once(answer: Answer) -> list[Row]:
+    """Numbers of an answer; of two bodies of one material those of the upper one only where they differ."""
+    case = answer.case
+    if case.lower != case.upper or len(case.different_bodies) == 1:
+        return answer.rows
+    upper = body_title(case, "upper")
+    lower = {row.name: row for row in answer.rows if row.group == body_title(case, "lower")}
+    return [
+        row
+        for row in answer.rows
+        if row.group != upper
+        or (row.name not in PLACES and abs(row.value / (lower[row.name].value or 1) - 1) > ALIKE)
+    ]
 
 
 def settings_of(answer: Answer) -> dict[str, Any]:

@@ -193,7 +193,7 @@ def _of_cycles(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
     section = section.assign_coords(contact=("y", touching)).rename(source.title)
     look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
     faded = min(FADED * float(section.max()), limit)
-    figure = draw_sections(until_faded([section], faded), look, source.system, None, limit)
+    figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None, limit)
     caption = (
         f"Largest Dang Van stress of each row along x; bars are rows with contact, the line is the "
         f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {cycles_title(answer.case, body)}."

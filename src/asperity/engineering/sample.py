@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from asperity.core.markup import table, with_error
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import SHARES, Answer, case_in_words
+from asperity.engineering.answer import PLACES, SHARES, Answer, case_in_words
 from asperity.engineering.largest import FEWEST, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -28,9 +28,6 @@ SAME = 1e-6
 
 OTHER_UNIT = 100
 """Ratio of rms heights from which two maps have heights in unlike units, as nm and µm."""
-
-PLACES = "at x", "at y"
-"""Numbers that have no mean: places on a map."""
 
 VOLUME, DEEPEST = "volume above yield per area", "deepest point above yield"
 """Numbers of which the share above yield is made."""
@@ -224,7 +221,7 @@ class Sample:
                 volume = next(row for row in found if (row.group, row.name) == (group, VOLUME))
                 deepest = self.numbers[self.numbers["name"] == DEEPEST].groupby("group")["value"].max()[group]
                 values, errors = volume.of_each / deepest, volume.mean.of_grid / deepest
-            if name not in PLACES:
+            if name not in PLACES[1:]:  # the mean depth says something
                 found.append(
                     SampleRow(group, name, part["unit"].iloc[0], mean_of_maps(values, errors), values)
                 )

@@ -18,7 +18,7 @@ from asperity.engineering.folder import CASE_FILE, SAMPLE, locked, replacing
 from asperity.engineering.output import HEADLINE, pool_text
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table
+from asperity.results.tables import write_table, write_workbook
 
 PICTURES = ("height", "pressure", "plane", "plane_lower", "cycles", "cycles_lower")
 """Pictures of the maps that stand beside each other, where there are such."""
@@ -84,6 +84,10 @@ def write_sample(
     with locked(folder), replacing(folder, kept=set()) as unfinished:
         for (table, frame), name in zip(tables.items(), SAMPLE, strict=False):
             write_table(frame, table, unfinished / name, float_format="%.8g")
+        write_workbook(
+            {name.removeprefix("answer_"): frame for name, frame in tables.items()},
+            unfinished / "sample.xlsx",
+        )
         write_text(unfinished / "sample.html", page)
         write_text(unfinished / CASE_FILE, case)
     return "\n".join([sample.text(), *([""] if predicted else []), *predicted])
@@ -91,10 +95,12 @@ def write_sample(
 
 def largest_in_words(row: Any) -> str:
     """One line about the largest value on an area, of a row of `Sample.largest`."""
-    low, value, high = (shown_si(getattr(row, name), "Pa", 3) for name in ("low_Pa", "value_Pa", "high_Pa"))
-    threshold = shown_si(row.threshold_Pa, "Pa", 3)
+    low, value, high, threshold = (
+        shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
+    )
+    between = f"95 % between {low} and {high}" if row.low_Pa == row.low_Pa else "no interval of one map"
     return (
         f"largest {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
-        f"{shown_si(row.area_m2, 'm^2')}: {value}, 95 % between {low} and {high}; from {row.peaks} peaks "
-        f"above {threshold}, {row.times:.3g} times the area of the maps"
+        f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
+        f"{row.times:.3g} times the area of the maps"
     )
