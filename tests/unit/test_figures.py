@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from small_study import CONTACT, LAYER
 
 from asperity.fourier.grid import Grid
-from asperity.paper.figures import cell, figures_of, peaks
+from asperity.paper.figures import cases, cell, figures_of, peaks
 from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
 from asperity.study.stages.contact import solve_contact
@@ -59,6 +59,38 @@ def test_joint_densities_are_drawn_without_peaks(chain, tmp_path, bins_with_peak
     figure.savefig(tmp_path / "figure.png")
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert ("no peaks" in texts) == (bins_with_peaks == 0)
+
+
+def test_depths_end_below_most_peaks_and_count_the_others(chain):
+    """Of 2000 peaks three lie deep: two of every thousand may, one and a half do not."""
+    statistics = dataset.read(chain["statistics"])
+    many = statistics.assign(joint_counts=statistics["joint_counts"] * 0)
+    many["joint_counts"][..., 0, 2], many["joint_counts"][..., 0, 5], many["joint_counts"][..., 0, 40] = (
+        1997,
+        1,
+        2,
+    )
+    (axis, *_) = peaks.draw_depths({"one": many}, "surfaces").axes
+    unit = cases.Case("", many).wavelength_short
+    assert axis.get_ylim() == pytest.approx((float(many["depth_edge"][6]) / unit, 0))
+    assert [text.get_text() for text in axis.texts] == ["2 of 2000 peaks\nbeyond the axes"]
+
+
+def test_figures_tell_their_surface_ratios_area_and_seeds(chain):
+    statistics = dataset.read(chain["statistics"])
+    area = 100 * float(statistics["seed_area_fraction"].mean())
+    text = cases.settings_in_words({"statistics": {"one": statistics}}, several_ratios=True)
+    ratios = ", ".join(f"{ratio:g}" for ratio in statistics["poisson"].values)
+    assert text.startswith(f"H = 0.8; ν = {ratios}; area {area:.2g} %; seeds 1")
+    own = cases.settings_in_words({"statistics": {"one": statistics}}, several_ratios=False)
+    assert f"ν = {statistics.attrs['poisson_contact']:g};" in own
+
+
+def test_copies_of_a_surface_under_other_loads_are_one(chain):
+    one = dataset.read(chain["statistics"])
+    copies = {f"a_load{n}": one.assign_attrs(label=f"ground, {n} %") for n in (1, 2, 3)}
+    found = cases.distinct(copies)
+    assert {key: data.attrs["label"] for key, data in found.items()} == {"a_load1": "ground"}
 
 
 def test_the_cell_of_an_oblong_map_is_drawn(tmp_path):

@@ -148,6 +148,13 @@ def test_a_list_of_loads_presses_every_surface_under_each(project):
     loads = [contact_of(study, name)["area_fraction"] for name in study["surfaces"]]
     assert loads == [0.02, 0.1, 0.02, 0.1]
     assert study["contact"]["path_area_fractions"] == [0.02, 0.1]
+    found = jobs(project, "--configfile", "loads.yaml")
+    made = {output for rule, output, _ in found if rule == "contact"}
+    again = {output: inputs for rule, output, inputs in found if rule == "contact_again"}
+    first = [f"results/loads/surface/{name}_load1/seed{seed}.nc" for name in "ab" for seed in study["seeds"]]
+    assert made == {*first}  # each surface is made once, and pressed again from its file
+    assert {file for inputs in again.values() for file in inputs} == made
+    assert len(again) == len(made)
 
 
 def test_a_study_is_based_on_another(tmp_path, monkeypatch):

@@ -19,6 +19,21 @@ OTHER_LATERALS = [
 OTHER_COMPONENTS = [name for name in CHOICES["shear"] if config["claims"] and name != "xz"]
 
 
+def settings_of_surface(name):
+    """Entry of a surface without its label and its load, which change nothing of the surface."""
+    entry = {**SURFACES, **MEASURED}[name]
+    return {key: value for key, value in entry.items() if key not in ("label", "contact")}
+
+
+def made_as(surface):
+    """The first surface with the same settings, whose job makes it: copies under other loads share its file."""
+    own = settings_of_surface(surface)
+    return next(name for name in (*SURFACES, *MEASURED) if settings_of_surface(name) == own)
+
+
+MADE = {name: made_as(name) for name in (*SURFACES, *MEASURED)}
+
+
 def seeds_of(surface):
     """Seeds of a surface. A measured map has no seeds: the first one stands for it."""
     return config["seeds"][:1] if surface in MEASURED else config["seeds"]
@@ -30,16 +45,21 @@ def maps_of_surface(surface):
     return [(key, MAPS[key]) for key in keys if key in MAPS]
 
 
+def result_of_seed(stage, surface, seed):
+    """Result of a stage for one seed of a surface."""
+    return f"{RESULTS}/{stage}/{MADE[surface] if stage == 'surface' else surface}/seed{seed}.nc"
+
+
 def results_of_seeds(stage):
     """Results of a stage for all seeds of a surface."""
     return lambda wildcards: [
-        f"{RESULTS}/{stage}/{wildcards.surface}/seed{seed}.nc" for seed in seeds_of(wildcards.surface)
+        result_of_seed(stage, wildcards.surface, seed) for seed in seeds_of(wildcards.surface)
     ]
 
 
 STAGE_RESULTS = (
     [
-        f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
+        result_of_seed(stage, surface, seed)
         for surface in sorted(STUDIED)
         for seed in seeds_of(surface)
         for stage in ("surface", "contact", "stress")
@@ -57,7 +77,7 @@ def figure_results(figure):
 
     def result(stage, name):
         if stage in ("surface", "contact"):
-            name = f"{name}/seed{config['seeds'][0]}"
+            return result_of_seed(stage, name, config["seeds"][0])
         return f"{RESULTS}/{stage}/{name}.nc"
 
     return FIGURES[figure].results(STUDIES, result)
@@ -81,12 +101,6 @@ def figure_labels(wildcards):
         "figure": f"{figure.number:02d}" if figure.number else figure.name,
         "study": " and ".join(figure.studies) or "validation",
     }
-
-
-def surface_settings(wildcards):
-    """Entry of a surface without its label and its load, which change nothing of the surface."""
-    entry = {**SURFACES, **MEASURED}[wildcards.surface]
-    return {key: value for key, value in entry.items() if key not in ("label", "contact")}
 
 
 def contact_settings(wildcards):

@@ -31,6 +31,7 @@ def fields(wildcards):
 # Rule -> nodes of its grid, and repetitions, as in `job_cost`.
 SIZES = {
     "contact": lambda wildcards: (nodes(wildcards.surface), loads(wildcards)),
+    "contact_again": lambda wildcards: (nodes(wildcards.surface), loads(wildcards)),
     "stress": lambda wildcards: (
         nodes(wildcards.surface),
         len(stress_settings(wildcards)["poisson"]) * (1 + len(laterals_of(wildcards))),
@@ -46,7 +47,8 @@ SIZES = {
 def cost_of(rule, wildcards):
     """Cost of a job of a rule."""
     size, repetitions = SIZES[rule](wildcards)
-    job = "load-area curve" if rule == "contact" and repetitions > 1 else rule
+    kind = rule.removesuffix("_again")
+    job = "load-area curve" if kind == "contact" and repetitions > 1 else kind
     return job_cost(job, size, repetitions, config["stress"]["depth_spacing"])
 
 

@@ -11,6 +11,8 @@ rule contact:
         f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
+    wildcard_constraints:
+        surface=any_of(sorted({*MADE.values()})),
     priority: 2
     conda:
         "../envs/asperity.yaml"
@@ -18,12 +20,22 @@ rule contact:
         **needs("contact"),
     params:
         code=COMPUTING,
-        surface=surface_settings,
+        surface=lambda wildcards: settings_of_surface(wildcards.surface),
         layer=config["layer"],
         contact=contact_settings,
         fft_engine=FFT_ENGINE,
     script:
         "../scripts/contact.py"
+
+
+# The surface of another entry, pressed under another load.
+use rule contact as contact_again with:
+    input:
+        surface=lambda wildcards: result_of_seed("surface", wildcards.surface, wildcards.seed),
+    output:
+        contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
+    wildcard_constraints:
+        surface=any_of(sorted({*MADE} - {*MADE.values()})),
 
 
 rule stress:

@@ -9,13 +9,17 @@ params, output = snakemake.params, snakemake.output
 name, seed = snakemake.wildcards.surface, int(snakemake.wildcards.seed)
 with job(snakemake) as progress:
     parameters = params.surface
-    if "file" in parameters:
+    if snakemake.input.get("surface"):
+        surface, made = dataset.read(snakemake.input.surface), "Rough"
+        parameters = dataset.settings_of(surface)["surface"]
+    elif "file" in parameters:
         surface, made = read_surface(parameters), "Measured"
         parameters = {**parameters, "wavelength_short": surface.attrs["wavelength_short"]}
     else:
         surface, made = make_surface(parameters, seed), "Rough"
     settings = {"name": name, "seed": seed, "surface": parameters}
-    dataset.write(surface, output.surface, f"{made} surface {name}, seed {seed}", settings)
+    if "surface" in output.keys():
+        dataset.write(surface, output.surface, f"{made} surface {name}, seed {seed}", settings)
     dataset.write(
         solve_contact(surface, params.layer, params.contact, progress),
         output.contact,

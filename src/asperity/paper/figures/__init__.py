@@ -157,7 +157,10 @@ def draw(figure: Description, results: Mapping[str, Any]) -> Any:
     -------
     matplotlib.figure.Figure
     """
-    return _function("draw", figure)(**results, **figure.options)
+    drawn = _function("draw", figure)(**results, **figure.options)
+    text = import_module(f"{__name__}.cases").settings_in_words(results, figure.several_ratios)
+    drawn.supxlabel(text, x=0.995, ha="right", fontsize=5, color="0.4")
+    return drawn
 
 
 def caption(figure: Description, results: Mapping[str, Any]) -> str:

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from asperity.core.types import Array
+from asperity.results.dataset import settings_of
 from asperity.stress.peaks.selection import selection_for
 from asperity.views.style import label, wavelength_short
 
@@ -106,6 +107,61 @@ CASES = {
 """Option ``cases`` of a figure → the cases that it shows."""
 
 
+def distinct(results: Datasets) -> dict[str, xr.Dataset]:
+    """Results of different surfaces: one of those that differ in the load alone, with their common label."""
+    found: dict[str, xr.Dataset] = {}
+    kinds: list[Any] = []
+    for key, data in results.items():
+        surface = settings_of(data).get("surface", key)
+        if surface not in kinds:
+            kinds.append(surface)
+            found[key] = data
+            continue
+        first = list(found)[kinds.index(surface)]
+        found[first] = found[first].assign_attrs(label=label(results[first]).rpartition(", ")[0])
+    return found
+
+
+def settings_in_words(results: Any, several_ratios: bool) -> str:
+    """Hurst exponents, Poisson's ratios, areas and seeds of all results of a figure, in one line.
+
+    Parameters
+    ----------
+    results : mapping
+        Tree of datasets.
+    several_ratios : bool
+        The figure shows all Poisson's ratios of its results, not only those of the contacts.
+    """
+    leaves, found = [results], dict[str, set[Any]]()
+    while leaves:
+        one = leaves.pop()
+        if not isinstance(one, xr.Dataset):
+            leaves += one.values()
+            continue
+        settings = settings_of(one)
+        surface = settings.get("surface", {})
+        ratios = one["poisson"].values.ravel() if "poisson" in one.coords else one.attrs.get("poisson", ())
+        if "poisson_contact" in one.attrs and not several_ratios:
+            ratios = one.attrs["poisson_contact"]
+        areas = [one[key].mean() for key in ("area_fraction", "seed_area_fraction") if key in one and surface]
+        for key, values in {
+            "H = ": [surface["hurst"]] if "hurst" in surface else ["measured"] if "file" in surface else [],
+            "ν = ": np.ravel(ratios).tolist(),
+            "area ": [float(f"{100 * float(area):.2g}") for area in areas],
+            "seeds ": np.ravel(settings.get("seed", ())).tolist() if "hurst" in surface else [],
+        }.items():
+            found.setdefault(key, set()).update(values)
+    texts = []
+    for key, values in found.items():
+        listed = sorted(values, key=lambda value: (isinstance(value, str), value))
+        words = [value if isinstance(value, str) else f"{value:g}" for value in listed]
+        if key == "seeds " and len(listed) > 2 and listed == list(range(listed[0], listed[-1] + 1)):
+            words = [f"{words[0]}–{words[-1]}"]
+        if words:
+            texts.append(key + ", ".join(words) + (" %" if key == "area " else ""))
+    return "; ".join(texts)
+
+
 def name(title: str) -> str:
     """A title with its mathematics as reStructuredText has it."""
     return re.sub(r"\$(.*?)\$", r":math:`\1`", title)
@@ -118,6 +174,11 @@ def contact_area(data: xr.Dataset) -> str:
         f"{name(label(data))}: {100 * float(data['area_fraction']):.2f} % of the area in contact at a mean "
         f"pressure of {float(data['mean_pressure']) / gradient:.4f} E\\* ḡ_r, ḡ_r = {gradient:.4f}"
     )
+
+
+def title_panel(axis: Axes, title: str) -> None:
+    """Write a title over a panel; one of several parts stands on lines above that of the panel's letter."""
+    axis.set_title(title.replace(", ", ",\n") + "\n" if ", " in title else title, loc="center")
 
 
 def von_mises_densities(axis: Axes, cases: Sequence[Case]) -> None:
@@ -161,6 +222,8 @@ def finish_densities(axis: Axes, symbol: str) -> None:
     limit = LARGEST_OVER_MEDIAN * max(median(x, y) for x, y in lines)
     largest = max(float(x[(y > visible) & (x <= limit)].max(initial=0.0)) for x, y in lines)
     axis.set(xlabel=f"${scaled}$", ylabel=rf"PDF$\,[{scaled}]$", xlim=(0, 1.02 * largest), ylim=(0, None))
+    if len(lines) > 2:  # room for the legend above the curves
+        axis.set_ylim(top=1.4 * axis.get_ylim()[1])
     beyond = max(float(y[x > 1.02 * largest].sum() / max(y.sum(), 1e-300)) for x, y in lines)
     spikes = any(np.any((y > visible) & (x > limit)) for x, y in lines)
     axis.legend(title=f"{100 * beyond:.2g} % beyond the axis" if spikes else None)

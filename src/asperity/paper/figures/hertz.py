@@ -59,7 +59,11 @@ def draw_load_area(validation: Datasets) -> Figure:
 
 
 def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
-    """Draw contact area against load, and load against indentation, of slabs of several heights."""
+    """Draw contact area against load, and load against indentation, of slabs of several heights.
+
+    Slabs are stiffer, and that is seen at one indentation, not at one load: a thin line joins the deepest
+    point of each slab with that of the half-space at the same indentation, an open marker.
+    """
     scale = data.attrs["curvature_radius"]
     load, half_space = scale * data.curve_mean_pressure, 100 * data.curve_area_fraction
     area.loglog(load, half_space, "k", lw=0.8, label="closed form")
@@ -67,11 +71,17 @@ def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
         one = data.isel(slab=number)
         tall = float(one.slab_height)
         load, label = scale * one.slab_mean_pressure, f"$L_z = {tall:g} L$"
-        area.loglog(load, 100 * np.pi * one.slab_contact_radius**2, marker, label=label)
+        shares = 100 * np.pi * one.slab_contact_radius**2
+        softer = float(load[-1] / one.slab_stiffening[-1])
+        below = float(np.interp(softer, data.curve_mean_pressure * scale, half_space))
+        more = f"{label}: load × {float(one.slab_stiffening[-1]):.2f}"
+        (line,) = area.loglog(load, shares, marker, label=more)
+        area.plot([softer, float(load[-1])], [below, float(shares[-1])], color=line.get_color(), lw=0.6)
+        area.plot(softer, below, marker, mfc="none", color=line.get_color())
         depth = scale * one.slab_approach / tall
         stiffening.plot(depth, one.slab_stiffening, marker=marker, lw=0.8, label=label)
     area.set(xlabel=r"mean pressure $\bar{p} R / (E^* L)$", ylabel="contact area (% of cell)")
-    area.legend()
+    area.legend(title="slab over half-space at\nthe deepest indentation (open)", title_fontsize=6, fontsize=6)
     stiffening.axhline(1, color="k", lw=0.8)
     stiffening.set(xlabel=r"indentation $u_z^0 R / (L L_z)$", ylabel="load / Hertz at same indentation")
     stiffening.legend()

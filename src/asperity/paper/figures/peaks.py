@@ -16,11 +16,13 @@ from asperity.paper.figures.cases import (
     Case,
     Datasets,
     curve_with_band,
+    distinct,
     extreme_ratios,
     finish_densities,
     median,
     of_surfaces,
     peak_density,
+    title_panel,
     von_mises_densities,
     with_band,
 )
@@ -28,6 +30,12 @@ from asperity.views.style import COLUMN, PAGE, label, panels
 
 LARGEST_DISTANCE = 6.0
 """Largest depth or distance drawn, in units of the shortest wavelength."""
+
+MOST = 0.999
+"""Share of the peaks above the end of an axis of depths."""
+
+DEPARTURE = 0.05
+"""Difference between curves of the decay, over the variance, that is marked: the paper finds none."""
 
 SMALLEST_SHARE = 1e-4
 """Smallest joint density drawn, over the largest: the range of the colours."""
@@ -45,7 +53,7 @@ def draw_load_area(statistics: Datasets) -> Figure:
     """
     figure, (curve, peaks) = panels()
     reach = 0.0
-    for data, marker in zip(statistics.values(), "osD^", strict=False):
+    for data, marker in zip(distinct(statistics).values(), "osD^", strict=False):
         load, low, high = with_band(data, "path_scaled_load")
         area = 100 * data["path_area_fraction"]
         band = [load - low, high - load] if np.isfinite(low).all() else None
@@ -96,7 +104,9 @@ def draw_stresses(statistics: Datasets, cases: str) -> Figure:
             peak_density(components, case, "xz", label=name, ls="--", color=f"C{number}")
     if cases == "ratios":
         (own,) = of_surfaces(statistics)
-        peak_density(components, own, "zz", compression=True, c="k", ls="--", label=r"$-\sigma_{zz}$")
+        alike = r", the same for every $\nu$" if own.statistics.attrs["solid"] == "half-space" else ""
+        label = rf"$-\sigma_{{zz}}${alike}"
+        peak_density(components, own, "zz", compression=True, c="k", ls="--", label=label)
     finish_densities(components, r"\sigma_{ij}" if cases == "surfaces" else r"-\sigma_{ii}")
     return figure
 
@@ -150,7 +160,7 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     symbol = r"\lambda_{sn}" if cases == "shortest waves" else r"\lambda_s"
     figure, axes = panels(columns=len(compared), height=66, width=PAGE if len(compared) > 1 else COLUMN)
     for axis, case in zip(axes, compared, strict=True):
-        axis.set_title(case.title, loc="center")
+        title_panel(axis, case.title)
     densities = [_joint_density(*each) for each in zip(compared, _units(compared, cases), strict=True)]
     shown = [(value, depth, density) for value, depth, density in densities if density.count()]
     if not shown:  # as under contacts of a few nodes
@@ -166,11 +176,17 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     )
     reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
     widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
-    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in shown)
-    for axis, (value, depth, density) in zip(axes, densities, strict=True):
+    deepest = max(
+        _depth_of_most(case, unit) for case, unit in zip(compared, _units(compared, cases), strict=True)
+    )
+    for axis, case, (value, depth, density) in zip(axes, compared, densities, strict=True):
+        counts = case.peaks("von_mises")["joint_counts"].values
+        beyond = counts.sum() - counts[np.ix_(value[1:] <= widest, depth[1:] <= deepest)].sum()
+        text = f"{int(beyond)} of {int(counts.sum())} peaks\nbeyond the axes"
+        axis.text(0.98, 0.02, text, ha="right", va="bottom", fontsize=6, transform=axis.transAxes)
         image = axis.pcolormesh(value, depth, density.T, norm=norm, cmap="viridis_r", rasterized=True)
         axis.set(xlabel=r"$\sigma_\mathrm{VM}^\mathrm{lmax} / E^* \bar{g}_r$", ylabel=f"depth $/ {symbol}$")
-        axis.set(xlim=(0, widest), ylim=(min(deepest, LARGEST_DISTANCE), 0))
+        axis.set(xlim=(0, widest), ylim=(deepest, 0))
     figure.colorbar(image, ax=axes, label="joint probability density")
     return figure
 
@@ -191,12 +207,29 @@ def caption_depths(statistics: Datasets, cases: str) -> Iterator[str]:
 def draw_decay(statistics: Datasets, cases: str) -> Figure:
     """Draw Eq. 22 (a) along depth and (b) in the plane of the largest peak, over the variance there."""
     figure, axes = panels()
+    drawn: list[list[Array]] = [[], []]
     for case in CASES[cases](statistics):
         data, unit = case.statistics, case.wavelength_short
         factor = 1 / float(data["scaled_covariance_plane"][0])
         for axis, distance, along in zip(axes, ("plane_depth", "lag"), ("depth", "plane"), strict=True):
             curves = [factor * curve for curve in with_band(data, f"scaled_covariance_{along}")]
             curve_with_band(axis, data[distance] / unit, *curves, label=case.title)
+            drawn[along == "plane"].append(curves[0])
+    for axis, distance, curves in zip(axes, ("plane_depth", "lag"), drawn, strict=True):
+        if cases == "ratios" and np.ptp(curves, axis=0).max() > DEPARTURE:
+            apart = np.ptp(curves, axis=0) > DEPARTURE
+            text = f"curves differ by more than {DEPARTURE:g}\n(the paper: no effect)"
+            axis.fill_between(
+                data[distance] / unit,
+                0,
+                1,
+                where=apart,
+                transform=axis.get_xaxis_transform(),
+                color="0.9",
+                lw=0,
+                zorder=0,
+                label=text,
+            )
     for axis, distance, place, peak in zip(
         axes, ("depth", "distance"), "zr", (r"z_\mathrm{peak}", "0"), strict=True
     ):
@@ -225,6 +258,13 @@ def _units(compared: Sequence[Case], cases: str) -> list[float]:
     """Unit of depth of each case."""
     units = [case.wavelength_short for case in compared]
     return units[:1] * len(units) if cases == "shortest waves" else units
+
+
+def _depth_of_most(case: Case, unit: float) -> float:
+    """Depth in a unit above which `MOST` of the von Mises peaks lie."""
+    peaks = case.peaks("von_mises")
+    below = np.cumsum(peaks["joint_counts"].values.sum(axis=0))
+    return float(peaks["depth_edge"].values[1:][np.searchsorted(below, MOST * below[-1])] / unit)
 
 
 def _joint_density(case: Case, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:

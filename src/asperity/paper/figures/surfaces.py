@@ -10,7 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from asperity.paper.figures.cases import Datasets, contact_area, curve_with_band, name, with_band
+from asperity.paper.figures.cases import (
+    Datasets,
+    contact_area,
+    curve_with_band,
+    distinct,
+    name,
+    title_panel,
+    with_band,
+)
 from asperity.results.dataset import grid_of
 from asperity.views.maps import blocks
 from asperity.views.style import COLUMN, PAGE, label, panels
@@ -20,6 +28,12 @@ SMALLEST_POWER = 1e-8
 
 OFFSET = 7.0
 """Distance between the sections of several surfaces in one panel, in rms heights."""
+
+ZOOM = 0.125
+"""Edge of the magnified part of a map of pressure, over that of the cell."""
+
+ALIKE = 0.03
+"""Largest difference of densities, over the largest one, that is called coincidence."""
 
 PIXELS = 512
 """Smallest number of pixels along an edge of a map, where the grid has as many nodes."""
@@ -35,6 +49,7 @@ def draw_spectrum(surface: Datasets) -> Figure:
     A thin line is the expected spectrum of a random surface before its heights are transformed.
     """
     figure, (axis,) = panels(columns=1, width=COLUMN)
+    surface = distinct(surface)
     largest = max(float(data["spectrum"].max()) for data in surface.values())
     for number, data in enumerate(surface.values()):
         waves = data["wavenumber"] / (2 * np.pi)
@@ -52,7 +67,7 @@ def draw_spectrum(surface: Datasets) -> Figure:
 
 def caption_spectrum(surface: Datasets) -> Iterator[str]:
     """Root-mean-square height and gradient of each surface."""
-    for data in surface.values():
+    for data in distinct(surface).values():
         height, gradient = float(data["rms_height"]), float(data["rms_gradient"])
         yield f"{name(label(data))}: rms height {height:.4g} L, rms gradient {gradient:.4g}"
 
@@ -60,19 +75,20 @@ def caption_spectrum(surface: Datasets) -> Iterator[str]:
 def draw_heights(surface: Datasets, statistics: Datasets) -> Figure:
     """Draw the density of the heights of all seeds, and the section y = L/2 of one."""
     figure, (heights, section) = panels()
+    surface, statistics = distinct(surface), distinct(statistics)
     _draw_densities(heights, statistics, [label(data) for data in statistics.values()])
     heights.legend()
-    _draw_sections(section, surface, offset=0.0, lw=0.6)
+    _draw_sections(section, surface, OFFSET if len(surface) > 1 else 0.0, lw=0.6)
     section.set(ylabel=r"$h / h_\mathrm{rms}$")
-    section.legend(loc="upper right", ncols=len(surface))
-    section.set_ylim(top=1.25 * section.get_ylim()[1])
+    if len(surface) > 1:
+        section.set(ylabel=r"$h / h_\mathrm{rms}$, shifted", yticks=[])
     return figure
 
 
 def caption_heights(surface: Datasets, statistics: Datasets) -> Iterator[str]:
     """Skewness and kurtosis of each surface, means over seeds."""
-    for key, data in statistics.items():
-        one = surface[key]
+    for key, data in distinct(statistics).items():
+        one = distinct(surface)[key]
         skewness, kurtosis = (_mean(data[f"seed_{moment}"]) for moment in ("skewness", "kurtosis"))
         text = f"{name(label(one))}: skewness {skewness}, kurtosis {kurtosis}"
         if "kurtosis_error" in one:
@@ -120,6 +136,8 @@ def caption_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Da
 def draw_pressure(contact: Datasets) -> Figure:
     """Draw the pressure over E* times the rms gradient of the real contact; white where there is no contact.
 
+    A second row magnifies the part of the cell around the largest pressure of the first surface.
+
     Notes
     -----
     A pixel shows the largest pressure of the nodes under it, so that the smallest contacts are seen.
@@ -130,19 +148,28 @@ def draw_pressure(contact: Datasets) -> Figure:
         maps.append(
             blocks(data["pressure"].values, (size, size), np.max) / float(data["gradient_rms_contact"])
         )
-    figure, axes = panels(columns=len(maps), height=76, width=PAGE if len(maps) > 1 else COLUMN)
+    width = PAGE if len(maps) > 1 else COLUMN
+    figure, axes = panels(columns=len(maps), rows=2, height=min(76.0, 25.4 * width / len(maps)), width=width)
+    first = next(iter(contact.values()))["pressure"]
+    place = np.unravel_index(np.argmax(first.values), first.shape)
+    corner = [
+        min(max(int(node) / nodes - ZOOM / 2, 0.0), 1 - ZOOM)
+        for node, nodes in zip(place, first.shape, strict=True)
+    ]
     ends = [np.percentile(values[values > 0], 99.5) for values in maps]
     largest = min(max(ends), WIDEST * min(ends))
-    for axis, data, values in zip(axes, contact.values(), maps, strict=True):
+    for axis, near, data, values in zip(axes, axes[len(maps) :], contact.values(), maps, strict=False):
         height, width = grid_of(data).length
-        shown, extent = np.ma.masked_equal(values, 0), (0, width, 0, height)
-        image = axis.imshow(shown, "viridis_r", origin="lower", extent=extent, vmin=0, vmax=largest)
-        axis.set(xlabel="$x / L$", ylabel="$y / L$")
-        title = label(data)
-        if ", " in title:  # on lines above that of the letter of the panel, which it would run into
-            title = title.replace(", ", ",\n") + "\n"
-        axis.set_title(title, loc="center")
-        axis.spines[["top", "right"]].set_visible(True)
+        nodes = data["pressure"].values / float(data["gradient_rms_contact"])
+        for each, field in ((axis, values), (near, nodes)):
+            shown, extent = np.ma.masked_equal(field, 0), (0, width, 0, height)
+            image = each.imshow(shown, "viridis_r", origin="lower", extent=extent, vmin=0, vmax=largest)
+            each.set(xlabel="$x / L$", ylabel="$y / L$")
+            each.spines[["top", "right"]].set_visible(True)
+        (bottom, left), (tall, wide) = (corner[0] * height, corner[1] * width), (ZOOM * height, ZOOM * width)
+        near.set(xlim=(left, left + wide), ylim=(bottom, bottom + tall))
+        axis.indicate_inset((left, bottom, wide, tall), edgecolor="k", alpha=1, lw=0.6)
+        title_panel(axis, label(data))
     figure.colorbar(image, ax=axes, label=r"$t_3 / E^* \bar{g}_r$", extend="max", shrink=0.8)
     return figure
 
@@ -153,11 +180,19 @@ def caption_pressure(contact: Datasets) -> Iterator[str]:
 
 
 def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None:
-    """Draw the probability density of the heights over their rms, all seeds, a curve for each surface."""
-    for title, data in zip(titles, statistics.values(), strict=True):
+    """Draw the probability density of the heights over their rms, all seeds, a curve for each surface.
+
+    Each curve is thinner than the one before and has other dashes, so that coinciding ones are all seen.
+    """
+    looks = zip((2.4, 1.6, 1.2, 1.0), ("-", "--", ":", "-."), strict=True)
+    densities = [data["height_density"].values for data in statistics.values()]
+    for title, data, (width, dashes) in zip(titles, statistics.values(), looks, strict=False):
         edges = data["height_edge"].values
         middles = (edges[1:] + edges[:-1]) / 2
-        curve_with_band(axis, middles, *with_band(data, "height_density"), label=title)
+        curve_with_band(axis, middles, *with_band(data, "height_density"), label=title, lw=width, ls=dashes)
+    if len(densities) > 1 and np.ptp(densities, axis=0).max() < ALIKE * np.max(densities):
+        text = f"the curves coincide\nwithin {100 * ALIKE:g} % of the largest density"
+        axis.text(0.02, 0.98, text, va="top", fontsize=6, transform=axis.transAxes)
     axis.set(xlabel=r"$h / h_\mathrm{rms}$", ylabel="probability density", xlim=(-4.5, 4.5), ylim=(0, None))
 
 
