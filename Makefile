@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm report crate docs bench tradeoff lock clean
+.PHONY: help study quick theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm report crate docs bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -30,7 +30,10 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (a minute and a quarter)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
-pages: study ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
+theories: $(VENV)/ready ## Compare theories of rough contact with certified contacts, in docs/theories.md (four minutes of processor time)
+	snakemake --snakefile studies/theories/Snakefile --cores $(CORES)
+
+pages: study theories ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
 	python -m asperity.paper results
 	python -m asperity.study.config describe config/README.md
 	python studies/height_distribution/height_distribution.py
@@ -50,7 +53,7 @@ test: lint ## Run lint and all tests, among them the quick study from nothing (f
 lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go downwards only
 	ruff check .
 	ruff format --check .
-	snakefmt --check Snakefile workflow
+	snakefmt --check Snakefile workflow studies
 	snakemake --lint
 	mypy
 	lint-imports --no-logo --no-cache

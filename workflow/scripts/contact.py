@@ -18,7 +18,7 @@ with job(snakemake) as progress:
     else:
         surface, made = make_surface(parameters, seed), "Rough"
     settings = {"name": name, "seed": seed, "surface": parameters}
-    if "surface" in output.keys():
+    if output.get("surface"):
         dataset.write(surface, output.surface, f"{made} surface {name}, seed {seed}", settings)
     dataset.write(
         solve_contact(surface, params.layer, params.contact, progress),

@@ -81,7 +81,9 @@ def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
         depth = scale * one.slab_approach / tall
         stiffening.plot(depth, one.slab_stiffening, marker=marker, lw=0.8, label=label)
     area.set(xlabel=r"mean pressure $\bar{p} R / (E^* L)$", ylabel="contact area (% of cell)")
-    area.legend(title="slab over half-space at\nthe deepest indentation (open)", title_fontsize=6, fontsize=6)
+    area.legend(loc="lower right", fontsize=6)
+    text = "slabs are stiffer: open, the half-space\nat the deepest indentation of each"
+    area.text(0.03, 0.97, text, va="top", fontsize=6, transform=area.transAxes)
     stiffening.axhline(1, color="k", lw=0.8)
     stiffening.set(xlabel=r"indentation $u_z^0 R / (L L_z)$", ylabel="load / Hertz at same indentation")
     stiffening.legend()

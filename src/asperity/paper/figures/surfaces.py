@@ -32,7 +32,7 @@ OFFSET = 7.0
 ZOOM = 0.125
 """Edge of the magnified part of a map of pressure, over that of the cell."""
 
-ALIKE = 0.03
+ALIKE = 0.05
 """Largest difference of densities, over the largest one, that is called coincidence."""
 
 PIXELS = 512
