@@ -42,7 +42,7 @@ Values = tuple[float, float, float, float, float]
 
 
 @fused
-def _decay(x: float) -> tuple[float, float]:
+def decaying(x: float) -> tuple[float, float]:
     """e^(−x) and 1 − e^(−x) for x ≥ 0, both to full relative precision, from one exponential."""
     if x < 0.5:
         rest = -np.expm1(-x)
@@ -59,7 +59,7 @@ _SINHC_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(1, 13))
 
 
 @fused_inlined
-def _sinh_rest(square: float) -> float:
+def sinh_rest(square: float) -> float:
     """(sinh x / x − 1)/x² as a function of x², for x ≤ 1."""
     total = 0.0
     for coefficient in _SINH_SERIES:
@@ -68,10 +68,10 @@ def _sinh_rest(square: float) -> float:
 
 
 @fused_inlined
-def _cosh_rest(square: float) -> float:
+def cosh_rest(square: float) -> float:
     """(cosh x − 1)/x² as a function of x², for x ≤ 1.
 
-    The difference `_cosh_rest` − `_sinh_rest` is (x cosh x − sinh x)/x³.
+    The difference `cosh_rest` − `sinh_rest` is (x cosh x − sinh x)/x³.
     """
     total = 0.0
     for coefficient in _COSH_SERIES:
@@ -82,7 +82,7 @@ def _cosh_rest(square: float) -> float:
 @fused_inlined
 def _double_sinh_rest(square: float) -> float:
     """(sinh 2x / (2x) − 1)/x² as a function of x², for x ≤ 1."""
-    sinh, cosh = _sinh_rest(square), _cosh_rest(square)
+    sinh, cosh = sinh_rest(square), cosh_rest(square)
     return sinh + cosh + square * sinh * cosh
 
 
@@ -111,9 +111,9 @@ def frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values
     if h < 1.0:
         return _thin_frictionless_kernels(h, t, d, poisson)
     m = 1.0 - 2.0 * poisson
-    e2t, c2t = _decay(2.0 * t)
-    e2h, c2h = _decay(2.0 * h)
-    _, c2d = _decay(2.0 * d)
+    e2t, c2t = decaying(2.0 * t)
+    e2h, c2h = decaying(2.0 * h)
+    _, c2d = decaying(2.0 * d)
     scale = np.exp(-d) / (c2h * (1.0 + e2h) + 4.0 * h * e2h)
     shch = c2h * (1.0 + e2t)
     far = d * (1.0 + e2h) * (1.0 + e2t) + 2.0 * t * (e2t + e2h)
@@ -132,15 +132,15 @@ def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> 
     """`frictionless_kernels` for h < 1, by series."""
     s = h + t
     hh, tt, dd, quarter = h * h, t * t, d * d, 0.25 * s * s
-    sinh_h, cosh_h = h + h * hh * _sinh_rest(hh), 1.0 + hh * _cosh_rest(hh)
-    sinh_t, cosh_t = t + t * tt * _sinh_rest(tt), 1.0 + tt * _cosh_rest(tt)
-    above_d = dd * _cosh_rest(dd)
-    half_s = 0.5 * s * (1.0 + quarter * _sinh_rest(quarter))
+    sinh_h, cosh_h = h + h * hh * sinh_rest(hh), 1.0 + hh * cosh_rest(hh)
+    sinh_t, cosh_t = t + t * tt * sinh_rest(tt), 1.0 + tt * cosh_rest(tt)
+    above_d = dd * cosh_rest(dd)
+    half_s = 0.5 * s * (1.0 + quarter * sinh_rest(quarter))
     scale = 1.0 / (sinh_h * cosh_h + h)
     normal = scale * (sinh_h * cosh_t + d * cosh_h * cosh_t + t * (1.0 + above_d))
     shear = scale * 2.0 * h * t * s * d * _sinhc_difference(4.0 * quarter, dd)
     # sinh s − s + sinh d − d − s (cosh d − 1) − d (cosh s − 1)
-    excess = s * quarter * _double_sinh_rest(quarter) + d * dd * _sinh_rest(dd)
+    excess = s * quarter * _double_sinh_rest(quarter) + d * dd * sinh_rest(dd)
     longitudinal = scale * (0.5 * (excess - s * above_d) - d * half_s * half_s)
     along = (1.0 - poisson) * longitudinal - poisson * normal
     downward = shear + scale * 2.0 * (1.0 - poisson) * sinh_h * sinh_t
@@ -155,9 +155,9 @@ def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     m = 1.0 - 2.0 * poisson
     m1 = 1.0 + m
     k = m1 + m
-    e2t, c2t = _decay(2.0 * t)
-    e2h, c2h = _decay(2.0 * h)
-    _, c2d = _decay(2.0 * d)
+    e2t, c2t = decaying(2.0 * t)
+    e2h, c2h = decaying(2.0 * h)
+    _, c2d = decaying(2.0 * d)
     scale = np.exp(-d) / (k * c2h * c2h + 4.0 * e2h * (h * h + m1 * m1))
     chch, shsh = (1.0 + e2h) * (1.0 + e2t), c2h * c2t
     shch, chsh = c2h * (1.0 + e2t), (1.0 + e2h) * c2t
@@ -170,7 +170,7 @@ def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
         downward = scale * (k * (m1 * chsh + d * shsh) - t * (m1 * cd + h * sd))
     else:
         tt = t * t
-        bend = 2.0 * np.exp(-t) * t * tt * (_cosh_rest(tt) - _sinh_rest(tt))
+        bend = 2.0 * np.exp(-t) * t * tt * (cosh_rest(tt) - sinh_rest(tt))
         downward = scale * (
             m * (2.0 * m1 * chsh + (h + d) * shsh) + h * t * chsh - bend * (m1 * (1.0 + e2h) + h * c2h)
         )
@@ -184,8 +184,8 @@ def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values
     m1 = 1.0 + m
     k = m1 + m
     hh, tt, dd = h * h, t * t, d * d
-    rest_h, rest_t, rest_d = _sinh_rest(hh), _sinh_rest(tt), _sinh_rest(dd)
-    above_h, above_t, above_d = _cosh_rest(hh), _cosh_rest(tt), _cosh_rest(dd)
+    rest_h, rest_t, rest_d = sinh_rest(hh), sinh_rest(tt), sinh_rest(dd)
+    above_h, above_t, above_d = cosh_rest(hh), cosh_rest(tt), cosh_rest(dd)
     sinh_h, cosh_h = h + h * hh * rest_h, 1.0 + hh * above_h
     sinh_t, cosh_t = t + t * tt * rest_t, 1.0 + tt * above_t
     sinhc_d, cosh_d = 1.0 + dd * rest_d, 1.0 + dd * above_d
@@ -196,12 +196,12 @@ def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values
         + d * (m1 * sinh_h * cosh_t + m * cosh_h * sinh_t + t * sinhc_d)
     )
     half = 0.5 * (h + t)
-    half *= 1.0 + half * half * _sinh_rest(half * half)
+    half *= 1.0 + half * half * sinh_rest(half * half)
     squares = 2.0 * poisson + half * half + 0.5 * dd * above_d - m * dd * rest_d
     shear = scale * d * (m1 * squares + m * sinh_h * sinh_t - h * t * sinhc_d)
     half_sum, half_t = 0.25 * (h + d) * (h + d), 0.25 * tt
     # (cosh h − cosh d)/t
-    drop = 0.5 * (h + d) * (1.0 + half_sum * _sinh_rest(half_sum)) * (1.0 + half_t * _sinh_rest(half_t))
+    drop = 0.5 * (h + d) * (1.0 + half_sum * sinh_rest(half_sum)) * (1.0 + half_t * sinh_rest(half_t))
     along = scale * (
         -2.0 * poisson * (k * sinh_h * sinh_t + t * d * sinhc_d)
         - k * h * hh * (above_h - rest_h) * sinh_t
@@ -229,9 +229,9 @@ def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values
     m = 1.0 - 2.0 * poisson
     m1 = 1.0 + m
     k = m1 + m
-    e2t, c2t = _decay(2.0 * t)
-    e2h, c2h = _decay(2.0 * h)
-    _, c2d = _decay(2.0 * d)
+    e2t, c2t = decaying(2.0 * t)
+    e2h, c2h = decaying(2.0 * h)
+    _, c2d = decaying(2.0 * d)
     decay = np.exp(-d)
     scale = decay / (k * c2h * c2h + 4.0 * e2h * (h * h + m1 * m1))
     chch, shsh = (1.0 + e2h) * (1.0 + e2t), c2h * c2t
@@ -247,11 +247,11 @@ def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values
 
 # Largest q depth at which kernels are evaluated. Beyond, they are below 1e-300 and are set to 0, because
 # subnormal numbers are slow.
-_DEEPEST = 700.0
+DEEPEST = 700.0
 
 # Beyond this q (height − depth) the kernels of a layer differ from those of the half-space by less than
 # 1e-30, and beyond this q height the surface compliance does: the half-space is used.
-_BOTTOM_OUT_OF_REACH = 40.0
+BOTTOM_OUT_OF_REACH = 40.0
 
 
 @fused
@@ -270,9 +270,9 @@ def fill_kernels(
         d, t = wavenumber * below, wavenumber * (height - below)
         if wavenumber == 0.0:
             values = (0.0, 0.0, 1.0, 1.0, 0.0) if of_shear else (1.0, 0.0, 0.0, 0.0, 0.0)
-        elif d > _DEEPEST:
+        elif d > DEEPEST:
             values = (0.0, 0.0, 0.0, 0.0, 0.0)
-        elif kind == HALF_SPACE or t > _BOTTOM_OUT_OF_REACH:
+        elif kind == HALF_SPACE or t > BOTTOM_OUT_OF_REACH:
             values = half_space_shear_kernels(d) if of_shear else half_space_kernels(d, poisson)
         elif of_shear:
             values = bonded_shear_kernels(wavenumber * height, t, d, poisson)
@@ -297,10 +297,10 @@ def fill_surface_compliance(
         if wavenumber == 0.0:
             out[n] = uniform
             continue
-        if kind == HALF_SPACE or h > _BOTTOM_OUT_OF_REACH:
+        if kind == HALF_SPACE or h > BOTTOM_OUT_OF_REACH:
             out[n] = unit / wavenumber
             continue
-        e2h, c2h = _decay(2.0 * h)
+        e2h, c2h = decaying(2.0 * h)
         if kind == FRICTIONLESS:
             slope = c2h / (2.0 * h)
             out[n] = unit * height * 2.0 * slope * slope / (slope * (1.0 + e2h) + 2.0 * e2h)
@@ -317,6 +317,6 @@ def fill_surface_compliance(
                 divisor = h * h + m1 * m1 + k * np.sinh(h) ** 2
                 out[n] = unit * height * (2.0 * m + (1.0 + 2.0 * m) * beyond) / divisor
             else:
-                rest = _sinh_rest(h * h)
+                rest = sinh_rest(h * h)
                 bending = h * h * h * rest * (2.0 + h * h * rest)
                 out[n] = unit / wavenumber * (2.0 + beyond) / bending

@@ -1,4 +1,4 @@
-"""The elastic layer and the half-space: compliances, and stress and displacement at any depth.
+"""The elastic layer, the half-space and the coated half-space: compliances, stress and displacement.
 
 Conventions
 -----------
@@ -23,12 +23,21 @@ t_t across the wavevector:
 
 In a half-space N = d e^(−d), M = (2 − d) e^(−d), X = (1 − d) e^(−d), P = Q = e^(−d).
 
+Coatings
+--------
+A layer with a `base` is a coating, bonded to an elastic half-space. All results hold at every depth: below
+the coating they are those of the base, with its own Poisson's ratio in σ_tt, and V and W in units of its own
+(1 + ν)/(E q). On the interface σ_zz, σ_lz and the displacements are continuous, σ_ll and σ_tt jump: a depth
+equal to `height` is the lower face of the coating, `numpy.nextafter(height, inf)` the upper face of the
+base.
+
 The mode q = 0
 --------------
 The mode q = 0 is a uniform pressure on a cell that repeats sideways. The paper does not say whether the cell
 may spread; `Layer.lateral` chooses: ``"confined"`` (no lateral strain) or ``"free"`` (no mean lateral
-stress). The mode is not the limit q → 0. A half-space and a layer with a free bottom have no finite uniform
-displacement: their displacement and compliance at q = 0 are set to 0. `Layer.kernels` gives 1 for Z and 0 for
+stress). The mode is not the limit q → 0. A half-space, coated or not, and a layer with a free bottom have no
+finite uniform displacement: their displacement and compliance at q = 0 are set to 0. A coating whose base may
+spread is stretched with it. `Layer.kernels` gives 1 for Z and 0 for
 the others at q = 0.
 
 The Nyquist rule
@@ -46,16 +55,18 @@ error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
+from asperity.core.errors import shown
 from asperity.core.markup import table
 from asperity.core.types import Array
+from asperity.elasticity.coating import Materials, fill_coated_compliance, fill_coated_kernels
 from asperity.elasticity.green_tensor import green_elements
 from asperity.elasticity.kernels import (
     BONDED,
@@ -126,11 +137,14 @@ class Layer:
         no effect on the half-space.
     lateral : "confined" | "free"
         Condition for the mode q = 0: no lateral strain; no mean lateral stress.
+    base : Layer, optional
+        Elastic half-space to which the layer, a coating, is bonded; its `lateral` is that of the coating.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not a number or is out of range.
+        If an argument is not a number or is out of range, the base is not a plain half-space, or the coating
+        is not bonded to it.
 
     Examples
     --------
@@ -141,6 +155,9 @@ class Layer:
     >>> wavenumber = np.array([10.0, 1e3, 1e5])  # rad/m
     >>> np.round(rubber.surface_compliance(wavenumber) * rubber.effective_modulus * wavenumber / 2, 3)
     array([0.   , 0.241, 1.   ])
+    >>> coated = asp.Layer(400e9, 0.25, height=2e-6, base=steel)  # 2 µm of a hard coating
+    >>> coated.stress(1e6, 0.0, [2e-6, np.nextafter(2e-6, 1)])[:, 0].real.round(3)  # σ_xx jumps
+    array([ 0.191, -0.024])
     """
 
     young: float
@@ -148,6 +165,7 @@ class Layer:
     height: float | None = None
     bottom: str = "bonded"
     lateral: str = "confined"
+    base: Layer | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "young", magnitude("young", self.young))
@@ -159,9 +177,21 @@ class Layer:
             object.__setattr__(self, "height", height)
         choice("bottom", self.bottom, BOTTOMS)
         choice("lateral", self.lateral, LATERALS)
+        if self.base is None:
+            return
+        if not isinstance(self.base, Layer):
+            raise TypeError(f"base = {shown(self.base)}: a Layer without a height is needed")
+        if self.base.height is not None:
+            raise ValueError(f"base = {self.base!r}: a half-space is needed, a Layer without a height")
+        if self.height is None:
+            raise ValueError("height = None: the height of the coating is needed on a base")
+        if self.bottom != "bonded":
+            raise ValueError(f"bottom = {self.bottom!r}: bonded is needed on an elastic base")
+        object.__setattr__(self, "base", replace(self.base, bottom="bonded", lateral=self.lateral))
 
     def __repr__(self) -> str:
-        given = "" if self.height is None else f", height={self.height:.6g}, bottom={self.bottom!r}"
+        below = f"bottom={self.bottom!r}" if self.base is None else f"base={self.base!r}"
+        given = "" if self.height is None else f", height={self.height:.6g}, {below}"
         lateral = "" if self.lateral == "confined" else f", lateral={self.lateral!r}"
         return f"Layer(young={self.young:.6g}, poisson={self.poisson:.6g}{given}{lateral})"
 
@@ -171,6 +201,7 @@ class Layer:
             ("Poisson's ratio", f"{self.poisson:.6g}"),
             ("E* = E/(1 − ν²)", f"{self.effective_modulus:.6g}"),
             ("height", "half-space" if self.height is None else f"{self.height:.6g}, {self.bottom} bottom"),
+            *([] if self.base is None else [("base", repr(self.base))]),
             ("mean (q = 0) mode", f"laterally {self.lateral}"),
         ]
         return table("Layer", rows)
@@ -179,6 +210,30 @@ class Layer:
     def effective_modulus(self) -> float:
         """Effective modulus E* = E/(1 − ν²)."""
         return self.young / ((1 - self.poisson) * (1 + self.poisson))
+
+    @property
+    def extent(self) -> float | None:
+        """Depth of the bottom of the solid; None for a half-space, coated or not."""
+        return self.height if self.base is None else None
+
+    def material(self, depth: float) -> Layer:
+        """The coating with its base, or the base, whichever is at a depth; else the layer itself."""
+        return self if self.base is None or self.height is None or depth <= self.height else self.base
+
+    def _constants(self, depth: ArrayLike) -> tuple[Any, Any]:
+        """Young's modulus and Poisson's ratio at depths; one number each without a base."""
+        if self.base is None:
+            return self.young, self.poisson
+        is_coating = np.asarray(depth) <= self.height
+        young = np.where(is_coating, self.young, self.base.young)
+        return young, np.where(is_coating, self.poisson, self.base.poisson)
+
+    @property
+    def _materials(self) -> Materials:
+        """Those of a coating and its base, as its kernels take them."""
+        assert self.base is not None
+        stiff, soft = (body.young / (1 + body.poisson) for body in (self, self.base))
+        return self.poisson, self.base.poisson, 1 / (1 + soft / stiff), 1 / (1 + stiff / soft)
 
     @property
     def _kind(self) -> int:
@@ -195,7 +250,8 @@ class Layer:
         Returns
         -------
         compliance : array
-            In length per pressure, of the shape and type of q. For the half-space 2/(E* q). At q = 0 the
+            In length per pressure, of the shape and type of q. For the half-space 2/(E* q), with that of the
+            base for long waves on a coated one and that of the coating for short ones. At q = 0 the
             value of `uniform_compliance`.
 
         Raises
@@ -205,15 +261,12 @@ class Layer:
         """
         q = _wavenumbers(q)
         out = np.empty(q.shape, q.dtype)
-        fill_surface_compliance(
-            self._kind,
-            q.reshape(-1),
-            self.height or 0.0,
-            self.poisson,
-            2 / self.effective_modulus,
-            self.uniform_compliance(),
-            out.reshape(-1),
-        )
+        unit, height, flat = 2 / self.effective_modulus, self.height or 0.0, (q.reshape(-1), out.reshape(-1))
+        if self.base is not None:
+            fill_coated_compliance(flat[0], height, self._materials, unit, flat[1])
+        else:
+            uniform = self.uniform_compliance()
+            fill_surface_compliance(self._kind, flat[0], height, self.poisson, unit, uniform, flat[1])
         _require_finite("surface compliance", out)
         return out
 
@@ -221,10 +274,10 @@ class Layer:
         """Downward surface displacement per unit mean pressure, in length per pressure.
 
         It is height/C11 for a laterally confined cell and height/E for a free one, with C11 the
-        uniaxial-strain modulus E (1 − ν)/((1 + ν)(1 − 2ν)). For the half-space and for a free bottom, where
-        it is not defined, it is set to 0.
+        uniaxial-strain modulus E (1 − ν)/((1 + ν)(1 − 2ν)). For the half-space, coated or not, and for a free
+        bottom, where it is not defined, it is set to 0.
         """
-        if self._kind in (HALF_SPACE, FREE):
+        if self.base is not None or self._kind in (HALF_SPACE, FREE):
             return 0.0
         assert self.height is not None
         nu = self.poisson
@@ -260,10 +313,17 @@ class Layer:
         uniform = shear * (self.height or 0.0)
         return np.where(q > 0, np.stack([along, shear * kernels.in_plane / wave]), uniform)
 
-    def uniform_stress(self) -> Array:
-        """Stress of the mode q = 0 per unit mean pressure, (6,); it is the same at every depth."""
-        lateral = -self.poisson / (1 - self.poisson) if self.lateral == "confined" else 0.0
-        return np.array([lateral, lateral, -1.0, 0.0, 0.0, 0.0])
+    def uniform_stress(self, depth: ArrayLike = 0.0) -> Array:
+        """Stress of the mode q = 0 per unit mean pressure, (..., 6); constant in a material."""
+        young, poisson = self._constants(depth)
+        lateral = -poisson / (1 - poisson)
+        if self.lateral == "free":  # the strain is that of the base
+            below = self.base or self
+            lateral = (young / below.young * below.poisson - poisson) / (1 - poisson)
+        out = np.zeros((*np.shape(lateral), 6))
+        out[..., 0] = out[..., 1] = lateral
+        out[..., 2] = -1.0
+        return out
 
     def uniform_displacement(self, depth: ArrayLike) -> Array:
         """Upward displacement of the mode q = 0 per unit mean pressure, of the shape of `depth`.
@@ -271,7 +331,7 @@ class Layer:
         At the top it is −`uniform_compliance`, at the bottom 0.
         """
         depth = self._depths(depth)
-        if self.height is None:
+        if self.height is None or self.base is not None:
             return np.zeros(depth.shape)
         return -self.uniform_compliance() * (self.height - depth) / self.height
 
@@ -283,7 +343,7 @@ class Layer:
         q : array
             Wavenumbers |q|, 0 or from 1e-75 to 1e75; float32 or float64 (anything else becomes float64).
         depth : array
-            Depths from 0 to the height, broadcast against q.
+            Depths from 0 to the height, on a base of any size, broadcast against q.
 
         Returns
         -------
@@ -321,8 +381,11 @@ class Layer:
         shape = _broadcast_shape(q=q, depth=depth)
         depths = depth.reshape(-1) if depth.size == 1 else _flat(depth, shape)
         out = np.empty((5, *shape), q.dtype)
-        height, rows = self.height or 0.0, out.reshape(5, -1)
-        fill_kernels(self._kind, of_shear, _flat(q, shape), depths, height, self.poisson, rows)
+        height, rows, q = self.height or 0.0, out.reshape(5, -1), _flat(q, shape)
+        if self.base is not None:
+            fill_coated_kernels(of_shear, q, depths, height, self._materials, rows)
+        else:
+            fill_kernels(self._kind, of_shear, q, depths, height, self.poisson, rows)
         return out
 
     def stress(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:
@@ -348,7 +411,7 @@ class Layer:
         """
         q, cosine, sine, kind = _polar(qx, qy)
         k = self.kernels(q, depth)
-        across = self.poisson * (k.normal + k.longitudinal)
+        across = self._constants(depth)[1] * (k.normal + k.longitudinal)
         out = np.zeros((*k.normal.shape, 6), kind)
         out[..., 0] = -(cosine**2) * k.longitudinal - sine**2 * across
         out[..., 1] = -(sine**2) * k.longitudinal - cosine**2 * across
@@ -356,7 +419,8 @@ class Layer:
         out[..., 3] = -1j * sine * k.shear
         out[..., 4] = -1j * cosine * k.shear
         out[..., 5] = cosine * sine * (across - k.longitudinal)
-        out[np.broadcast_to(q == 0, k.normal.shape)] = self.uniform_stress()
+        uniform = np.broadcast_to(q == 0, k.normal.shape)
+        out[uniform] = np.broadcast_to(self.uniform_stress(depth), out.shape)[uniform]
         return out
 
     def displacement(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:
@@ -372,7 +436,8 @@ class Layer:
         shape = k.normal.shape
         q = np.broadcast_to(q, shape)
         uniform = q == 0
-        unit = (1 + self.poisson) / self.young / np.where(uniform, 1.0, q)
+        young, poisson = self._constants(depth)
+        unit = (1 + poisson) / young / np.where(uniform, 1.0, q)
         out = np.zeros((*shape, 3), kind)
         with np.errstate(over="ignore"):
             out[..., 0] = 1j * cosine * unit * k.displacement_longitudinal
@@ -447,7 +512,7 @@ class Layer:
     def _depths(self, depth: ArrayLike) -> Array:
         """Depths as float64, checked."""
         values = real_array("depth", depth)
-        limit = np.inf if self.height is None else self.height
+        limit = self.extent or np.inf
         # A depth equal to the height may have been rounded up, in its own precision.
         slack = limit * (1 + 4 * np.finfo(values.dtype).eps)
         values = values.astype(np.float64)
