@@ -192,7 +192,10 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
     """
     height, hardness = problem.height, problem.hardness
-    stiffness = problem.response.solid.effective_modulus * 2 * math.pi / max(problem.grid.length)
+    solid, longest = problem.response.solid, 2 * math.pi / max(problem.grid.length)
+    stiffness = solid.effective_modulus * longest
+    if solid.interface is not None:
+        stiffness = 2 / float(solid.surface_compliance(longest))
     if control.kind == "approach":
         return Pressure.of_field(np.zeros_like(height), math.nan)
     if control.kind == "mean_pressure":

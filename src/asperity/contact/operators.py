@@ -80,6 +80,10 @@ _TILE = 64
 # nodes a solution takes 7 % more transforms, with 8 as many, but the coarse grid is four times larger.
 CELL_NODES = 16
 
+# Under a coating: where the solid is softer for long waves than for short ones, S overestimates the stiffness
+# for waves shorter than those of the other cells, too.
+CELL_NODES_UNDER_COATING = 4
+
 # The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, or on
 # more than 200 cells by 6 / cells on an edge: the more cells, the more S overestimates the longest waves.
 COARSE_RESIDUAL_DROP = 0.03
@@ -303,11 +307,12 @@ class Preconditioner:
 
     def __init__(self, response: Response, products: StencilProduct) -> None:
         grid = response.grid
-        quadrants = inverse_stencil(grid)
+        quadrants = inverse_stencil(response)
         self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
         self.grid, self.products, self.threads = grid, products, response.fourier.threads
         self.stencil = whole_stencil(quadrants)
-        self.cells = Grid(tuple(max(1, n // CELL_NODES) for n in grid.shape), grid.length)  # type: ignore[arg-type]
+        nodes = CELL_NODES if response.solid.interface is None else CELL_NODES_UNDER_COATING
+        self.cells = Grid(tuple(max(1, n // nodes) for n in grid.shape), grid.length)  # type: ignore[arg-type]
         self.coarse, compliance = response.on_cells(self.cells)
         self.compliance = compliance / response.nodal_compliance
 
@@ -409,13 +414,19 @@ class NodePreconditioner:
         return y[:ny, :nx].reshape(-1)
 
 
-def inverse_stencil(grid: Grid) -> Array:
+def inverse_stencil(response: Response) -> Array:
     """Kernel of E* |q| / 2 in real space times spacing / E*, as a stencil that is the same for all nodes.
 
-    It is zero beyond `RADIUS` nodes, or fewer on a small grid.
+    It is zero beyond `RADIUS` nodes, or fewer on a small grid. Under a coating it is that of one over the
+    compliance.
     """
+    grid = response.grid
     tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
-    kernel = Fourier(tile).inverse(0.5 * tile.wavenumber() * min(grid.spacing) / tile.size + 0j)
+    modes = 0.5 * tile.wavenumber() * min(grid.spacing)
+    if response.solid.interface is not None:
+        compliance = response.solid.surface_compliance(tile.wavenumber())
+        modes = np.divide(response.nodal_compliance, compliance, where=compliance > 0, out=0 * modes)
+    kernel = Fourier(tile).inverse(modes / tile.size + 0j)
     radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
     row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
     weights = np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)

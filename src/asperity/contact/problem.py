@@ -201,7 +201,9 @@ class Units:
 
     def _layer(self, layer: Layer) -> Layer:
         height = None if layer.height is None else layer.height / self.length
-        return replace(layer, young=layer.young / self.stress * (self.height / self.length), height=height)
+        young = layer.young / self.stress * (self.height / self.length)
+        base = None if layer.base is None else self._layer(layer.base)
+        return replace(layer, young=young, height=height, base=base)
 
     def heights(self, height: Array) -> Array:
         """Heights above the datum, clipped."""

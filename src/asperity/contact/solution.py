@@ -170,7 +170,7 @@ class Contact:
                 "settings": json.dumps(settings, sort_keys=True),
                 "boundary": self.boundary,
                 "effective_modulus": self.solid.effective_modulus,
-                "solid": "half-space" if lower.height is None else f"layer, {lower.bottom} bottom",
+                "solid": lower.description,
                 "solid_reason": "asked for",
                 "solid_bound": 0.0,
                 "uniform_mode": f"laterally {lower.lateral}",

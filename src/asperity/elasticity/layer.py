@@ -216,9 +216,17 @@ class Layer:
         """Depth of the bottom of the solid; None for a half-space, coated or not."""
         return self.height if self.base is None else None
 
-    def material(self, depth: float) -> Layer:
-        """The coating with its base, or the base, whichever is at a depth; else the layer itself."""
-        return self if self.base is None or self.height is None or depth <= self.height else self.base
+    @property
+    def interface(self) -> float | None:
+        """Depth of the interface between a coating and its base; None without a coating."""
+        return None if self.base is None else self.height
+
+    @property
+    def description(self) -> str:
+        """The kind of solid in words, as in the attribute ``solid`` of results."""
+        if self.base is not None:
+            return "coated half-space"
+        return "half-space" if self.height is None else f"layer, {self.bottom} bottom"
 
     def _constants(self, depth: ArrayLike) -> tuple[Any, Any]:
         """Young's modulus and Poisson's ratio at depths; one number each without a base."""
@@ -491,6 +499,8 @@ class Layer:
         -1.82 -1.576e-07
         -1.094e+04 -1.094e+04
         """
+        if self.base is not None:
+            raise ValueError(f"base = {self.base!r}: None is needed, the lower face is inside the solid")
         q, cosine, sine, _ = _polar(qx, qy)
         wavenumber = np.where(q == 0, 1.0, _wavenumbers(q))
         out, direction = np.zeros((6, 6, *q.shape), complex), np.array([cosine, sine])

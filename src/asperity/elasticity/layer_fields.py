@@ -237,6 +237,8 @@ def layer_fields(
     """
     if not isinstance(layer, Layer) or not isinstance(grid, Grid):
         raise TypeError(f"layer = {shown(layer)}, grid = {shown(grid)}: a Layer and a Grid are needed")
+    if layer.base is not None:
+        raise ValueError(f"layer = {layer!r}: one without a base is needed")
     if layer.height is None and bottom is not None:
         raise ValueError(f"bottom = {shown(bottom)}: None is needed for a half-space")
     if layer.height is not None and layer.height < LOWEST * max(grid.length):

@@ -195,9 +195,13 @@ def layer_of(contact: xr.Dataset) -> Layer:
     solid = str(contact.attrs["solid"])
     if solid == "half-space":
         return Layer(young, poisson, lateral=lateral)
-    height = json.loads(contact.attrs["settings"])["layer"]["height"]
+    settings = json.loads(contact.attrs["settings"])["layer"]
+    height = settings["height"]
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
+    if base := settings.get("base"):
+        below = Layer(young * (base["young"] / settings["young"]), base["poisson"])
+        return Layer(young, poisson, height, lateral=lateral, base=below)
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
     return Layer(young, poisson, height, bottom, lateral)
 

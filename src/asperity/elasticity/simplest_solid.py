@@ -58,7 +58,7 @@ def simplest_solid(layer: Layer, q_min: float, tolerance: float) -> SolidChoice:
     Returns
     -------
     SolidChoice
-        A layer with a free bottom is always kept.
+        A coating, and a layer with a free bottom, is always kept.
 
     Raises
     ------
@@ -69,6 +69,8 @@ def simplest_solid(layer: Layer, q_min: float, tolerance: float) -> SolidChoice:
     tolerance = number("tolerance", tolerance, "a finite number ≥ 0", lambda size: size >= 0)
     if layer.height is None:
         return SolidChoice(layer, 0.0, "the half-space was asked for")
+    if layer.base is not None:
+        return SolidChoice(layer, np.inf, "a coating was asked for")
     if layer.bottom == "free":
         return SolidChoice(layer, np.inf, "a free layer has no support")
     half_space, q = replace(layer, height=None), q_min * WAVENUMBERS

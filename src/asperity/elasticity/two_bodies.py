@@ -70,6 +70,12 @@ class TwoBodies:
         heights = [layer.height for layer in (self.lower, self.upper) if layer.height is not None]
         return min(heights, default=None)
 
+    @property
+    def interface(self) -> float | None:
+        """Depth of the upper of the interfaces under coatings; None without a coating."""
+        depths = [layer.interface for layer in (self.lower, self.upper) if layer.interface is not None]
+        return min(depths, default=None)
+
     def surface_compliance(self, q: ArrayLike) -> Array:
         """Sum of the compliances of both surfaces, length per pressure, of the shape of q; see `Layer`."""
         return self.lower.surface_compliance(q) + self.upper.surface_compliance(q)

@@ -128,7 +128,7 @@ def analyse_stress(
     solid = LoadedSolid.of(contact)
     own = solid.layer.lateral
     if depths is None:
-        depths = depth_grid(solid.grid, solid.layer.height)
+        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
     settings = tolerance, threads, work, friction, sliding_direction
     stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
     return _Analysis(stream, (own,), quantities, floor).run(progress, observe)[own]
@@ -168,11 +168,14 @@ def analyse_lateral_conditions(
 
 
 class _Field(NamedTuple):
-    """A field that is computed in every plane: name, Poisson's ratio, uniform part over the mean pressure."""
+    """A field that is computed in every plane.
+
+    The uniform parts over the mean pressure are those at the surface and, under a coating, in its base.
+    """
 
     name: str
     poisson: float
-    uniform: float
+    uniform: tuple[float, float]
 
 
 class _Analysis:
@@ -214,7 +217,10 @@ class _Analysis:
             poisson = self._stream.ratios[0]
         if name in INDEPENDENT_OF_LATERAL:
             lateral = layer.lateral
-        return _Field(name, poisson, uniform_part(replace(layer, lateral=lateral), poisson))
+        layer = replace(layer, lateral=lateral)
+        return _Field(
+            name, poisson, (uniform_part(layer, poisson, 0.0), uniform_part(layer, poisson, np.inf))
+        )
 
     def _is_alike(self, name: str) -> bool:
         """True if a field is the same for every Poisson's ratio."""
@@ -257,7 +263,9 @@ class _Analysis:
 
     def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> Fields:
         """Some of the fields in a plane."""
-        return plane.fields(*zip(*(self._fields[number] for number in chosen), strict=True))
+        names, ratios, uniforms = zip(*(self._fields[number] for number in chosen), strict=True)
+        in_base = plane.depth > (plane.solid.layer.interface or np.inf)
+        return plane.fields(names, ratios, [uniform[in_base] for uniform in uniforms])
 
     def _watch(self, plane: LinearPlane) -> Visit:
         """Search and sum the rows of a plane as they are computed."""
@@ -267,7 +275,7 @@ class _Analysis:
             self._fields_of(plane, range(len(self._fields))),
             self._references.on(plane.grid, plane.basis.values),
         )
-        above = self._finder.plane_above(plane.grid) if self._stream.keeps_planes else None
+        above = self._finder.plane_above(plane.depth, plane.grid) if self._stream.keeps_planes else None
         self._search = PlaneSearch(
             fields, self._sought, floor, self._von_mises + 1, references, self._kept, above
         )

@@ -75,13 +75,13 @@ def _plane(
     label = "depth"
     if depth == "max":
         label = "depth of the largest"
-        depths = depth_grid(solid.grid, solid.layer.height)
+        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
         planes = stress_planes(
             solid, depths, fields=(field,), tolerance=SEARCH_TOLERANCE, progress=progress, **stress.settings
         )
         depth = -max((float(np.abs(plane.fields[field]).max()), -plane.depth) for plane in planes)[1]
     place = float(depth)
-    deepest = solid.layer.height or MAX_DEPTH * max(solid.grid.length)
+    deepest = solid.layer.extent or MAX_DEPTH * max(solid.grid.length)
     if not 0 <= place <= deepest:
         raise ValueError(
             f"depth = {source.shown(place)}: max or a depth from 0 to {source.shown(deepest)} is needed"

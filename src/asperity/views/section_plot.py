@@ -146,11 +146,11 @@ def _section(
         node = int(np.unravel_index(source.field("pressure").argmax(), source.grid.shape)[axis])
     else:
         node = source.node(across, place)
-    height = solid.layer.height or np.inf
+    height = solid.layer.extent or np.inf
     if depth is None:
         depth = min(MAX_SHAPE * solid.grid.spacing[other] * (kept.stop - kept.start - 1), height)
     elif not 0 < depth <= height:
-        most = f" and at most {source.shown(height)}" if solid.layer.height else ""
+        most = f" and at most {source.shown(height)}" if solid.layer.extent else ""
         raise ValueError(f"depth = {source.shown(depth)}: a depth > 0{most} is needed")
     at = float(node * solid.grid.spacing[axis])
     found = stress_section(

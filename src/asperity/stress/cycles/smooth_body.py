@@ -119,7 +119,7 @@ def stress_cycles(
     """
     solid = LoadedSolid.of(contact)
     if depths is None:
-        depths = depth_grid(solid.grid, solid.layer.height)
+        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
     settings = tolerance, threads, None, friction, sliding_direction
     stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
     limits = fatigue_torsion, fatigue_bending, yield_stress
@@ -210,7 +210,7 @@ class Cycles:
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
         count = len(COMPONENTS)
-        uniform = uniform_part(plane.solid.layer, self._poisson)
+        uniform = uniform_part(plane.solid.layer, self._poisson, plane.depth)
         fields = plane.fields(COMPONENTS, [self._poisson] * count, [uniform] * count)
         ny, nx = plane.grid.shape
         rows = max(1, 2**13 // nx)

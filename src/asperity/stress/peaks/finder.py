@@ -5,8 +5,10 @@ Neighbours
 A node of a plane has the 8 nodes around it, and in each of the two adjacent planes the 9 values at the same
 lateral positions: 26 in all. If an adjacent plane has another grid, the values there are interpolated (six
 nodes along each axis). A peak is larger than all its neighbours. In the surface, the plane at depth 0, there
-are no neighbours above. Any other first plane and the last plane have no peaks. Over a periodic boundary, a
-node at an edge has neighbours at the opposite edge. Over a free boundary it has none across its edge.
+are no neighbours above. Any other first plane and the last plane have no peaks. Two planes at consecutive
+floating-point numbers are the two faces of the interface under a coating: neither has neighbours in the
+other. Over a periodic boundary, a node at an edge has neighbours at the opposite edge. Over a free boundary
+it has none across its edge.
 
 Where the grid changes between two planes, each plane compares on its own nodes, so that both or neither could
 claim a peak between them. There, matched maxima of the two planes (within a spacing of the coarser grid) are
@@ -107,9 +109,15 @@ class PeakFinder:
         of_field = [peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found]
         return Peaks.join([NO_PEAKS, *of_field])
 
-    def plane_above(self, grid: Grid) -> Fields | None:
-        """Fields of the last plane, if it is on this grid."""
-        return self._last[0].fields if self._last is not None and self._last[0].grid == grid else None
+    def plane_above(self, depth: float, grid: Grid) -> Fields | None:
+        """Fields of the last plane, if it is on this grid and in the material of a plane at this depth."""
+        if self._last is None or self._last[0].grid != grid or self._are_faces(depth):
+            return None
+        return self._last[0].fields
+
+    def _are_faces(self, depth: float) -> bool:
+        """True if a plane at this depth and the last one are the two faces of an interface."""
+        return self._last is not None and depth == np.nextafter(self._last[0].depth, np.inf)
 
     def finish(self) -> None:
         """Forget the last plane, in which there are no peaks."""
@@ -128,6 +136,11 @@ class PeakFinder:
         if self._last is None:
             # Of the planes that may come first, the surface alone has no neighbour above.
             kept = np.full(maxima.size, plane.depth == 0)
+        elif self._are_faces(plane.depth):
+            last, upper = self._last
+            self._found.append((upper.field, _refined(upper, last)))
+            kept = np.full(maxima.size, True)
+            self._depth_above = last.depth
         else:
             last, upper = self._last
             if not plane.depth > last.depth:
@@ -166,7 +179,7 @@ def _refined(
         value, depth, *offsets = refine_in_solid(maxima.above, maxima.here, below, depths)
     node_value = maxima.here[:, 1, 1].astype(float)
     y, x = (_places(maxima, plane, offsets) * plane.grid.spacing).T
-    interior = np.full(maxima.size, maxima.above is not None)
+    interior = np.full(maxima.size, plane.depth > 0)
     return Peaks(value * np.sign(node_value), depth, y, x, node_value, interior)
 
 

@@ -14,9 +14,9 @@ Sliding
 With ``friction`` μ > 0 the solid also bears the shear traction t = μ p along ``sliding_direction``: full
 sliding, with the traction on this solid in the direction in which the other body moves over it. The pressure
 stays that of the contact without friction. This is exact for two equal bodies, and for incompressible
-half-spaces against each other or a rigid body. Otherwise, and on a bonded layer for every ν, the normal
-displacement by the traction is neglected: `asperity.elasticity.two_bodies.sliding_coupling` says how large it
-is. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
+half-spaces against each other or a rigid body. Otherwise, and on a bonded layer or a coating for every ν,
+the normal displacement by the traction is neglected: `asperity.elasticity.two_bodies.sliding_coupling` says
+how large it is. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike
 from asperity.fourier.grid import Grid, Work
 from asperity.stress.planes.stream import MAX_PLANES, PLANE_TOLERANCE, PlaneStream
+
+COATING_PLANES = 4
+"""Fewest planes in a coating above its interface, in which a thin one is stretched, sheared and bent."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,10 +85,12 @@ def stress_planes(
     contact : object with ``pressure``, ``grid`` and ``layer``
         A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array
-        Rising depths ≥ 0, in a layer of at most its height.
+        Rising depths ≥ 0, in a layer of at most its height. `Layer.interface` is the lower face of a coating,
+        the next larger number (`numpy.nextafter`) the upper face of its base.
     poisson : float or sequence, optional
         Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
-        of finite height only that of the contact, on which its pressure depends.
+        of finite height only that of the contact, on which its pressure depends; under a coating, where it
+        names that of the coating, the base has its own.
     fields : names
         Any of those in the description of the module. Only what they need is computed.
     tolerance : float
@@ -99,7 +104,7 @@ def stress_planes(
         Where the transforms are counted.
     friction : float
         Coefficient of friction μ, from 0 to 1000: the shear traction is μ times the pressure. On a
-        half-space, or a layer bonded to a rigid base.
+        half-space, coated or not, or a layer bonded to a rigid base.
     sliding_direction : "x", "y" or float
         Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
@@ -135,7 +140,13 @@ def _named_fields(stream: PlaneStream, progress: Progress | None) -> Iterator[St
         yield StressPlane(plane.depth, plane.grid, tuple(stream.ratios), fields, plane.bound)
 
 
-def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, growth: float = 0.125) -> Array:
+def depth_grid(
+    grid: Grid,
+    height: float | None = None,
+    spacing: float = 0.5,
+    growth: float = 0.125,
+    interface: float | None = None,
+) -> Array:
     """Depths of planes from the surface to the bottom, close near the surface and farther apart below.
 
     A contact spot of radius a has its largest von Mises stress at 0.38–0.55 a, and the stress changes over
@@ -152,6 +163,9 @@ def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, gr
         Distance between the planes nearest to the surface, in spacings of the grid.
     growth : float
         Largest distance between planes, relative to their depth.
+    interface : float, optional
+        Depth of the interface under a coating, `Layer.interface`: planes lie on both its faces, the lower one
+        at the next larger number, and in the coating are at least `COATING_PLANES`.
 
     Returns
     -------
@@ -190,5 +204,11 @@ def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, gr
     if len(depths) > 2 and bottom - depths[-2] < 0.5 * (depths[-2] - depths[-3]):
         del depths[-2]
     found = np.array(depths)
+    if interface is not None:
+        face = number("interface", interface, "a positive finite length", lambda value: value > 0)
+        inside, outside = found[found < face], found[found > face * (1 + 0.5 * growth)]
+        if inside.size < COATING_PLANES:
+            inside = np.linspace(0, face, COATING_PLANES, endpoint=False)
+        found = np.concatenate([inside, [face, np.nextafter(face, np.inf)], outside])
     require_finite("depth_grid", {"depths": found})
     return found

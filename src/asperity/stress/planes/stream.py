@@ -129,12 +129,12 @@ class LinearPlane:
         return {name: np.stack([self.field(name, nu) for nu in ratios]) for name in names}
 
     def _one(self, name: str, poisson: float) -> Fields:
-        return self.fields([name], [poisson], [uniform_part(self.solid.layer, poisson)])
+        return self.fields([name], [poisson], [uniform_part(self.solid.layer, poisson, self.depth)])
 
 
-def uniform_part(layer: Layer, poisson: float) -> float:
-    """Uniform part of σ_xx and σ_yy over the mean pressure."""
-    return float(replace(layer, poisson=poisson).uniform_stress()[0])
+def uniform_part(layer: Layer, poisson: float, depth: float) -> float:
+    """Uniform part of σ_xx and σ_yy at a depth over the mean pressure."""
+    return float(replace(layer, poisson=poisson).uniform_stress(depth)[0])
 
 
 class PlaneStream:
@@ -215,6 +215,8 @@ class PlaneStream:
         for index, (depth, own) in enumerate(zip(depths, source.plan, strict=True)):
             shape = len(basis_fields), own.grid.shape[0], source.row_length(own.grid)
             values = memory.array(index, shape)
+            if (layer := self.solid.layer).base is not None and depth > layer.height:
+                basis_fields = [field._replace(slope=layer.base.poisson) for field in basis_fields]
             compute = partial(source.compute, depth, own, basis_fields, values)
             basis = Basis(values, own.grid.shape[1], place, source.dtype.type(source.mean_pressure))
             plane = LinearPlane(
@@ -339,7 +341,7 @@ def _checked_depths(depths: ArrayLike, solid: LoadedSolid) -> Array:
     array = np.atleast_1d(real_array("depths", depths)).astype(float)
     if array.ndim != 1 or not 1 <= array.size <= MAX_PLANES:
         raise ValueError(f"depths has the shape {array.shape}: 1 to {MAX_PLANES} depths are needed")
-    height = solid.layer.height
+    height = solid.layer.extent
     deepest = MAX_DEPTH * max(solid.grid.length) if height is None else height
     outside = np.flatnonzero(~((array >= 0) & (array <= deepest * (1 + 1e-12))))
     if outside.size:

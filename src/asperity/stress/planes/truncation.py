@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from asperity.core.types import Array
+from asperity.elasticity.kernels import DEEPEST
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid, good_size
 
@@ -158,7 +159,8 @@ def envelope_of(layer: Layer, poisson: float, friction: float, depth: float) -> 
 
     In a half-space it is the same at every depth, and holds for all ratios ≥ `poisson`. In a layer it is the
     largest ratio of the bound of a mode, from its kernels, to that of the half-space without K, at
-    wavenumbers so close that it changes by less than `ENVELOPE_MARGIN` between them.
+    wavenumbers so close that it changes by less than `ENVELOPE_MARGIN` between them; in a coated half-space
+    of all that are not zero at the depth.
     """
     lateral = 1 - 2 * poisson
     of_pressure, of_traction = max(np.sqrt(3.0), lateral), max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
@@ -166,13 +168,19 @@ def envelope_of(layer: Layer, poisson: float, friction: float, depth: float) -> 
     if layer.height is None:
         return half_space
     # Below these the kernels have their limits for thin layers, above them those of the half-space.
-    wavenumber = np.geomspace(1e-4, 40.0, 500) / layer.height
+    wavenumber, ratio = np.geomspace(1e-4, 40.0, 500) / layer.height, layer.poisson
+    if (base := layer.base) is not None:
+        # Stiff or soft coatings have their limits at longer waves, the base at shorter ones.
+        lowest = 1e-4 * min(layer.young / base.young, base.young / layer.young)
+        count = int(90 * np.log10(DEEPEST / lowest))
+        wavenumber = np.geomspace(lowest, DEEPEST, count) / max(depth, layer.height)
+        ratio = ratio if depth <= layer.height else base.poisson
     z, along, shear = layer.kernels(wavenumber, depth)[:3]
-    bound = _mode_bound(z, along, layer.poisson * (z + along), shear)
+    bound = _mode_bound(z, along, ratio * (z + along), shear)
     if friction:
         n, m, x, across, turn = layer.shear_kernels(wavenumber, depth)
         of_across = np.sqrt(3.0) * np.maximum(np.abs(across), np.abs(turn))
-        bound = bound + friction * np.hypot(_mode_bound(n, m, layer.poisson * (n + m), x), of_across)
+        bound = bound + friction * np.hypot(_mode_bound(n, m, ratio * (n + m), x), of_across)
     largest = np.max(bound / _decayed(wavenumber * depth))
     return max(half_space, float(largest) * (1 + ENVELOPE_MARGIN))
 

@@ -51,9 +51,8 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
         lateral=settings["lateral"],
     )
     chosen = simplest_solid(layer, _SMALLEST_WAVENUMBER, settings["half_space_tolerance"])
-    name = "half-space" if chosen.layer.height is None else f"layer, {chosen.layer.bottom} bottom"
     record = {
-        "solid": name,
+        "solid": chosen.layer.description,
         "solid_reason": chosen.reason,
         "solid_bound": chosen.difference,
         "uniform_mode": f"laterally {settings['lateral']}",
