@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -184,10 +184,16 @@ class LoadedSolid:
         return table("LoadedSolid", rows, picture(self.pressure, "pressure"))
 
 
-def layer_of(contact: xr.Dataset) -> Layer:
-    """The solid of a dataset of stage contact, with E* = 1.
+def layer_from(settings: Mapping[str, Any]) -> Layer:
+    """A layer from its constants, as in the settings of a result."""
+    known = {item.name: settings[item.name] for item in fields(Layer) if item.name in settings}
+    return Layer(**known | {"base": layer_from(base) if (base := settings.get("base")) else None})
 
-    The stress depends on the pressure and not on the modulus.
+
+def layer_of(contact: xr.Dataset) -> Layer:
+    """The solid of a dataset of stage contact, with E* = 1 unless it is coated.
+
+    The stress depends on the pressure, and on moduli by their ratio alone.
     """
     poisson = float(contact.attrs["poisson_contact"])
     lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
@@ -199,9 +205,8 @@ def layer_of(contact: xr.Dataset) -> Layer:
     height = settings["height"]
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
-    if base := settings.get("base"):
-        below = Layer(young * (base["young"] / settings["young"]), base["poisson"])
-        return Layer(young, poisson, height, lateral=lateral, base=below)
+    if settings.get("base"):
+        return layer_from(settings)
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
     return Layer(young, poisson, height, bottom, lateral)
 

@@ -101,8 +101,10 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
     shown = answer.case.different_bodies
     for name in shown:
         where = f" of the {name} body" if len(shown) > 1 else ""
-        part = _on_body(answer.bodies[name], answer.case.hardness)
-        found += [(warns, key, values | {"where": where}) for warns, key, values in part]
+        for material, body in answer.bodies[name].materials.items():
+            of_material = f" of the {material}{where}" if material else where
+            part = _on_body(body, answer.case.hardness)
+            found += [(warns, key, values | {"where": of_material}) for warns, key, values in part]
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
     made = []
     for warns, key, values in sorted(found, key=lambda advice: not advice[0]):
@@ -126,7 +128,7 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
     numbers, case, face = answer.numbers, answer.case, answer.face
     if not numbers.contact_nodes:
         yield True, "no_contact", {}
-    young = min(body.body.young for body in answer.bodies.values())
+    young = min(body.body.layer.young for body in answer.bodies.values())
     if numbers.pressure_on_spike:
         yield True, "pressure_on_spike", {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
     if numbers.largest_pressure > young:

@@ -313,6 +313,9 @@ def body_title(case: Case, name: str) -> str:
 
 def _material(body: Body) -> str:
     layer = "" if body.height is None else f", {shown_si(body.height, 'm')} thick, {body.bottom} bottom"
+    if body.coating is not None:
+        young, poisson = shown_si(body.layer.young, "Pa"), body.layer.poisson
+        layer = f" under {shown_si(body.coating, 'm')} of E = {young}, ν = {poisson:g}"
     return f"E = {shown_si(body.young, 'Pa')}, ν = {body.poisson:g}{layer}"
 
 
@@ -399,6 +402,18 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
         depth = f"at depth {shown_si(found.depth, 'm')}" if found.depth else "in the surface"
         shown, error = f"{shown_si(value, 'Pa')} {depth}", body.grid_error(field) * value
         yield row(name, value, "Pa", shown, error) if value > 0 else row(name, 0.0, "Pa", "none")
+    if body.interface is not None:
+        for material, part in body.materials.items():
+            place = f"at depth {shown_si(part.depth, 'm')}"
+            value, name = part.largest_von_mises, f"largest von Mises stress in the {material}"
+            yield row(name, value, "Pa", f"{shown_si(value, 'Pa')} {place}")
+        yield row("largest shear stress on the interface", max(body.interface["shear"]))
+        tension = max(body.interface["zz"][0], 0.0)
+        yield row("largest tensile stress on the interface", tension, "Pa", "" if tension else "none")
+        for material, value in zip(body.materials, body.interface["xx"], strict=True):
+            yield row(f"σ_xx on the interface, in the {material}", value)
+        if body.body.coating_yield is not None:
+            yield row("yield stress of the coating", body.body.coating_yield)
     found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
     for percent in PERCENTS if found_peaks.size else ():
         value = float(np.percentile(found_peaks, percent))

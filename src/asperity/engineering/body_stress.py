@@ -5,8 +5,8 @@ All but the error come from one stream of planes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.contact.slip import PartialSlip
 from asperity.core.types import Array, Progress
+from asperity.elasticity.layer import Layer
 from asperity.engineering.case import Body, Case
 from asperity.engineering.close_up import CloseUp
 from asperity.engineering.continuum import HalfGrid, estimates
@@ -94,7 +95,11 @@ class BodyAnswer:
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
     cycles : dataset or None
-        As of `asperity.stress_cycles`; None without fatigue limits.
+        As of `asperity.stress_cycles`, below the coating if there is one; None without fatigue limits.
+    interface : dict
+        Component → its values on the faces of the coating and of the base, of ``xx`` those of the largest
+        magnitude, of ``zz`` the most tensile ones; ``shear``, the largest √(σ_xz² + σ_yz²) on either. None
+        without a coating.
     """
 
     body: Body
@@ -107,6 +112,26 @@ class BodyAnswer:
     planes: dict[str, tuple[float, Grid, Array]]
     close_ups: Sequence[CloseUp]
     cycles: xr.Dataset | None = None
+    interface: Mapping[str, list[float]] | None = None
+
+    @property
+    def materials(self) -> dict[str, BodyAnswer]:
+        """The coating and the base as bodies of their own, with the largest von Mises stress of each.
+
+        Volume and depths above yield are those of the base; without a coating the body alone.
+        """
+        body, interface = self.body, self.body.layer.interface
+        if interface is None or body.coating_young is None or body.coating_poisson is None:
+            return {"": self}
+        coating = Body(body.coating_young, body.coating_poisson, body.coating_yield)
+        inside = largest_von_mises_between(self.stress, 0.0, interface)
+        below = largest_von_mises_between(self.stress, np.nextafter(interface, np.inf), np.inf)
+        return {
+            "coating": replace(
+                self, body=coating, largest=self.largest | {"von_mises": inside}, depths_above_yield=None
+            ),
+            "base": replace(self, largest=self.largest | {"von_mises": below}),
+        }
 
     def grid_error(self, number: str) -> float:
         """Relative error by the grid of a number of `OF_RESOLUTION`; NaN where there is no estimate."""
@@ -159,21 +184,21 @@ def body_answer(
         Take the fields of the case.
     progress : callable
     """
-    body = case.bodies[name]
-    watch = _Extremes(case.fields, body.poisson, body.yield_stress)
+    body, layer = case.bodies[name], case.bodies[name].layer
+    watch = _Extremes(case.fields, layer, body.yield_stress)
     contact = pressed.contact if isinstance(pressed, PartialSlip) else pressed
     loaded = pressed.in_body(name) if pressed is not contact else case.loaded_body(contact, name)
     sliding, cycles = case.sliding_of(name), None
     if body.fatigue_torsion is not None:
         limits = body.fatigue_torsion, body.fatigue_bending, body.yield_stress
-        cycles = Cycles(loaded, *limits, sliding["sliding_direction"], body.poisson)
+        cycles = Cycles(loaded, *limits, sliding["sliding_direction"], layer.poisson)
 
     def observe(plane: LinearPlane) -> None:
         watch.add(plane)
-        if cycles is not None:
+        if cycles is not None and plane.depth > (layer.interface or -1.0):
             cycles.add(plane)
         for each in near:
-            each.add(plane, case.fields, body.poisson, contact.boundary == "periodic")
+            each.add(plane, case.fields, layer.poisson, contact.boundary == "periodic")
 
     stress = analyse_stress(
         loaded,
@@ -190,18 +215,38 @@ def body_answer(
     if body.yield_stress is not None:
         planes = stress["plane_depth"].values
         volume = float(np.trapezoid(watch.above, planes)) * face.map_area
-        depths = _depths_above(body.yield_stress, stress["largest_von_mises"].values.ravel(), planes)
+        in_body = np.where(planes > (layer.interface or -1.0), stress["largest_von_mises"].values.ravel(), 0)
+        depths = _depths_above(body.yield_stress, in_body, planes)
         if depths is not None:
             fraction = volume / (face.map_area * depths[1]) if depths[1] else 0.0
     largest = {}
-    for field, at_nodes in watch.found.items():
-        found = _between_nodes(field, at_nodes, stress)
+    for name, at_nodes in watch.found.items():
+        found = _between_nodes(name, at_nodes, stress)
         y, x = map(float, face.on_map(found.y, found.x))
-        largest[field] = found._replace(y=y, x=x)
+        largest[name] = found._replace(y=y, x=x)
     found_cycles = None if cycles is None else cycles.dataset()
     return BodyAnswer(
-        body, stress, estimated, largest, volume, depths, fraction, watch.planes, near, found_cycles
+        body,
+        stress,
+        estimated,
+        largest,
+        volume,
+        depths,
+        fraction,
+        watch.planes,
+        near,
+        found_cycles,
+        watch.interface or None,
     )
+
+
+def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> Extreme:
+    """Largest von Mises stress between two depths, at the nodes or between them; y and x are NaN."""
+    planes, found = stress["plane_depth"].values, peaks(stress, "von_mises")
+    depths = np.append(planes, found["peak_depth"].values)
+    values = np.append(stress["largest_von_mises"].values.ravel(), found["peak_value"].values)
+    best = np.where((first <= depths) & (depths <= last), values, -1.0).argmax()
+    return Extreme(float(values[best]), float(depths[best]), np.nan, np.nan)
 
 
 def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
@@ -241,21 +286,30 @@ class _Extremes:
     planes : dict
         Field to be drawn → depth, grid and values of the plane of its extreme value so far.
     above : list of float
-        Share of each plane whose von Mises stress is above the limit.
+        Share of each plane whose von Mises stress is above the limit; 0 in a coating.
+    interface : dict
+        As of `BodyAnswer`.
     """
 
-    def __init__(self, drawn: Sequence[str], poisson: float, limit: float | None) -> None:
+    def __init__(self, drawn: Sequence[str], layer: Layer, limit: float | None) -> None:
+        self.interface: dict[str, list[float]] = {}
         self.found: dict[str, Extreme] = {}
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
         self.above: list[float] = []
         self._fields, self._drawn = list(dict.fromkeys((*DIRECTION, *drawn))), drawn
-        self._poisson, self._limit = poisson, limit
+        self._poisson, self._limit, self._face = layer.poisson, limit, layer.interface or -1.0
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
         invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
         if self._limit is not None:
-            self.above.append(float(np.mean(invariants["von_mises"] > self._limit)))
+            is_above = (invariants["von_mises"] > self._limit) & (plane.depth > self._face)
+            self.above.append(float(np.mean(is_above)))
+        if self._face <= plane.depth <= np.nextafter(self._face, np.inf):
+            xx, zz, xz, yz = (plane.field(name, self._poisson) for name in ("xx", "zz", "xz", "yz"))
+            found = xx.flat[np.abs(xx).argmax()], zz.max(), np.hypot(xz, yz).max()
+            for name, value in zip(("xx", "zz", "shear"), found, strict=True):
+                self.interface.setdefault(name, []).append(float(value))
         for name in self._fields:
             if name in BOUNDS:
                 nodes = self._candidates(name, invariants["von_mises"], invariants["hydrostatic"], plane)

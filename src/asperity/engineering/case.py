@@ -49,6 +49,10 @@ BODY = {
     "fatigue_bending": ("fatigue_bending", "pressure"),
     "layer_height": ("height", "length"),
     "bottom": ("bottom", ""),
+    "coating": ("coating", "length"),
+    "coating_young": ("coating_young", "pressure"),
+    "coating_poisson": ("coating_poisson", ""),
+    "coating_yield": ("coating_yield", "pressure"),
 }
 """Setting → field of `Body`, and its dimension; settings of the upper body begin with ``counter_``."""
 
@@ -96,13 +100,22 @@ class Body:
     fatigue_torsion, fatigue_bending : float, optional
         Fatigue limits in Pa in fully reversed torsion and bending, both or none. With them the cycles of the
         stress are analysed, as if this body were the smooth one; see `asperity.stress_cycles`.
+    coating, coating_young, coating_poisson : float, optional
+        Thickness in m, Young's modulus in Pa and Poisson's ratio of a coating that is bonded to the body, a
+        half-space; all or none. The hardness is that of the coated body, yield stress and fatigue limits are
+        those below the coating.
+    coating_yield : float, optional
+        Yield stress of the coating in Pa.
 
     Examples
     --------
     >>> steel = asp.Body(young=210e9, poisson=0.3, yield_stress=1.5e9)  # Pa
-    >>> coating = asp.Body(young=2e9, poisson=0.4, height=5e-6)  # 5 µm on a rigid base
-    >>> coating.layer.height
+    >>> film = asp.Body(young=2e9, poisson=0.4, height=5e-6)  # 5 µm on a rigid base
+    >>> film.layer.height
     5e-06
+    >>> coated = asp.Body(210e9, 0.3, coating=2e-6, coating_young=400e9, coating_poisson=0.25)
+    >>> coated.layer
+    Layer(young=4e+11, poisson=0.25, height=2e-06, base=Layer(young=2.1e+11, poisson=0.3))
     """
 
     young: float
@@ -115,10 +128,22 @@ class Body:
     resistivity: float | None = None
     fatigue_torsion: float | None = None
     fatigue_bending: float | None = None
+    coating: float | None = None
+    coating_young: float | None = None
+    coating_poisson: float | None = None
+    coating_yield: float | None = None
 
     def __post_init__(self) -> None:
+        given = {name: getattr(self, name) for name in ("coating", "coating_young", "coating_poisson")}
+        missing = [name for name, value in given.items() if value is None]
+        if 0 < len(missing) < len(given) or (missing and self.coating_yield is not None):
+            raise ValueError(f"{missing[0]}: missing; a coating needs all of {', '.join(given)}")
+        if self.coating is not None and (self.height is not None or self.bottom != "bonded"):
+            raise ValueError(
+                f"coating = {shown_si(self.coating, 'm')}: not accepted with a height or a bottom of the body"
+            )
         _ = self.layer  # which checks its constants
-        for name in ("yield_stress", "hardness", "conductivity", "resistivity"):
+        for name in ("yield_stress", "hardness", "conductivity", "resistivity", "coating_yield"):
             if getattr(self, name) is not None:
                 magnitude(name, getattr(self, name))
         if self.fatigue_torsion is not None or self.fatigue_bending is not None:
@@ -127,7 +152,10 @@ class Body:
     @property
     def layer(self) -> Layer:
         """The body as the solver takes it."""
-        return Layer(self.young, self.poisson, self.height, self.bottom)
+        body = Layer(self.young, self.poisson, self.height, self.bottom)
+        if self.coating is None or self.coating_young is None or self.coating_poisson is None:
+            return body
+        return Layer(self.coating_young, self.coating_poisson, self.coating, base=body)
 
 
 @dataclass(frozen=True)
@@ -233,7 +261,7 @@ class Case:
     load : Load
     friction : float
         Coefficient μ of full sliding, with the shear traction μ p; the pressure stays that of the contact
-        without friction. Half-spaces, and layers bonded to a rigid base.
+        without friction. Half-spaces, coated or not, and layers bonded to a rigid base.
     sliding_direction : "x", "y" or float
         Direction in which the upper body moves over the lower one, that of the traction on the lower body; a
         number is an angle in degrees from x towards y.
@@ -292,7 +320,7 @@ class Case:
                     f"its own {name}, is needed"
                 )
             if any(values) and self.solid.height is not None:
-                raise ValueError(f"{name} = {values[0]:g}: half-spaces are needed, not layers")
+                raise ValueError(f"{name} = {values[0]:g}: half-spaces without coatings are needed")
         self._check_hertz()
         if self.load.kind == "mean_pressure" or self.hertz is not None:
             self.check_pressure(self.cell_pressure)
@@ -538,8 +566,10 @@ def hertz_of(settings: Mapping[str, Any]) -> HertzPlace | None:
 
 def suggested_hardness(case: Case) -> float | None:
     """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
-    limits = [body.yield_stress for body in case.bodies.values() if body.yield_stress is not None]
-    return HARDNESS_OVER_YIELD * min(limits) if limits and case.hardness is None else None
+    bodies = case.bodies.values()
+    limits = [body.yield_stress if body.coating is None else body.coating_yield for body in bodies]
+    known = [limit for limit in limits if limit is not None]
+    return HARDNESS_OVER_YIELD * min(known) if known and case.hardness is None else None
 
 
 def _name_of(source: Source) -> str:

@@ -151,11 +151,12 @@ def estimates(
     """The result of `continuum`, given the contact on half of the nodes, and a body as it was loaded."""
     coarse = None
     if stress is not None:
-        planes = stress["plane_depth"].values
-        spacing = planes[1] / min(contact.grid.spacing)  # the same on both grids, in their spacings
+        planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface
+        # The same on both grids, in their spacings; in a thin coating planes lie closer.
+        spacing = planes[1] / min(contact.grid.spacing) if interface is None else 0.5
         coarse = analyse_stress(
             loaded(half.contact, body) if half.slip is None else half.slip.in_body(body),
-            depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4),
+            depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interface),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=TOLERANCE,

@@ -15,9 +15,8 @@ from scipy.optimize import brentq
 from asperity.contact import Contact
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
-from asperity.engineering.body_stress import STRESS_TOLERANCE
+from asperity.engineering.body_stress import STRESS_TOLERANCE, largest_von_mises_between
 from asperity.stress.analysis import analyse_stress
-from asperity.stress.peaks.selection import peaks
 
 COLUMNS = {
     "mean_pressure": "mean_pressure_Pa",
@@ -88,7 +87,8 @@ def load_curve(
     dataset
         Along `load`: ``mean_pressure``, ``area_fraction``, ``approach``, ``mean_gap``, ``largest_pressure``,
         ``stiffness`` dp̄/dδ, the conductances by their names, ``plastic_area`` if there is a hardness, and
-        along `body`, too, the ``largest_von_mises_stress``; in the units of the contacts.
+        along `body`, too, the ``largest_von_mises_stress``, of a coated body that below its coating; in the
+        units of the contacts.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def load_curve(
 def largest_von_mises(
     loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
-    """Largest von Mises stress in a body, at the nodes or between them."""
+    """Largest von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
     stress = analyse_stress(
         loaded,
         quantities=("von_mises",),
@@ -134,8 +134,9 @@ def largest_von_mises(
         friction=friction,
         sliding_direction=traction_direction(sliding_direction, body),
     )
-    between = peaks(stress, "von_mises")["peak_value"].values
-    return float(max(stress["largest_von_mises"].max(), between.max(initial=0.0)))
+    return largest_von_mises_between(
+        stress, np.nextafter(loaded.layer.interface or -1.0, np.inf), np.inf
+    ).value
 
 
 def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callable[[float], float]) -> float:

@@ -23,7 +23,7 @@ from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
 from asperity.engineering.answer import PLACES, Answer, Row, body_title, case_in_words
-from asperity.engineering.case import Case
+from asperity.engineering.case import Body, Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
 from asperity.engineering.pictures import Picture, pictures, suffix_of
@@ -209,12 +209,17 @@ def settings_of(answer: Answer) -> dict[str, Any]:
     case = answer.case
     solids = {
         "name": answer.face.name,
-        "layer": {"height": case.lower.height, "poisson": case.lower.poisson},
-        "upper": None if case.upper is None else asdict(case.upper),
+        "layer": {"height": case.lower.height, "poisson": case.lower.poisson} | _coating(case.lower),
+        "upper": None if case.upper is None else asdict(case.upper) | _coating(case.upper),
         "friction": case.friction,
         "sliding_direction": case.sliding_direction,
     }
     return case.settings() | solids
+
+
+def _coating(body: Body) -> dict[str, Any]:
+    """A coated body as a layer with a base; nothing without a coating."""
+    return {} if body.coating is None else asdict(body.layer)
 
 
 def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
@@ -312,12 +317,12 @@ def stress_dataset(answer: Answer, name: str) -> xr.Dataset:
     attributes: dict[str, Any] = {
         "unit_system": SI_UNITS,
         "body": name,
-        "solid": "half-space" if body.height is None else f"layer, {body.bottom} bottom",
+        "solid": body.layer.description,
         "solid_reason": "asked for",
         "solid_bound": 0.0,
         "uniform_mode": "laterally confined",
-        "poisson_contact": body.poisson,
-        "young": body.young,
+        "poisson_contact": body.layer.poisson,
+        "young": body.layer.young,
         "gradient_rms_contact": answer.numbers.gradient_rms_contact,
     }
     if body.yield_stress is not None:

@@ -307,8 +307,7 @@ def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float
     spans = dict(zip("yx", (widths / face.map_shape).tolist(), strict=True))
     if case.options.form == "cylinder":
         return spans["x" if case.options.cylinder_axis == "y" else "y"], None
-    has_layer = any(body.height is not None for body in case.bodies.values())
-    return max(spans.values()), None if has_layer else press(face.map_alone(), case)
+    return max(spans.values()), None if case.solid.height is not None else press(face.map_alone(), case)
 
 
 def _part(progress: Progress | None, begin: float, end: float) -> Progress:

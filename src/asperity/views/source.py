@@ -13,7 +13,7 @@ from asperity.core.errors import shown
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.elasticity.layer import Layer
-from asperity.elasticity.loaded_solid import LoadedSolid, Sliding, layer_of, traction_direction
+from asperity.elasticity.loaded_solid import LoadedSolid, Sliding, layer_from, layer_of, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid, grid_of
 from asperity.results.dataset import height_of, settings_of, unit_system
@@ -248,8 +248,7 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
         if "pressure" in data and "solid" in data.attrs:
             layers["lower"] = layer_of(data)  # the stress depends on the pressure and not on the modulus
         if layers and (upper := settings.get("upper")):
-            constants = ("young", "poisson", "height", "bottom", "lateral")
-            layers["upper"] = Layer(**{name: upper[name] for name in constants if name in upper})
+            layers["upper"] = layer_from(upper)
     return Source(
         title_of(data) if title is None else title,
         grid_of(data),

@@ -369,9 +369,17 @@ def _contradictions(
             yield f"{flag(name)}: needs {flag(needed)}"
     if "cylinder_axis" in known and values.get("form") != "cylinder":
         yield "--cylinder-axis: needs --form cylinder"
+    excluded = {f"{body}coating": [f"{body}layer_height", f"{body}bottom"] for body in ("", "counter_")}
+    pairs = [(flag(name), others) for name, others in excluded.items() if name in known]
     if values.get("boundary") == "free":
-        excluded = [name for name in ("periodic", "layer_height", "counter_layer_height") if name in known]
-        yield from (f"--boundary free: not accepted together with {flag(name)}" for name in excluded)
+        pairs.append(
+            (
+                "--boundary free",
+                ["periodic", "layer_height", "counter_layer_height", "coating", "counter_coating"],
+            )
+        )
+    for option, others in pairs:
+        yield from (f"{option}: not accepted together with {flag(name)}" for name in others if name in known)
 
 
 def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] | None = None) -> Iterator[str]:
