@@ -58,6 +58,7 @@ def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0
         "limits": limits() if estimates is None else estimates,
     }
     stress = SimpleNamespace(**(part | body))
+    stress.materials = {"": stress}
     return SimpleNamespace(
         numbers=SimpleNamespace(**(plain | numbers)),
         face=SimpleNamespace(**(shown | face), treatment=SimpleNamespace(**treated)),
