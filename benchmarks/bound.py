@@ -1,9 +1,12 @@
 """Search for a mode in a layer whose stress is above the bound of the modes that a coarse grid drops.
 
     python benchmarks/bound.py --layers 100000 --seed 1
+    python benchmarks/bound.py --layers 100000 --seed 1 --coated
 
 draws layers with q height from 0.01 to 10, ν from −0.9 to 0.5, both bottoms, any depth, friction from 0 to 1
-(on a bonded bottom) in any direction, and prints the largest stress of any kind over its bound. The tensor is
+(on a bonded bottom) in any direction, and prints the largest stress of any kind over its bound; with
+``--coated`` half-spaces under coatings of q height from 1e-4 to 30, with a ratio of the moduli from 1e-4 to
+1e4, to a depth of three heights. The tensor is
 that of `asperity.Layer`, the fields are its eigenvalues; the phase is searched in steps of five degrees.
 """
 
@@ -23,6 +26,7 @@ PHASE = np.radians(np.arange(0.0, 180.0, 5.0))
 def largest_field(layer: asp.Layer, q: float, depth: float, friction: float, angle: float) -> float:
     """Largest component, principal stress, largest shear or von Mises stress of a unit mode."""
     cosine, sine = np.cos(PHASE), np.sin(PHASE)
+    poisson = layer.poisson if layer.base is None or depth <= 1 else layer.base.poisson
     z, along, shear = (float(kernel) for kernel in layer.kernels(q, depth)[:3])
     tensor = np.zeros((PHASE.size, 3, 3))
 
@@ -31,12 +35,12 @@ def largest_field(layer: asp.Layer, q: float, depth: float, friction: float, ang
         if i != j:
             tensor[:, j, i] += values
 
-    for i, amplitude in enumerate((along, layer.poisson * (z + along), z)):
+    for i, amplitude in enumerate((along, poisson * (z + along), z)):
         add(i, i, -amplitude * cosine)
     add(0, 2, shear * sine)
     if friction:
         n, m, x, across, turn = (float(kernel) for kernel in layer.shear_kernels(q, depth))
-        for i, amplitude in enumerate((m, layer.poisson * (n + m), n)):
+        for i, amplitude in enumerate((m, poisson * (n + m), n)):
             add(i, i, -friction * np.cos(angle) * amplitude * sine)
         add(0, 2, friction * np.cos(angle) * x * cosine)
         add(1, 2, friction * np.sin(angle) * across * cosine)
@@ -53,12 +57,17 @@ def main() -> None:
     )
     parser.add_argument("--layers", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--coated", action="store_true")
     options = parser.parse_args()
     random, worst = np.random.default_rng(options.seed), [0.0, 0.0]
     for _ in range(options.layers):
         scaled, share = 10 ** random.uniform(-2, 1), random.uniform() ** random.choice([0.2, 1.0, 5.0])
         bottom = str(random.choice(["bonded", "frictionless"]))
         layer = asp.Layer(1.0, random.uniform(-0.9, 0.5), 1.0, bottom)
+        if options.coated:
+            base = asp.Layer(10 ** random.uniform(-4, 4), random.uniform(-0.9, 0.5))
+            bottom, scaled, share = "bonded", 10 ** random.uniform(-4, 1.5), 3 * share
+            layer = asp.Layer(1.0, layer.poisson, 1.0, base=base)
         friction = random.uniform() if bottom == "bonded" else 0.0
         found = largest_field(layer, scaled, share, friction, random.uniform(0, np.pi))
         decayed = (1 + scaled * share) * np.exp(-scaled * share)
@@ -67,11 +76,9 @@ def main() -> None:
             2 * envelope_of(asp.Layer(1.0, layer.poisson), layer.poisson, friction, share) * decayed
         )
         worst = [max(worst[0], ratio), max(worst[1], twice)]
-    print(
-        f"{options.layers} layers, seed {options.seed}: largest stress over its bound {worst[0]:.4f}; ",
-        end="",
-    )
-    print(f"over twice the bound of the half-space {worst[1]:.4f}")
+    print(f"{options.layers} layers, seed {options.seed}: largest stress over its bound {worst[0]:.4f}")
+    if not options.coated:
+        print(f"over twice the bound of the half-space {worst[1]:.4f}")
 
 
 if __name__ == "__main__":

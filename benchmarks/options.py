@@ -1,4 +1,4 @@
-"""Cost of a hardness, of load curves and of stress cycles, as multiples of what they are added to.
+"""Cost of a hardness, load curves, stress cycles and coatings, as multiples of what they are added to.
 
 python benchmarks/options.py --grid 1024 --out options.csv
 """
@@ -20,6 +20,9 @@ from asperity.stress.cycles.smooth_body import Cycles
 
 HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Hardness over E* times the rms gradient."""
+
+COATINGS = (0.1, 3.0)
+"""Young's modulus of coatings over that of the base."""
 
 TOLERANCE = 1e-4
 """Of the planes of stress, as in `asperity run`."""
@@ -59,6 +62,13 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
     alone = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE))
     both = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE, observe=watch.add))
     yield "stress with cycles", "stress", both / alone
+    for young in COATINGS:
+        coated = asp.Layer(young, 0.25, 8 / points, base=solid)
+        pressing = partial(asp.solve, height, coated, mean_pressure=load)
+        name = f"coating of {young:g} E, one short wave thick"
+        yield f"contact with a {name}", "elastic contact", seconds(pressing) / elastic
+        ours = partial(asp.analyse_stress, pressing(), tolerance=TOLERANCE)
+        yield f"stress with a {name}", "stress", seconds(ours) / alone
 
 
 def main() -> None:

@@ -86,7 +86,7 @@ CELL_NODES_UNDER_COATING = 4
 
 # The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, or on
 # more than 200 cells by 6 / cells on an edge: the more cells, the more S overestimates the longest waves.
-COARSE_RESIDUAL_DROP = 0.03
+COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_UNDER_COATING = 0.03, 0.005
 MAX_COARSE_ITERATIONS = 50
 
 
@@ -303,6 +303,8 @@ class Preconditioner:
     ----------
     nodal_stiffness : float
         Pressure that removes a unit residual of a node that alone is in contact.
+    coarse_drop : float
+        Factor by which the residual of the coarse system drops.
     """
 
     def __init__(self, response: Response, products: StencilProduct) -> None:
@@ -311,7 +313,9 @@ class Preconditioner:
         self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
         self.grid, self.products, self.threads = grid, products, response.fourier.threads
         self.stencil = whole_stencil(quadrants)
-        nodes = CELL_NODES if response.solid.interface is None else CELL_NODES_UNDER_COATING
+        nodes, self.coarse_drop = CELL_NODES, COARSE_RESIDUAL_DROP
+        if response.solid.interface is not None:
+            nodes, self.coarse_drop = CELL_NODES_UNDER_COATING, COARSE_RESIDUAL_DROP_UNDER_COATING
         self.cells = Grid(tuple(max(1, n // nodes) for n in grid.shape), grid.length)  # type: ignore[arg-type]
         self.coarse, compliance = response.on_cells(self.cells)
         self.compliance = compliance / response.nodal_compliance
@@ -391,7 +395,7 @@ class NodePreconditioner:
         residual = whole.on_coarse_grid(cell_sums * (whole.cells.size / whole.grid.size))
         y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
         coefficients = np.empty(fourier.grid.half_shape, fourier.complex)
-        drop = min(COARSE_RESIDUAL_DROP, 6.0 / max(residual.shape))
+        drop = min(whole.coarse_drop, 6.0 / max(residual.shape))
         first = previous = 0.0
         for iteration in range(MAX_COARSE_ITERATIONS):
             fourier.forward(residual, coefficients)

@@ -86,54 +86,54 @@ def coated_compliance(h: float, materials: Materials) -> float:
 
 
 @fused
-def _interface(of_shear: bool, h: float, materials: Materials) -> State:
-    """State on the interface, above it, under S_z = −1 or S_l = −1 at the top."""
+def _interface(of_shear: bool, h: float, materials: Materials) -> tuple[float, float, float, float]:
+    """State on the interface, above it, under S_z = −1 or S_l = −1 at the top: U_l − h/2 U_z, U_z, S_l, S_z.
+
+    In bending U_l is h/2 U_z but for the stretching of the middle of a thin coating.
+    """
     nu, nu_base, stiff, soft = materials
     m, n = 1.0 - 2.0 * nu, 1.0 - 2.0 * nu_base
     k, k_base = 1.0 + 2.0 * m, 1.0 + 2.0 * n
     e2h, c2h = decaying(2.0 * h)
     both = h * (1.0 + e2h)
+    # h (1 + e^(−2h)) − (1 − e^(−2h)) = 2 e^(−h) (h cosh h − sinh h)
+    series = 2.0 * np.exp(-h) * h * h * h * (cosh_rest(h * h) - sinh_rest(h * h))
+    curved = series if h < 1.0 else both - c2h
     if of_shear:
-        if h < 1.0:  # h (1 + e^(−2h)) − (1 − e^(−2h)) = 2 e^(−h) (h cosh h − sinh h)
-            curved = 2.0 * np.exp(-h) * h * h * h * (cosh_rest(h * h) - sinh_rest(h * h))
-        else:
-            curved = both - c2h
         s_l = stiff * 2.0 * (n * (2.0 * h - c2h) + curved) - soft * ((1.0 + k) * (1.0 + e2h) - 2.0 * h * c2h)
         s_z = stiff * 2.0 * (n * (2.0 * h - c2h) + h * c2h) + soft * 2.0 * (both + m * c2h)
-        u_l = stiff * k_base * 2.0 * curved + soft * (
-            2.0 * h * (1.0 - k_base * e2h) - (1.0 + k * k_base) - (k + k_base) * e2h
-        )
-        u_z = stiff * k_base * 2.0 * h * c2h + soft * 2.0 * (
-            h * (1.0 + k_base * e2h) + m * c2h + n * (k + e2h)
-        )
+        soft_l = 2.0 * h * (1.0 - k_base * e2h) - (1.0 + k * k_base) - (k + k_base) * e2h
+        soft_z = 2.0 * (h * (1.0 + k_base * e2h) + m * c2h + n * (k + e2h))
+        u_z = stiff * k_base * 2.0 * h * c2h + soft * soft_z
+        middle = stiff * k_base * (2.0 * curved - h * h * c2h)
         unit = 0.5
     else:
         s_l = stiff * 2.0 * (n * (c2h + 2.0 * h) + h * c2h) + soft * 2.0 * (both - m * c2h)
         s_z = stiff * 2.0 * ((1.0 + n) * (c2h + 2.0 * h) - h * c2h) + soft * (
             (1.0 + k) * (1.0 + e2h) + 2.0 * h * c2h
         )
-        u_l = stiff * k_base * 2.0 * h * c2h + soft * 2.0 * (
-            h * (1.0 + k_base * e2h) - m * c2h - n * (k + e2h)
-        )
-        u_z = stiff * k_base * 2.0 * (c2h + both) + soft * (
-            1.0 + k * k_base + (k + k_base) * e2h + 2.0 * h * (1.0 - k_base * e2h)
-        )
+        soft_l = 2.0 * (h * (1.0 + k_base * e2h) - m * c2h - n * (k + e2h))
+        soft_z = 1.0 + k * k_base + (k + k_base) * e2h + 2.0 * h * (1.0 - k_base * e2h)
+        u_z = stiff * k_base * 2.0 * (c2h + both) + soft * soft_z
+        middle = -stiff * k_base * h * curved
         unit = -0.5
     unit *= (1.0 + k) * np.exp(-h) / _determinant(h, e2h, c2h, materials)
-    u_l, u_z, s_l, s_z = unit * stiff * u_l, unit * stiff * u_z, unit * soft * s_l, unit * soft * s_z
-    return u_l, u_z, s_l, s_z, (nu * s_z - u_l) / (1.0 - nu)
+    middle += soft * (soft_l - 0.5 * h * soft_z)
+    return unit * stiff * middle, unit * stiff * u_z, unit * soft * s_l, unit * soft * s_z
 
 
 @fused
-def _above(state: State, t: float, poisson: float) -> State:
-    """State at the distance t < 1 above another one of a coating."""
-    u_l, u_z, s_l, s_z, _ = state
+def _thin_state(of_shear: bool, h: float, t: float, materials: Materials) -> State:
+    """State at the scaled distance t above the interface for h < 1."""
+    middle, u_z, s_l, s_z = _interface(of_shear, h, materials)
+    poisson, u_l = materials[0], middle + 0.5 * h * u_z
     p, r, tt = 1.0 / (1.0 - poisson), poisson / (1.0 - poisson), t * t
     rest, above = sinh_rest(tt), cosh_rest(tt)
     sinh, cosh = t + t * tt * rest, 1.0 + tt * above
     linear, cubic = 0.5 * p * t * sinh, 0.5 * p * t * tt * (above - rest)
     along, normal = u_l - s_z, u_z - s_l
-    higher_u_l = cosh * u_l + sinh * (2.0 * s_l - u_z) + linear * along - cubic * normal
+    bent = (0.5 * h - t) + 0.5 * h * tt * above - t * tt * rest  # h/2 cosh t − sinh t
+    higher_u_l = cosh * middle + bent * u_z + 2.0 * sinh * s_l + linear * along - cubic * normal
     higher_s_z = cosh * s_z + sinh * s_l + linear * along - cubic * normal
     # The terms of S_z in U_z cancel at ν = 1/2, unless they are put together first.
     higher_u_z = (
@@ -165,12 +165,12 @@ def _coated_state(of_shear: bool, h: float, d: float, t: float, materials: Mater
     nu, nu_base, stiff, soft = materials
     k, k_base = 3.0 - 4.0 * nu, 3.0 - 4.0 * nu_base
     if t < 0.0:
-        _, _, s_l, s_z, _ = _interface(of_shear, h, materials)
+        _, _, s_l, s_z = _interface(of_shear, h, materials)
         u_l, u_z, s_l, s_z, along = _of_amplitudes(s_z + s_l, s_z - s_l, -t, k_base)
         scale = np.exp(t)
         return scale * u_l, scale * u_z, scale * s_l, scale * s_z, scale * along
     if h < 1.0:
-        return _above(_interface(of_shear, h, materials), t, nu)
+        return _thin_state(of_shear, h, t, materials)
     rho = (stiff - soft) / (stiff + k * soft)
     sigma = (k_base * stiff - k * soft) / (k_base * stiff + soft)
     e2h = np.exp(-2.0 * h)

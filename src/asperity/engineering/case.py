@@ -338,9 +338,8 @@ class Case:
         if self.load.kind == "force" and math.inf in (self.hertz.radius_x, self.hertz.radius_y):
             raise ValueError("force: the Hertz pressure is needed under a roller, whose length is not known")
         if self.solid.height is not None:
-            raise ValueError(
-                f"layer_height = {self.solid.height:g}: half-spaces are needed in a Hertz contact"
-            )
+            name = "layer_height" if self.solid.interface is None else "coating"
+            raise ValueError(f"{name} = {self.solid.height:g}: half-spaces are needed in a Hertz contact")
         if self.options.periodic == "none":
             raise ValueError(
                 "boundary = 'free': periodic is needed in a Hertz contact, of which the map is a part"

@@ -1,4 +1,4 @@
-"""Axisymmetric frictionless contact with an elastic layer bonded to a rigid base.
+"""Axisymmetric frictionless contact with an elastic layer bonded to a rigid base or to a half-space.
 
 A rigid flat punch or a paraboloid ``r²/(2R)`` is pressed into a layer of height h. The mixed boundary
 conditions lead to dual integral equations and these to a Fredholm equation of the second kind, solved here
@@ -19,6 +19,12 @@ Their combination without shear stress at ζ = h has, with t = ξh,
 
 An axisymmetric pressure ``p(r) = ∫_0^∞ ξ P(ξ) J0(ξr) dξ`` displaces the surface by
 ``2/E* ∫_0^∞ K(ξh) P(ξ) J0(ξr) dξ``.
+
+On an elastic half-space, with the amplitudes ρ = (Γ − 1)/(Γ + κ) and σ = (Γ κ' − κ)/(Γ κ' + 1) of what the
+interface reflects, Γ = G/G', the prime for the half-space (D. M. Burmister, J. Appl. Phys. 16 (1945) 89, DOI
+10.1063/1.1707558),
+
+    K(t) = (1 + 4 t ρ e^(−2t) − ρ σ e^(−4t)) / ((1 − ρ e^(−2t)) (1 − σ e^(−2t)) − 4 t² ρ e^(−2t)).
 
 Fredholm equation
 -----------------
@@ -103,6 +109,31 @@ class BondedLayer:
         """Contact with a paraboloid ``r²/(2R)`` at a given contact radius."""
         require_positive(contact_radius=contact_radius, curvature_radius=curvature_radius)
         return LayerContact(self, contact_radius, 1 / curvature_radius)
+
+
+@dataclass(frozen=True)
+class Coating(BondedLayer):
+    """Elastic layer bonded to an elastic half-space.
+
+    Parameters
+    ----------
+    base_modulus : float
+        E* of the half-space, in the unit of that of the layer.
+    base_poisson : float
+        Poisson's ratio of the half-space.
+    """
+
+    base_modulus: float = 1.0
+    base_poisson: float = 0.3
+
+    def compliance_ratio(self, scaled_wavenumber: ArrayLike) -> Array:
+        """As that of `BondedLayer`."""
+        t = np.asarray(scaled_wavenumber, float)
+        kappa, below, decay = 3 - 4 * self.poisson, 3 - 4 * self.base_poisson, np.exp(-2 * t)
+        shear = self.effective_modulus * (1 - self.poisson) / (self.base_modulus * (1 - self.base_poisson))
+        rho, sigma = (shear - 1) / (shear + kappa), (shear * below - kappa) / (shear * below + 1)
+        above = 1 + 4 * t * rho * decay - rho * sigma * decay**2
+        return above / ((1 - rho * decay) * (1 - sigma * decay) - 4 * t**2 * rho * decay)
 
 
 class LayerContact:

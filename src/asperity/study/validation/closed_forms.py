@@ -18,7 +18,7 @@ from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid
 from asperity.reference.bisinusoid import Bisinusoid
-from asperity.reference.bonded_layer import BondedLayer
+from asperity.reference.bonded_layer import BondedLayer, Coating
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, von_mises
 from asperity.reference.periodic_hertz import PeriodicHertz
@@ -373,6 +373,44 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
             "poisson": np.asarray(poisson),
         },
     )
+
+
+def coating_indentation(points: int = 512) -> xr.Dataset:
+    """A paraboloid on a coated half-space, against the contact of Fredholm's equation.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the grid.
+
+    Returns
+    -------
+    Dataset
+        Contact radius and largest pressure, ``solved_`` and ``exact_`` (contact_ratio, modulus_ratio), at the
+        load of the closed form. The contact ratio is the exact contact radius over the height of the coating,
+        the modulus ratio Young's modulus of the coating over that of the base.
+    """
+    contact_ratios, modulus_ratios, poisson, contact_radius = (0.5, 1.0, 2.0), (0.25, 2.0, 4.0), 0.3, 0.05
+    face = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
+    found = np.empty((4, len(contact_ratios), len(modulus_ratios)))
+    for i, j in np.ndindex(found.shape[1:]):
+        height, ratio = contact_radius / contact_ratios[i], modulus_ratios[j]
+        exact = Coating(height, poisson, ratio, base_modulus=1.0, base_poisson=poisson).paraboloid(
+            contact_radius, CURVATURE_RADIUS
+        )
+        base = Layer(1 - poisson**2, poisson)
+        coating = Layer(ratio * base.young, poisson, height, base=base)
+        contact = solve(face, coating, mean_pressure=exact.load, rtol=RTOL)
+        found[:, i, j] = (
+            np.sqrt(contact.area_fraction / np.pi),
+            contact_radius,
+            contact.max_pressure,
+            float(exact.pressure(0.0)),
+        )
+    axes = ("contact_ratio", "modulus_ratio")
+    pairs = {"contact_radius": (axes, *found[:2]), "largest_pressure": (axes, *found[2:])}
+    values = {"contact_ratio": np.asarray(contact_ratios), "modulus_ratio": np.asarray(modulus_ratios)}
+    return _dataset(pairs, points, values)
 
 
 def wave_asymptotes(points: int = 512) -> xr.Dataset:
