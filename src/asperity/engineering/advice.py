@@ -103,7 +103,8 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
         where = f" of the {name} body" if len(shown) > 1 else ""
         for material, body in answer.bodies[name].materials.items():
             of_material = f" of the {material}{where}" if material else where
-            part = _on_body(body, answer.case.hardness)
+            # The hardness that a yield stress suggests is that of the surface.
+            part = _on_body(body, answer.case.hardness or (0.0 if material == "base" else None))
             found += [(warns, key, values | {"where": of_material}) for warns, key, values in part]
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
     made = []

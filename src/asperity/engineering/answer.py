@@ -409,7 +409,7 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
             yield row(name, value, "Pa", f"{shown_si(value, 'Pa')} {place}")
         yield row("largest shear stress on the interface", max(body.interface["shear"]))
         tension = max(body.interface["zz"][0], 0.0)
-        yield row("largest tensile stress on the interface", tension, "Pa", "" if tension else "none")
+        yield row("largest tension across the interface", tension, "Pa", "" if tension else "none")
         for material, value in zip(body.materials, body.interface["xx"], strict=True):
             yield row(f"σ_xx on the interface, in the {material}", value)
         if body.body.coating_yield is not None:
@@ -441,8 +441,9 @@ def _peak_rows(answer: Answer, name: str) -> Iterator[Row]:
     """Peaks of the von Mises stress above yield, per nominal area."""
     limit, group = answer.case.bodies[name].yield_stress, body_title(answer.case, name)
     if limit is not None:
-        found = answer.peaks().query("body == @name and quantity == 'von_mises'")["value_Pa"]
-        density = int((found > limit).sum()) / answer.numbers.nominal_area
+        found = answer.peaks().query("body == @name and quantity == 'von_mises'")
+        below = found["depth_m"] > (answer.case.bodies[name].coating or -1.0)
+        density = int(((found["value_Pa"] > limit) & below).sum()) / answer.numbers.nominal_area
         yield Row(group, "peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
 
 
@@ -464,7 +465,10 @@ def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
 def cycles_title(case: Case, name: str) -> str:
     """Heading of the cycles of one body."""
     of = body_title(case, name).removeprefix("stress in ").removeprefix("both bodies")
-    return f"cycles as the rough body moves along x, in {of or 'either body'} as if it were the smooth one"
+    place = of or "either body"
+    if case.bodies[name].coating is not None:
+        place += ", below the coating,"
+    return f"cycles as the rough body moves along x, in {place} as if it were the smooth one"
 
 
 def _row(

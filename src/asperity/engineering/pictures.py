@@ -155,7 +155,8 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
     end = f"; {body_title(answer.case, body)}."
     level = answer.case.bodies[body].yield_stress if field == "von_mises" else None
     if level is not None:
-        end = f"; the line is the yield stress, {shown_si(level, 'Pa')}{end}"
+        below = "" if answer.case.bodies[body].coating is None else " below the coating"
+        end = f"; the line is the yield stress{below}, {shown_si(level, 'Pa')}{end}"
     suffix = ("" if field == "von_mises" else f"_{field}") + suffix_of(answer, body)
     word = field_words(field)
     capital, look = word[0].upper() + word[1:], field_look(field)

@@ -152,12 +152,12 @@ def _section(
     elif not 0 < depth <= height:
         most = f" and at most {source.shown(height)}" if solid.layer.extent else ""
         raise ValueError(f"depth = {source.shown(depth)}: a depth > 0{most} is needed")
-    at = float(node * solid.grid.spacing[axis])
+    at, face = float(node * solid.grid.spacing[axis]), solid.layer.interface
     found = stress_section(
         solid,
         along,
         at,
-        depth_grid(solid.grid, depth),
+        depth_grid(solid.grid, depth, interface=face if face is not None and face < depth else None),
         (stress.field,),
         tolerance=SECTION_TOLERANCE,
         progress=progress,
@@ -197,6 +197,9 @@ def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
         shading="gouraud",
         rasterized=True,
     )
+    at_face = np.diff(section["depth"].values) <= np.spacing(section["depth"].values[:-1])
+    for face in depth[:-1][at_face]:
+        axis.axhline(face, color="0.6", lw=0.6)  # the interface under a coating
     draw_contour(axis, values, scale.level, LEVEL, 0.8, position, depth)
     # The contacts are bars on the upper edge, as thick as two spines.
     touching = np.flatnonzero(np.maximum.reduceat(section["contact"].values, starts))
