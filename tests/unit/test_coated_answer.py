@@ -1,0 +1,105 @@
+"""Coated bodies: their answer, their case and results, what is refused."""
+
+import numpy as np
+import pytest
+from samples import refuses
+from test_engineering import a_rough_map
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.engineering import Body, Case, run, write_answer
+from asperity.views.source import sources
+
+COATING = {"coating": 2e-6, "coating_young": 400e9, "coating_poisson": 0.25}
+COATED = Body(210e9, 0.3, yield_stress=1e9, fatigue_torsion=300e6, fatigue_bending=480e6, **COATING)
+LAYER, STEEL = COATED.layer, asp.Layer(210e9, 0.3)
+
+
+@pytest.fixture(scope="module")
+def answer():
+    soft = {"coating": 1e-6, "coating_young": 20e9, "coating_poisson": 0.4, "coating_yield": 100e6}
+    return run(a_rough_map(), COATED, Body(110e9, 0.34, **soft), mean_pressure=[1e6, 60e6])
+
+
+def test_answer_tells_the_materials_apart(answer):
+    """The limits of the base count below the coating alone."""
+    body = answer.bodies["lower"]
+    rows = {row.name: row.value for row in answer.rows if row.group.startswith("stress in the lower")}
+    planes = list(
+        asp.stress_planes(
+            answer.contact.in_body("lower"),
+            [LAYER.interface, np.nextafter(LAYER.interface, 1)],
+            fields=("xx", "xz", "yz", "zz", "von_mises"),
+            tolerance=0,
+        )
+    )
+    for material, plane in zip(("coating", "base"), planes, strict=True):
+        xx = plane.fields["xx"]
+        # The tolerance of the planes of an answer.
+        assert rows[f"σ_xx on the interface, in the {material}"] == pytest.approx(
+            xx.flat[abs(xx).argmax()], rel=1e-3
+        )
+        assert rows[f"largest von Mises stress in the {material}"] >= 0.999 * plane.fields["von_mises"].max()
+    shear = np.hypot(planes[0].fields["xz"], planes[0].fields["yz"]).max()
+    assert rows["largest shear stress on the interface"] == pytest.approx(shear, rel=1e-3)
+    assert body.depths_above_yield[0] >= LAYER.interface
+    assert body.cycles["cycle_depth"].values[0] > LAYER.interface
+    assert 1e6 < answer.curve.yield_loads["lower"] < 60e6
+    texts = [advice.text for advice in answer.advice if "yield stress" in advice.text]
+    assert any("of the base of the lower body" in text for text in texts)
+    assert any("of the coating of the upper body" in text for text in texts)
+
+
+def test_results_describe_the_coatings(answer, tmp_path):
+    """The section from the file is that of the answer, the bodies and the case are the same."""
+    write_answer(answer, tmp_path / "answer")
+    dataset = asp.read_result(tmp_path / "answer" / "contact.nc")
+    own, read = (
+        asp.stress_section(solid, fields=("xx",), depths=[0.0, 1e-6, 3e-6])["xx"]
+        for solid in (answer.contact.in_body("lower"), asp.LoadedSolid.from_dataset(dataset))
+    )
+    np.testing.assert_array_equal(own, read)
+    (source,) = sources({"": dataset}, None)
+    assert source.layers == {name: body.layer for name, body in answer.case.bodies.items()}
+    assert Case.of(answer.case.settings()).bodies == answer.case.bodies
+
+
+test_wrong_coating_is_refused = refuses(
+    (lambda: asp.Layer(1.0, 0.3, 1.0, "frictionless", base=STEEL), "bottom = 'frictionless': bonded"),
+    (lambda: asp.Layer(1.0, 0.3, base=STEEL), "height = None: the height of the coating"),
+    (lambda: asp.Layer(1.0, 0.3, 1.0, base=asp.Layer(1.0, 0.3, 2.0)), "base = Layer.*: a half-space"),
+    (lambda: asp.Layer(1.0, 0.3, 1.0, base=LAYER), "base = Layer.*: a half-space"),
+    (lambda: asp.Layer(1.0, 0.3, 1.0, base="steel"), "base = 'steel': a Layer"),
+    (lambda: asp.solve(np.zeros((8, 8)), LAYER, force=1.0, boundary="free"), "boundary = 'free'"),
+    (lambda: asp.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Layer.*: one without a base"),
+    (lambda: LAYER.green_tensor(1.0, 0.0), "base = Layer.*: None is needed"),
+    (lambda: asp.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),
+    (lambda: Body(1e9, 0.3, coating=1e-6, coating_young=1e9), "coating_poisson: missing"),
+    (lambda: Body(1e9, 0.3, coating_yield=1e9), "coating: missing"),
+    (lambda: Body(1e9, 0.3, height=1e-6, **COATING), "coating = 2 µm: not accepted"),
+    (
+        lambda: run(a_rough_map(), Body(1e9, 0.3, bottom="frictionless", **COATING), force=1.0),
+        "coating = 2 µm",
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--coating", "2 um"], "--coating: needs --coating-young"),
+        (["--coating", "2 um", "--bottom", "frictionless"], "--coating: not accepted together with --bottom"),
+        (
+            ["--coating", "2 um", "--boundary", "free"],
+            "--boundary free: not accepted together with --coating",
+        ),
+        (["--coating-yield", "1 GPa"], "--coating-yield: needs --coating"),
+    ],
+)
+def test_command_refuses_a_coating(options, message, capsys, tmp_path):
+    path = tmp_path / "map.csv"
+    np.savetxt(path, np.eye(8))
+    known = ["--young", "1 GPa", "--poisson", "0.3", "--pressure", "1 MPa", "--physical-size", "1", "1"]
+    with pytest.raises(SystemExit):
+        main(["run", str(path), "--unit", "um", *known, *options])
+    assert message in capsys.readouterr().err
