@@ -14,7 +14,8 @@ sys.path.append(str(Path(__file__).parents[1] / "data"))
 import bearing
 
 STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--yield", "2 GPa", "--hardness", "6 GPa"]
-COMMAND = [*STEEL, "--pressure", "400 MPa", "--despike", "5", "--pooled"]
+PAIR = [part.replace("--", "--counter-") for part in STEEL]
+COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--pressure", "400 MPa", "--despike", "5", "--pooled"]
 
 
 @pytest.fixture(scope="module")
@@ -31,18 +32,22 @@ def folder(maps, tmp_path_factory):
 
 
 def test_the_folder_holds_means_of_all_maps(folder):
-    sample = pd.read_csv(folder / "sample.csv").set_index("name")
-    each = [pd.read_csv(folder / f"ring_{number}/answer.csv").set_index("name") for number in (1, 2, 3)]
+    sample = pd.read_csv(folder / "sample.csv").drop_duplicates("name").set_index("name")
+    files = [folder / f"ring_{number}/answer.csv" for number in (1, 2, 3)]
+    each = [pd.read_csv(file).drop_duplicates("name").set_index("name") for file in files]
     areas = [answer["estimate"].fillna(answer["value"])["real contact"] for answer in each]
     assert sample["mean"]["real contact"] == pytest.approx(np.mean(areas), rel=1e-6)
     assert sample["error"]["real contact"] > sample["error_of_maps"]["real contact"] > 0
     assert sample["error_of_grid"]["largest von Mises stress"] > 0  # under the hardness, too
-    largest = pd.read_csv(folder / "largest.csv").set_index("quantity")
+    largest = pd.read_csv(folder / "largest.csv").drop_duplicates("quantity").set_index("quantity")
     assert largest["value_Pa"]["pressure"] == pytest.approx(6e9)  # is the hardness
     assert (largest["low_Pa"] <= largest["value_Pa"]).all()
     page = (folder / "sample.html").read_text(encoding="utf-8")
     assert page.index("±") < page.index("<h2>Numbers</h2>")
     assert "95 % between" in page
+    shown = (folder / "ring_1/report.html").read_text(encoding="utf-8")
+    assert shown.count("largest shear stress (Tresca)") == 1  # of two bodies of the same material
+    assert "upper body: of the same material" in page.lower()
 
 
 def test_the_case_file_repeats_it_and_keeps_what_is_there(folder, maps, capsys):

@@ -10,7 +10,7 @@ import pytest
 import asperity as asp
 from asperity.core import markup
 from asperity.engineering import Body, run
-from asperity.results.tables import check_columns, describe_tables, units, write_table
+from asperity.results.tables import check_columns, describe_tables, units, write_table, write_workbook
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.views.export import peak_table
 
@@ -46,6 +46,19 @@ def test_tables_of_an_answer_are_described(tmp_path):
         frame = peak_table(answer.bodies["lower"].stress.assign_attrs(unit_system=system))
         check_columns(frame, "peaks")
         assert units("peaks", frame)[unit] == unit.removeprefix("depth_")
+
+
+def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
+    pytest.importorskip("openpyxl")
+    rows = [("contact", "mean gap", 1.2e-7, "m", np.nan), ("contact", "largest pressure", 2e9, "Pa", 1e8)]
+    answer = pd.DataFrame(rows, columns=["group", "name", "value", "unit", "error"])
+    peaks = pd.DataFrame({"quantity": ["von_mises"], "value_Pa": [3e9], "depth_m": [2e-6]})
+    write_workbook({"answer": answer, "peaks": peaks}, tmp_path / "a.xlsx")
+    found = pd.read_excel(tmp_path / "a.xlsx", sheet_name=None)
+    assert found["answer"]["value"].tolist() == pytest.approx([0.12, 2000.0])
+    assert found["answer"]["unit"].tolist() == ["µm", "MPa"]
+    assert found["peaks"].iloc[0].tolist() == ["von_mises", 3000.0, 2.0]
+    assert [*found["peaks"]] == ["quantity", "value_MPa", "depth_µm"]
 
 
 def test_costs_add_up_and_keep_the_largest_memory(costs):

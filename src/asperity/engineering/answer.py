@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -52,6 +52,13 @@ SHARES = (
 
 PLACES = "at depth", "at x", "at y"
 """Numbers that say where another one is."""
+
+ALIKE = 0.01
+"""Relative difference of numbers of two bodies of one material up to which they are shown once."""
+
+REPEATS = (
+    f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
+)
 
 CYCLE_WORDS = {
     "dang_van": ("largest Dang Van stress over limit", "1"),
@@ -128,6 +135,9 @@ class Row(NamedTuple):
         if self.name in SHARES:
             factor, symbol = 0.01, "%"
         return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
+
+
+AnyRow = TypeVar("AnyRow", bound=Any)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -267,8 +277,10 @@ class Answer:
         lines = [self.title]
         if self.uncertainties:
             lines += ["", "largest uncertainties", *(f"  {text}" for text in self.uncertainties)]
-        for group, rows in groupby(self.rows, key=lambda row: row.group):
+        shown = without_repeats(self.rows)
+        for group, rows in groupby(shown, key=lambda row: row.group):
             lines += ["", group, *(f"  {row.name:<{width}}  {row.shown}" for row in rows)]
+        lines += ["", REPEATS] if len(shown) < len(self.rows) else []
         lines += ["", "what was done to the map", *(f"  {step}" for step in self.face.done)]
         for advice in self.advice:
             lines += ["", f"{advice.level}: {advice.text}"]
@@ -283,6 +295,19 @@ class Answer:
 
     def __repr__(self) -> str:
         return f"<Answer of {self.title}>"
+
+
+def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
+    """Rows without those of the upper body that are as those of a lower body of the same material."""
+    known = {(row.group, row.name): row.value for row in rows}
+
+    def is_repeated(row: AnyRow) -> bool:
+        lower = known.get((row.group.replace("upper body", "lower body"), row.name))
+        if "upper body" not in row.group or lower is None:
+            return False
+        return row.name in PLACES or abs(row.value - lower) <= ALIKE * abs(lower)
+
+    return [row for row in rows if not is_repeated(row)]
 
 
 def case_in_words(case: Case) -> str:

@@ -22,7 +22,7 @@ import yaml
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.answer import PLACES, Answer, Row, body_title, case_in_words
+from asperity.engineering.answer import REPEATS, Answer, Row, body_title, case_in_words, without_repeats
 from asperity.engineering.case import Body, Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
@@ -36,13 +36,10 @@ from asperity.surface.roughness import surface_dataset
 
 HEADLINE = (
     *("real contact", "largest pressure"),
-    *("largest von Mises stress", "at depth", "volume above yield per area", "share above yield"),
+    *("largest von Mises stress", "volume above yield per area", "share above yield"),
     *("largest Dang Van stress over limit", "shakedown factor, at least"),
 )
 """Numbers at the top of the report: contact, yield, fatigue."""
-
-ALIKE = 0.01
-"""Relative difference of numbers of two bodies of the same material up to which they are shown once."""
 
 SPOTS = 10
 """Patches of contact in the report."""
@@ -153,7 +150,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
     versions = {"asperity": __version__, "Python": platform.python_version()}
     versions |= {package: version(package) for package in PACKAGES if find_spec(package)}
-    rows = rows_shown_once(answer)
+    rows = without_repeats(answer.rows)
     page = rendered(
         "asperity.engineering",
         "report.html.j2",
@@ -164,7 +161,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
             rows, len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
         ),
         groups=groupby(rows, key=lambda row: row.group),
-        same_material=len(rows) < len(answer.rows),
+        repeats=REPEATS if len(rows) < len(answer.rows) else "",
         picture_groups=groups,
         case_file=case_text(answer.case, folder.parent, files=answer.rough.files),
         date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
@@ -185,23 +182,9 @@ def headline(rows: Sequence[Row], several: bool) -> list[tuple[str, str, str]]:
             body = row.group.removeprefix("stress in the ").partition(" (")[0]
             of_body = several and row.group.startswith("stress")
             name = f"{row.name}, {body}" if of_body else row.name
-            found.append((name, row.with_error or value, value if row.with_error else ""))
+            more = row.with_error and (row.estimate != row.value or len(value.split()) > 2)
+            found.append((name, row.with_error or value, value if more else ""))
     return found
-
-
-def rows_shown_once(answer: Answer) -> list[Row]:
-    """Numbers of an answer; of two bodies of one material those of the upper one only where they differ."""
-    case = answer.case
-    if case.lower != case.upper or len(case.different_bodies) == 1:
-        return answer.rows
-    upper = body_title(case, "upper")
-    lower = {row.name: row for row in answer.rows if row.group == body_title(case, "lower")}
-    return [
-        row
-        for row in answer.rows
-        if row.group != upper
-        or (row.name not in PLACES and abs(row.value / (lower[row.name].value or 1) - 1) > ALIKE)
-    ]
 
 
 def settings_of(answer: Answer) -> dict[str, Any]:

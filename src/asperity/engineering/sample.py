@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from asperity.core.markup import table, with_error
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import PLACES, SHARES, Answer, case_in_words
+from asperity.engineering.answer import PLACES, REPEATS, SHARES, Answer, case_in_words, without_repeats
 from asperity.engineering.largest import FEWEST, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -61,6 +61,11 @@ class SampleRow(NamedTuple):
     of_each: Array
 
     @property
+    def value(self) -> float:
+        """The mean."""
+        return self.mean.value
+
+    @property
     def shown(self) -> tuple[str, list[str]]:
         """The mean with half of its interval, and the value of each map, for a reader."""
         factor, symbol = scaled_unit(self.of_each, self.unit) if self.unit in SCALED else (1.0, self.unit)
@@ -69,7 +74,9 @@ class SampleRow(NamedTuple):
         elif self.unit == PER_AREA:
             factor, symbol = 1e6, "per mm²"
         mean = with_error(self.mean.value / factor, self.mean.error / factor)
-        return f"{mean} {symbol}".strip(), [f"{value / factor:.4g}" for value in self.of_each]
+        return f"{mean} {symbol}".strip(), [
+            f"{float(f'{value / factor:.4g}'):.15g}" for value in self.of_each
+        ]
 
 
 class Mean(NamedTuple):
@@ -319,12 +326,13 @@ class Sample:
         width = max(len(row.name) for row in self.rows)
         lines = [f"{len(self.names)} maps of one surface: {', '.join(self.names)}", self.case]
         lines += [ONE_MAP] if len(self.names) == 1 else []
-        for group, rows in groupby(self.rows, key=lambda row: row.group):
+        shown = without_repeats(self.rows)
+        for group, rows in groupby(shown, key=lambda row: row.group):
             lines += ["", group]
             for row in rows:
                 mean, each = row.shown
                 lines.append(f"  {row.name:<{width}}  {mean:<24}  {'  '.join(each)}".rstrip())
-        return "\n".join(lines)
+        return "\n".join([*lines, *(["", REPEATS] if len(shown) < len(self.rows) else [])])
 
     __str__ = text
 

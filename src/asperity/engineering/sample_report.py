@@ -11,7 +11,7 @@ import pandas as pd
 
 from asperity.core.markup import rendered
 from asperity.core.units import shown_si, to_si
-from asperity.engineering.answer import case_in_words
+from asperity.engineering.answer import REPEATS, case_in_words, without_repeats
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, SAMPLE, locked, replacing
@@ -64,16 +64,23 @@ def write_sample(
     largest = None if area is None else sample.largest(to_si(area, "area"))
     if largest is not None:
         tables["answer_largest"] = largest
-    predicted = [] if largest is None else [largest_in_words(row) for row in largest.itertuples()]
+    rows = without_repeats(sample.rows)
+    repeats = REPEATS if len(rows) < len(sample.rows) else ""
+    predicted = [
+        largest_in_words(row)
+        for row in (() if largest is None else largest.itertuples())
+        if row.body == "lower" or not repeats
+    ]
     page = rendered(
         "asperity.engineering",
         "sample.html.j2",
         title=f"{', '.join(sample.names)}: contact and stress",
         sample=sample,
-        headline=[(row.name, row.shown[0]) for row in sample.rows if row.name in HEADLINE],
-        groups=groupby(sample.rows, key=lambda row: row.group),
+        headline=[(row.name, row.shown[0]) for row in rows if row.name in HEADLINE],
+        groups=groupby(rows, key=lambda row: row.group),
         predicted=predicted,
         one_map=ONE_MAP,
+        repeats=repeats,
         pictures=[
             [f"{name}/{picture}.png" for name in sample.names[:SHOWN]]
             for picture in PICTURES
@@ -98,7 +105,9 @@ def largest_in_words(row: Any) -> str:
     low, value, high, threshold = (
         shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
     )
-    between = f"95 % between {low} and {high}" if row.low_Pa == row.low_Pa else "no interval of one map"
+    between = f"95 % between {low} and {high}"
+    if not row.low_Pa < row.high_Pa:
+        between = "the hardness" if row.low_Pa == row.high_Pa else "no interval of one map"
     return (
         f"largest {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
         f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "

@@ -141,8 +141,8 @@ def map_of(source: Source, name: str, part: Part, note: str = "") -> Map:
     return Map(source, part, shown, note)
 
 
-DENSE, THINNEST = 0.01, 0.3
-"""Crossings of a contour per pixel from which its lines are thinner, down to a share of their width."""
+DENSE, THINNEST = 8, 0.3
+"""Crossings of a row with a contour from which its lines are thinner, down to a share of their width."""
 
 
 def draw_maps(
@@ -197,8 +197,8 @@ def draw_contour(
 ) -> None:
     """Draw the contour of a value, if there is one and it occurs."""
     if level is not None and min(values.shape) > 1 and values.min() < level < values.max():
-        crossings = np.count_nonzero(np.diff(values > level, axis=1)) / values.size
-        width *= min(1.0, max(THINNEST, DENSE / max(crossings, 1e-9)))
+        crossings = np.count_nonzero(np.diff(values > level, axis=1)) / values.shape[0]
+        width *= min(1.0, max(THINNEST, DENSE / max(crossings, 1.0)))
         axis.contour(*nodes, values, levels=[level], colors=colour, linewidths=width, **place)
 
 
