@@ -4,6 +4,8 @@ from .contact import ConvergenceError as ConvergenceError
 from .contact import solve as solve
 from .contact import solve_path as solve_path
 from .contact import verify_contact as verify_contact
+from .contact.gap import film_flow as film_flow
+from .contact.gap import percolation as percolation
 from .contact.slip import partial_slip as partial_slip
 from .elasticity.layer import Layer as Layer
 from .elasticity.layer_fields import layer_fields as layer_fields

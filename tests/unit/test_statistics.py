@@ -10,10 +10,11 @@ from samples import refuses
 from scipy.stats import spearmanr
 
 import asperity as asp
+from asperity.contact.patches import contact_patches
 from asperity.fourier.grid import Fourier, resample
 from asperity.stress.statistics.covariance import autocorrelation, decay_lengths, half_length
 from asperity.stress.statistics.density import probability_density
-from asperity.stress.statistics.patches import contact_patches, depth_patch_correlation
+from asperity.stress.statistics.patches import depth_patch_correlation
 from asperity.stress.statistics.pooling import PERCENTS, pool_peaks
 
 

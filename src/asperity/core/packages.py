@@ -29,7 +29,7 @@ PACKAGES = {
 }
 """Extra → module that is imported → package that provides it. Each extra holds those before it."""
 
-ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}}
+ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}, "flow": {"reynoldsflow": "reynoldsflow"}}
 """The same for extras by themselves, which nobody needs who does not choose them."""
 
 NAMES = {

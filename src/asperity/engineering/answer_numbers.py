@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 
 from asperity.contact import Contact
+from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.engineering.face import RoughFace
 from asperity.fourier.grid import Grid
-from asperity.stress.statistics.patches import contact_patches
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 

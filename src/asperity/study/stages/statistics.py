@@ -19,6 +19,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.results import dataset
@@ -26,7 +27,7 @@ from asperity.results.dataset import grid_of
 from asperity.stress.peaks.selection import peaks, selection_for
 from asperity.stress.statistics.continuum import OnGrid, estimates, numbers_on
 from asperity.stress.statistics.density import bin_edges
-from asperity.stress.statistics.patches import contact_patches, depth_patch_correlation
+from asperity.stress.statistics.patches import depth_patch_correlation
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
 from asperity.study.stages.contact import SOLID_ATTRIBUTES
 
