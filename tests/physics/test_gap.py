@@ -150,6 +150,6 @@ test_bad_arguments = pytest.mark.skipif(bool(absent(["reynoldsflow"])), reason="
         (lambda: asp.film_flow(CONTACT, 0.0, 1.0), "viscosity = 0"),
         (lambda: asp.film_flow(CONTACT, 1.0, -1.0), "pressure_difference = -1"),
         (lambda: asp.film_flow(CONTACT, 1.0, 1.0, "z"), "flow_direction = 'z'"),
-        (lambda: asp.film_flow(ODD, 1.0, 1.0), "contact: 10 × 16 nodes"),
+        (lambda: asp.film_flow(ODD, 1.0, 1.0), "map: 10 × 16 nodes"),
     )
 )

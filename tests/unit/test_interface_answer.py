@@ -1,11 +1,15 @@
 """Answers under a tangential force: numbers on the map, files, stress of both bodies, and what is refused."""
 
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from samples import refuses
 from test_engineering import STEEL, a_rough_map
 
 import asperity as asp
+from asperity.core.packages import MissingPackageError, absent
 from asperity.engineering import Body, Case, run
 
 LOAD, FRICTION, AREA = 100e6, 0.3, (64e-6) ** 2
@@ -58,13 +62,58 @@ def test_files_hold_the_slip(fretting, tmp_path):
     assert "In full sliding" not in (tmp_path / "report.html").read_text("utf-8")
 
 
+SOFT = Body(2e9, 0.4)
+LEAK = {"flow_direction": "x", "viscosity": 1e-3, "pressure_difference": 1e5}
+
+
+def test_percolation_is_that_of_the_map():
+    """A mirrored map, whose cell repeats, has the constrictions of one image without surroundings."""
+    answer = run(a_rough_map(), SOFT, mean_pressure=2e6, flow_direction="y")
+    found, contact, part = values(answer, "gap"), answer.contact, answer.face.part
+    assert answer.face.is_mirrored
+    assert (found["contact percolates along x"], found["gap percolates along y"]) == (0.0, 1.0)
+    grid = asp.Grid(answer.face.map_shape, answer.face.map_length)
+    alone = replace(
+        contact, gap=part(contact.gap), pressure=part(contact.pressure), grid=grid, boundary="free"
+    )
+    for axis, width in zip("yx", asp.percolation(alone).constriction, strict=True):
+        assert found[f"narrowest constriction along {axis}"] == pytest.approx(width, rel=1e-12)
+    assert "leakage along y" not in found
+
+
+@pytest.mark.skipif(bool(absent(["reynoldsflow"])), reason='pip install "asperity[flow]"')
+def test_leak_through_a_mirrored_map(tmp_path):
+    """Its edges across the flow are reservoirs, the others are sealed: as without surroundings; solver."""
+    answer = run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
+    found, contact, part = values(answer, "gap"), answer.contact, answer.face.part
+    grid = asp.Grid(answer.face.map_shape, answer.face.map_length)
+    alone = replace(
+        contact, gap=part(contact.gap), pressure=part(contact.pressure), grid=grid, boundary="free"
+    )
+    flow = asp.film_flow(alone, 1e-3, 1e5, "x")
+    assert found["leakage along x"] == pytest.approx(flow.flow_rate, rel=1e-6)
+    assert found["pressure flow factor"] == pytest.approx(flow.flow_factor, rel=1e-6)
+    np.testing.assert_allclose(answer.flow.pressure, flow.pressure, atol=1e-3 * 1e5)
+    assert (tmp_path / "flow.png") in asp.write_answer(answer, tmp_path)
+    with pytest.raises(ValueError, match="flow_direction = 'x': a smaller load is needed"):
+        run(a_rough_map(), SOFT, area_fraction=1.0, **LEAK)
+
+
+def test_missing_solver_is_named_before_the_contact(monkeypatch):
+    hidden = {"reynoldsflow": None}
+    monkeypatch.setattr("asperity.core.packages.find_spec", lambda module: hidden.get(module, module))
+    monkeypatch.setattr(sys.modules[run.__module__], "press", None)
+    with pytest.raises(MissingPackageError, match="not installed: reynoldsflow"):
+        run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
+
+
 SETTINGS = {"map": "a.x3p", "young": "210 GPa", "poisson": 0.3, "force": "2 N", "friction": 0.3}
 
 
-def test_case_keeps_the_tangential_force():
-    settings = SETTINGS | {"tangential_force": "0.5 N"}
+def test_case_keeps_force_and_film():
+    settings = SETTINGS | {"tangential_force": "0.5 N", "viscosity": 0.01, "pressure_difference": "1 bar"}
     case = Case.of(settings)
-    assert case.tangential_force == 0.5
+    assert (case.tangential_force, case.pressure_difference, case.flow_direction) == (0.5, 1e5, "x")
     assert Case.of(case.settings()) == case
 
 
@@ -74,6 +123,8 @@ def case_of(**changed):
 
 LAYER = {"layer_height": "5 um", "tangential_displacement": "1 nm"}
 test_bad_cases = refuses(
+    (lambda: Case.of(SETTINGS | {"viscosity": 0.1}), "viscosity = 0.1: a pressure_difference is needed"),
+    (lambda: Case.of(SETTINGS | {"flow_direction": "z"}), "flow_direction = 'z': one of x, y"),
     (case_of(tangential_force="0.7 N"), "tangential_force = 700 mN: at most 600 mN is needed"),
     (case_of(tangential_displacement="1 nm"), "tangential_force = 500 mN: not accepted together"),
     (case_of(friction=0.0), "tangential_force = 500 mN: a friction above 0"),

@@ -14,6 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
+from asperity.contact.gap import FilmFlow, Percolation
 from asperity.contact.slip import PartialSlip
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import DIMENSIONS, scaled_unit, shown_si
@@ -21,8 +22,8 @@ from asperity.engineering.answer_numbers import ContactNumbers, gap_of
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, SIDEWAYS, Body, Case
 from asperity.engineering.face import RoughFace
+from asperity.engineering.interface import gap_rows, slip_rows
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
-from asperity.engineering.tangential import slip_rows
 from asperity.stress.peaks.selection import peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -166,6 +167,10 @@ class Answer:
         Of several loads.
     unfiltered : Contact or None
         Under the same load without the Gaussian filters; None if there are none.
+    paths : Percolation or None
+        Of contact and gap.
+    flow : FilmFlow or None
+        Of a film through the gap, on the map.
     slip : PartialSlip or None
         Under the tangential force or displacement.
     cycle : DataFrame or None
@@ -184,6 +189,8 @@ class Answer:
     plastic: Contact | None = None
     curve: AnswerCurve | None = None
     unfiltered: Contact | None = None
+    paths: Percolation | None = None
+    flow: FilmFlow | None = None
     slip: PartialSlip | None = None
     cycle: pd.DataFrame | None = None
     advice: tuple[Advice, ...] = ()
@@ -209,6 +216,9 @@ class Answer:
             shown.append(Row("contact", words, value, unit, f"{number}, without films and gap"))
         if self.plastic is not None:
             shown += _plastic_rows(self.plastic, self.case.hardness is not None, self.numbers.rms_gradient)
+        if self.paths is not None:
+            numbers = gap_rows(self.paths, self.flow, self.face, self.case.flow_direction or "x")
+            shown += [Row("gap", *row) for row in numbers]
         if self.slip is not None:
             shown += [Row("partial slip", *row) for row in slip_rows(self.slip, self.face.map_area)]
         if self.curve is not None:

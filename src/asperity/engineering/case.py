@@ -66,7 +66,10 @@ HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 SIDEWAYS = {"tangential_force": "force", "tangential_displacement": "length"}
-"""Setting and field of `Case` → its dimension."""
+"""Setting and field of `Case` for partial slip → its dimension."""
+
+FILM = {"flow_direction": "", "viscosity": "", "pressure_difference": "pressure"}
+"""The same for the gap and the film in it."""
 
 CONDUCTION = ("conductivity", "resistivity")
 """Fields of `Body` that the conductance of a contact needs of both bodies."""
@@ -277,6 +280,11 @@ class Case:
     tangential_force, tangential_displacement : float, optional
         Force on the map in N, of at most the friction times the load, or displacement of the bodies in m:
         instead of full sliding the bodies slip in part, see `asperity.partial_slip`.
+    flow_direction : "x" or "y", optional
+        Direction of a leak; with it the percolation of the gap is analysed, see `asperity.percolation`.
+    viscosity, pressure_difference : float, optional
+        Of a film that leaks along that direction, by default x, in Pa s, and its fall of pressure over the
+        length of the map in Pa; see `asperity.film_flow`.
 
     Examples
     --------
@@ -298,6 +306,9 @@ class Case:
     hertz: HertzPlace | None = None
     tangential_force: float | None = None
     tangential_displacement: float | None = None
+    flow_direction: str | None = None
+    viscosity: float | None = None
+    pressure_difference: float | None = None
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
@@ -325,6 +336,15 @@ class Case:
         if self.load.kind == "mean_pressure" or self.hertz is not None:
             self.check_pressure(self.cell_pressure)
         self._check_sideways()
+        for name, other in (("viscosity", "pressure_difference"), ("pressure_difference", "viscosity")):
+            if (value := getattr(self, name)) is not None:
+                magnitude(name, value)
+                if getattr(self, other) is None:
+                    raise ValueError(f"{name} = {value:g}: a {other} is needed, too")
+        if self.viscosity is not None and self.flow_direction is None:
+            object.__setattr__(self, "flow_direction", "x")
+        if self.flow_direction is not None:
+            choice("flow_direction", self.flow_direction, ("x", "y"))
 
     def _check_hertz(self) -> None:
         if self.hertz is None:
@@ -447,7 +467,7 @@ class Case:
             counter_map_of(settings),
             tuple(settings.get("fields", ("von_mises",))),
             hertz_of(settings),
-            **{name: si(name, dimension) for name, dimension in SIDEWAYS.items() if name in settings},
+            **{name: si(name, kind) for name, kind in (SIDEWAYS | FILM).items() if name in settings},
         )
 
     def settings(self) -> dict[str, Any]:
@@ -487,7 +507,7 @@ class Case:
             add("cylinder_axis", "x" if hertz.radius_x == math.inf else None)
             add("radius_y", None if is_roller else hertz.radius_y, None, "length")
             add("at", hertz.at)
-        for name, dimension in SIDEWAYS.items():
+        for name, dimension in (SIDEWAYS | FILM).items():
             add(name, getattr(self, name), dimension=dimension)
         return found
 

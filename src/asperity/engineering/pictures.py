@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.colors import LogNorm
 
+from asperity.contact.gap import FilmFlow
+from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import Answer, body_title, cycles_title
 from asperity.engineering.close_up import CloseUp
@@ -50,6 +53,14 @@ CYCLE_CAPTION = (
     "Tangential force against tangential displacement in a cycle between the force and its opposite, after "
     "the first loading (dashed). The loop encloses the energy that a cycle loses."
 )
+
+FLOW_CAPTION = (
+    "Film that leaks through the gap: volume per time and width over its mean, and pressure. The gap is "
+    "closed in the black parts."
+)
+
+LEAST_FLUX = 1e-3
+"""Flux over the mean one at the lower end of the colours."""
 
 WIDE = 10
 """Largest over smallest value of a number of a load curve above which its axis is logarithmic."""
@@ -96,6 +107,8 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         yield Picture(name, f"{caption}.", _drawn(maps, look))
     if answer.curve is not None:
         yield Picture("curve", CURVE_CAPTION, _of_curve(answer.curve))
+    if answer.flow is not None:
+        yield Picture("flow", FLOW_CAPTION, _of_flow(answer, answer.flow))
     if answer.cycle is not None:
         yield Picture("cycle", CYCLE_CAPTION, _of_cycle(answer.cycle))
     for body in answer.case.different_bodies:
@@ -147,6 +160,28 @@ def _of_cycle(cycle: pd.DataFrame) -> Figure:
         axis.plot(displacement, force, "-o", ms=3)
         axis.plot((displacement[0] - displacement[back]) / 2, (force[0] - force[back]) / 2, "--")
         axis.set(xlabel=f"tangential displacement ({symbols[1]})", ylabel=f"tangential force ({symbols[0]})")
+    return figure
+
+
+def _of_flow(answer: Answer, flow: FilmFlow) -> Figure:
+    """Maps of the flux of the film over its mean, and of its pressure; black where the gap is closed."""
+    (ny, nx), (length, unit) = flow.pressure.shape, scaled_unit(max(answer.face.map_length), "m")
+    factor, symbol = scaled_unit(float(np.nanmax(flow.pressure)), "Pa")
+    flux = np.hypot(*flow.flux)
+    relative = flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
+    edges = [edge / length for edge in answer.face.map_length]
+    panels: list[tuple[str, Array, dict[str, Any]]] = [
+        ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max())}),
+        (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),
+    ]
+    with canvas([ny / nx] * 2, None) as (figure, axes):
+        for axis, (label, values, colours) in zip(axes, panels, strict=True):
+            axis.set_facecolor("black")
+            shown = np.ma.masked_where(np.isnan(flow.pressure), values)
+            place: dict[str, Any] = {"origin": "lower", "extent": (0, edges[1], 0, edges[0])}
+            image = axis.imshow(shown, **place, **colours)
+            axis.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+            figure.colorbar(image, ax=axis, label=label, location="bottom")
     return figure
 
 

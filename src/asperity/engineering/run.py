@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from asperity.contact import Contact, solve
+from asperity.contact.gap import check_film_grid, percolation
 from asperity.core.arguments import require_finite
+from asperity.core.packages import require
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
@@ -29,8 +31,8 @@ from asperity.engineering.case import (
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.interface import cycle_table, flow_of, slip_of
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
-from asperity.engineering.tangential import cycle_table, slip_of
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -57,6 +59,9 @@ def run(
     progress: Progress | None = None,
     tangential_force: float | None = None,
     tangential_displacement: float | None = None,
+    flow_direction: str | None = None,
+    viscosity: float | None = None,
+    pressure_difference: float | None = None,
 ) -> Answer:
     """Press a measured surface against a flat or rough body and analyse the stress in every elastic body.
 
@@ -99,6 +104,8 @@ def run(
         Called as progress(done, total).
     tangential_force, tangential_displacement : float, optional
         In N or m, for partial slip instead of full sliding; see `Case`.
+    flow_direction, viscosity, pressure_difference : str, float, float, optional
+        Direction of a leak through the gap, Pa s and Pa; see `Case`.
 
     Returns
     -------
@@ -136,7 +143,7 @@ def run(
     counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
     case = Case(
         *(source, lower, upper, load, friction, sliding_direction, options, counter, fields, hertz),
-        *(tangential_force, tangential_displacement),
+        *(tangential_force, tangential_displacement, flow_direction, viscosity, pressure_difference),
     )
     return answer_of(case, progress=progress)
 
@@ -162,8 +169,11 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     check_cell(case, face)
     if case.load.kind == "mean_pressure":
         case.check_tangential_force(case.load.value * face.map_area)
+    if case.viscosity is not None:
+        require(["reynoldsflow"])
+        check_film_grid(face.grid)
     contact = press(face, case, _part(progress, 0.1, 0.5))
-    slip = slip_of(case, face, contact)
+    slip, flow = slip_of(case, face, contact), flow_of(case, face, contact)
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)
     form_repeats = face.boundary == "periodic" and case.options.radius is not None
@@ -184,6 +194,8 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
         plastic_contact(face, case, contact),
         unfiltered=unfiltered_contact(case),
+        paths=None if case.flow_direction is None else percolation(contact),
+        flow=flow,
         slip=slip,
         cycle=None if slip is None else cycle_table(slip, face.map_area),
     )

@@ -1,17 +1,22 @@
-"""Partial slip in an answer: the tangential force of a case, and its numbers on the map in SI units."""
+"""The interface in an answer, in numbers of the map: partial slip, the gap, and a leak through it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from asperity.contact import Contact
+from asperity.contact.gap import FilmFlow, Percolation, film_flow
 from asperity.contact.slip import PartialSlip, partial_slip
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
 from asperity.surface.treatment.treatment import TreatedMap
+
+Numbers = tuple[str, float, str, str]
+"""Name, value, unit, and words of a number."""
 
 STEPS = 6
 """Forces of first loading in the cycle: chords enclose 97 % of the energy, and cost five contacts more."""
@@ -30,7 +35,7 @@ def slip_of(case: Case, face: TreatedMap, contact: Contact) -> PartialSlip | Non
     return partial_slip(contact, case.friction, sliding_direction=case.sliding_direction, **imposed)
 
 
-def slip_rows(slip: PartialSlip, map_area: float) -> Iterator[tuple[str, float, str, str]]:
+def slip_rows(slip: PartialSlip, map_area: float) -> Iterator[Numbers]:
     """Name, value, unit and words of the numbers of partial slip on a map."""
     on_map = map_area / slip.contact.grid.area
     force, limit = slip.tangential_force * on_map, slip.friction * slip.contact.force * on_map
@@ -53,3 +58,42 @@ def cycle_table(slip: PartialSlip, map_area: float) -> pd.DataFrame:
     force = cycle["tangential_force"].values * map_area / slip.contact.grid.area
     displacement = cycle["tangential_displacement"].values
     return pd.DataFrame({"tangential_force_N": force, "tangential_displacement_m": displacement})
+
+
+def flow_of(case: Case, face: TreatedMap, contact: Contact) -> FilmFlow | None:
+    """Flow of the film of a case through the map; None if it has none."""
+    if case.viscosity is None or case.pressure_difference is None:
+        return None
+    direction, images = case.flow_direction or "x", face.images
+    flow = film_flow(contact, case.viscosity, images * case.pressure_difference, direction)
+    return replace(
+        flow,
+        flow_rate=flow.flow_rate / images,
+        flux=np.stack([face.part(along) for along in flow.flux]),
+        pressure=face.part(flow.pressure) - (images - 1) * case.pressure_difference,
+    )
+
+
+def gap_rows(
+    paths: Percolation, flow: FilmFlow | None, face: TreatedMap, direction: str
+) -> Iterator[Numbers]:
+    """Numbers of the percolation of contact and gap, and of a leak along a direction."""
+    for phase, found in (("contact", paths.contact), ("gap", paths.gap)):
+        for axis in (1, 0):
+            yield (
+                f"{phase} percolates along {'yx'[axis]}",
+                float(found[axis]),
+                "1",
+                "yes" if found[axis] else "no",
+            )
+    for axis in (1, 0):
+        width, words = paths.constriction[axis], "none, the gap is closed"
+        if paths.gap[axis]:
+            y, x = face.on_map(*paths.place[axis])
+            words = f"{shown_si(width, 'm')} at x = {shown_si(float(x), 'm')}, y = {shown_si(float(y), 'm')}"
+        yield f"narrowest constriction along {'yx'[axis]}", width, "m", words
+    if flow is not None:
+        shown = f"{1e9 * flow.flow_rate:.4g} mm³/s, to {100 * flow.conservation_error:.1g} % of it"
+        yield f"leakage along {direction}", flow.flow_rate, "m^3/s", shown
+        words = f"{flow.flow_factor:.4g} of the flow between planes at the mean gap"
+        yield "pressure flow factor", flow.flow_factor, "1", words
