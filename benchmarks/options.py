@@ -1,4 +1,4 @@
-"""Cost of a hardness, load curves, stress cycles and coatings, as multiples of what they are added to.
+"""Cost of hardness, load curves, cycles, coatings, partial slip and the gap, over that of what they extend.
 
 python benchmarks/options.py --grid 1024 --out options.csv
 """
@@ -57,6 +57,7 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
         asp.load_curve(asp.solve_path(height, solid, mean_pressures=loads), bodies)
         ratio = (time.process_time() - begin) / elastic
         yield f"curve of 12 loads{', with the largest stress' if bodies else ''}", "elastic contact", ratio
+    yield from interface_rows(contact, elastic)
     pressed = asp.LoadedSolid.of(contact)
     watch = Cycles(pressed, 0.3, 0.48, 0.1, "x", 0.3)
     alone = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE))
@@ -69,6 +70,20 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
         yield f"contact with a {name}", "elastic contact", seconds(pressing) / elastic
         ours = partial(asp.analyse_stress, pressing(), tolerance=TOLERANCE)
         yield f"stress with a {name}", "stress", seconds(ours) / alone
+
+
+def interface_rows(contact: asp.Contact, elastic: float) -> Iterator[tuple[str, str, float]]:
+    """Partial slip, percolation and flow; the flow needs reynoldsflow, and is timed once."""
+    push = partial(asp.partial_slip, contact, 0.4, tangential_force=0.2 * contact.force)
+    slip = push()
+    yield "partial slip", "elastic contact", seconds(lambda: push().displacement) / elastic
+    yield "cycle of fretting, 6 forces", "elastic contact", seconds(lambda: slip.cycle(6)) / elastic
+    yield "percolation", "elastic contact", seconds(lambda: asp.percolation(contact)) / elastic
+    small = asp.solve(contact.height[:64, :64], contact.solid, mean_pressure=1e-4)
+    asp.film_flow(small, 1.0, 1.0)  # compiles
+    begin = time.process_time()
+    asp.film_flow(contact, 1.0, 1.0)
+    yield "flow of a film", "elastic contact", (time.process_time() - begin) / elastic
 
 
 def main() -> None:

@@ -124,7 +124,7 @@ OPTIONS = """
 ## Options
 
 {command}
-Hardness, load curves and cycles on {points}² nodes under a mean pressure of 0.02 E\\* ḡ: processor time over
+Hardness, load curves, partial slip, the gap and cycles on {points}² nodes under a mean pressure of 0.02 E\\* ḡ: processor time over
 that of what they are added to.
 
 {runs}"""
