@@ -124,8 +124,8 @@ OPTIONS = """
 ## Options
 
 {command}
-Hardness, load curves, partial slip, the gap and cycles on {points}² nodes under a mean pressure of 0.02 E\\* ḡ: processor time over
-that of what they are added to.
+Hardness, load curves, cycles, coatings, partial slip and the gap on {points}² nodes under a mean pressure of
+0.02 E\\* ḡ: processor time over that of what they are added to.
 
 {runs}"""
 
