@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 import asperity as asp
+from asperity.stress.cycles.criteria import Criteria
 from asperity.stress.cycles.smooth_body import Cycles
 
 HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.05)
@@ -59,7 +60,7 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
         yield f"curve of 12 loads{', with the largest stress' if bodies else ''}", "elastic contact", ratio
     yield from interface_rows(contact, elastic)
     pressed = asp.LoadedSolid.of(contact)
-    watch = Cycles(pressed, 0.3, 0.48, 0.1, "x", 0.3)
+    watch = Cycles(pressed, Criteria(0.3, 0.48, 0.1), "x", 0.3)
     alone = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE))
     both = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE, observe=watch.add))
     yield "stress with cycles", "stress", both / alone

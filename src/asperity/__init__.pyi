@@ -14,6 +14,7 @@ from .elasticity.two_bodies import TwoBodies as TwoBodies
 from .engineering.case import Body as Body
 from .engineering.continuum import continuum as continuum
 from .engineering.load_curve import load_curve as load_curve
+from .engineering.moving import MovingContact as MovingContact
 from .engineering.output import write_answer as write_answer
 from .engineering.run import run as run
 from .engineering.sample import pooled as pooled
@@ -23,7 +24,7 @@ from .results import read_result as read_result
 from .results import write_result as write_result
 from .stress.analysis import analyse_stress as analyse_stress
 from .stress.cycles.hertz_contact import HertzContact as HertzContact
-from .stress.cycles.smooth_body import stress_cycles as stress_cycles
+from .stress.cycles.stress_cycles import stress_cycles as stress_cycles
 from .stress.peaks.finder import find_peaks as find_peaks
 from .stress.peaks.finder import plane_peaks as plane_peaks
 from .stress.peaks.selection import peaks as peaks

@@ -129,7 +129,8 @@ def test_every_option_of_the_table_can_be_added(added, answers):
         if words[0] == "--config":
             content = re.search(r"`({young[^`]+)`", added)[1]
             Path(words[1]).write_text(content, encoding="utf-8")
-        load = [] if {"--force", "--approach", "--area-fraction"} & set(words) else ["--pressure", "50 MPa"]
+        loads = {"--force", "--approach", "--area-fraction", "--hertz-pressure"}
+        load = [] if loads & set(words) else ["--pressure", "50 MPa"]
         more = shlex.split(examples[0]) if words[0] == "--form" else []  # "with it"
         more += shlex.split(examples[0]) if words[0] == "--counter-turned-about" else []
         assert main([*base, *more, *words, *load]) == 0

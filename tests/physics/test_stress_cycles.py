@@ -8,8 +8,9 @@ from samples import refuses
 from scipy.optimize import minimize, nnls
 
 import asperity as asp
+from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor, reduce_rows
 from asperity.stress.cycles.smallest_sphere import smallest_sphere
-from asperity.stress.cycles.smooth_body import LARGEST_FACTOR, Cycles, _reduce_rows, hydrostatic_factor
+from asperity.stress.cycles.smooth_body import Cycles
 
 EDGE, NODES = 1.0, 1024
 
@@ -22,7 +23,7 @@ def sphere(points, free=5):
 def reduced(states, alpha=0.0):
     """Range, Dang Van and squared radii of one path of stresses (6, n): xx, yy, zz, yz, xz, xy."""
     out = np.empty((5, 1))
-    _reduce_rows(np.asarray(states, float)[:, None, :], False, True, True, alpha, out)
+    reduce_rows(np.asarray(states, float)[:, None, :], False, True, True, alpha, out)
     return out[:, 0]
 
 
@@ -186,7 +187,7 @@ def test_point_contact():
 def test_cycles_of_the_stream_of_the_analysis():
     contact, depths = rough(64), asp.depth_grid(rough(64).grid)[:20]
     limits = (0.3, 0.48, 0.1)
-    watch = Cycles(asp.LoadedSolid.of(contact), *limits, "x", 0.3)
+    watch = Cycles(asp.LoadedSolid.of(contact), Criteria(*limits), "x", 0.3)
     asp.analyse_stress(contact, depths, observe=watch.add, tolerance=1e-6)
     names = dict(zip(("fatigue_torsion", "fatigue_bending", "yield_stress"), limits, strict=True))
     alone = asp.stress_cycles(contact, depths, **names, threads=2)
@@ -211,7 +212,10 @@ test_wrong_argument_is_refused = refuses(
     (lambda: hydrostatic_factor(None, 1.0), "fatigue_torsion: missing"),
     (lambda: hydrostatic_factor(0.49, 1.0), "fatigue_torsion: 0.5 to 1 times fatigue_bending .* 0.49 times"),
     (lambda: hydrostatic_factor(1.01, 1.0), "fatigue_torsion: .* got 1.01 times"),
-    (lambda: asp.stress_cycles(rough(32), sliding_direction="y"), "sliding_direction = 'y': x, 0 or 180 is"),
+    (
+        lambda: asp.stress_cycles(rough(32), sliding_direction=30),
+        "sliding_direction = 30: x, y or a mul",
+    ),
 )
 
 

@@ -56,6 +56,7 @@ def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0
         "largest_von_mises": 1e9,
         "depths_above_yield": (0.0, 2e-6),
         "limits": limits() if estimates is None else estimates,
+        "cycles": None,
     }
     stress = SimpleNamespace(**(part | body))
     stress.materials = {"": stress}

@@ -83,6 +83,9 @@ ACCEPTED_VIOLATION = 1e-3
 NEGLECTED_COUPLING = 0.1
 """Share of a displacement by which friction changes it, or by which sticking nodes differ, that counts."""
 
+FEW_SHIFTS = 0.1
+"""Change of the worst cycles with half of the shifts above which these are too few."""
+
 NOT_SEPARATE = 0.1
 """Change of the Hertz pressure over the map above which it is no small part of the contact."""
 
@@ -106,6 +109,10 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
             # The hardness that a yield stress suggests is that of the surface.
             part = _on_body(body, answer.case.hardness or (0.0 if material == "base" else None))
             found += [(warns, key, values | {"where": of_material}) for warns, key, values in part]
+        cycles = answer.bodies[name].cycles
+        if cycles is not None and "few_shifts_error" in cycles.attrs:
+            values = {"size": cycles.attrs["few_shifts_error"], "count": answer.case.shifts, "where": where}
+            found.append((values["size"] > FEW_SHIFTS, "few_shifts", values))
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
     made = []
     for warns, key, values in sorted(found, key=lambda advice: not advice[0]):

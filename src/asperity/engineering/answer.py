@@ -63,7 +63,7 @@ REPEATS = (
 
 CYCLE_WORDS = {
     "dang_van": ("largest Dang Van stress over limit", "1"),
-    "shear_range": ("largest range of σ_xz", "Pa"),
+    "shear_range": ("largest range of shear stress", "Pa"),
     "shakedown_lower": ("shakedown factor, at least", "1"),
     "shakedown_upper": ("shakedown factor, at most", "1"),
 }
@@ -268,18 +268,19 @@ class Answer:
         return found[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
 
     def _dang_van_peaks(self, body: str) -> Iterator[pd.DataFrame]:
-        """Maxima over y of the largest Dang Van stress of each row, on the map; none without cycles."""
+        """Maxima over rows of the largest Dang Van stress of each row, on the map; none without cycles."""
         cycles, limit = self.bodies[body].cycles, self.case.bodies[body].fatigue_torsion
         if cycles is not None and "dang_van" in cycles and limit is not None:
             of_row = cycles["dang_van"].max("cycle_depth").values
             row = np.flatnonzero(
                 (of_row > 0) & (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
             )
-            y, deepest = cycles["cycle_y"].values[row], cycles["dang_van"].argmax("cycle_depth").values[row]
+            axis, deepest = cycle_axis(cycles), cycles["dang_van"].argmax("cycle_depth").values[row]
             found = {"value_Pa": limit * of_row[row], "depth_m": cycles["cycle_depth"].values[deepest]}
-            table = pd.DataFrame(found | {"y_m": y, "x_m": 0.0, "quantity": "dang_van"})
+            table = pd.DataFrame(found | {"y_m": 0.0, "x_m": 0.0, "quantity": "dang_van"})
+            table[f"{axis}_m"] = cycles[f"cycle_{axis}"].values[row]
             table = table.assign(in_solid=table["depth_m"] > 0, under_contact=True)
-            yield table[self.face.is_on_map(y, np.zeros(y.size))]
+            yield table[self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())]
 
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
@@ -490,27 +491,52 @@ def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
         return
     for variable, (words, unit) in CYCLE_WORDS.items():
         if variable in cycles:
-            value, depth, y = cycles.attrs[f"worst_{variable}"]
-            y = float(answer.face.on_map(y, 0.0)[0])
-            place = f"at depth {shown_si(depth, 'm')}, y = {shown_si(y, 'm')}"
-            error = body.grid_error(variable) * value
-            yield _row(group, words, value, unit, f"{shown_si(value, unit)} {place}", body.limits, error)
+            value, depth, *place = cycles.attrs[f"worst_{variable}"]
+            axes = [cycle_axis(cycles), *("x" for _ in place[1:])]
+            positions = {"y": 0.0, "x": 0.0} | dict(zip(axes, place, strict=True))
+            y, x = answer.face.on_map(positions["y"], positions["x"])
+            on_map = {"y": shown_si(float(y), "m"), "x": shown_si(float(x), "m")}
+            at = ", ".join(f"{axis} = {on_map[axis]}" for axis in axes)
+            few = cycles.attrs.get("few_shifts_error", 0.0)
+            error = float(np.hypot(np.nan_to_num(body.grid_error(variable)), few)) * abs(value)
+            source = "the pixels and the shifts" if few else "the pixels"
+            shown = f"{shown_si(value, unit)} at depth {shown_si(depth, 'm')}, {at}"
+            yield _row(group, words, value, unit, shown, body.limits, error, source)
+
+
+def cycle_axis(cycles: xr.Dataset) -> str:
+    """Axis of the cycles beside the depth, ``"y"`` or ``"x"``."""
+    return "x" if "cycle_x" in cycles.coords else "y"
 
 
 def cycles_title(case: Case, name: str) -> str:
     """Heading of the cycles of one body."""
+    along = case.sliding_direction
+    along = along if isinstance(along, str) else f"{along:g}° from x"
+    if case.shifts is not None and case.hertz is not None:
+        rolling = f"slide-to-roll ratio {case.slide_to_roll:g}, {case.shifts} places"
+        return f"cycles of the {name} body on its way along {along} through the Hertz contact, {rolling}"
+    if case.shifts is not None:
+        return f"cycles of the {name} body as the faces move along {along}, {case.shifts} shifts"
     of = body_title(case, name).removeprefix("stress in ").removeprefix("both bodies")
     place = of or "either body"
     if case.bodies[name].coating is not None:
         place += ", below the coating,"
-    return f"cycles as the rough body moves along x, in {place} as if it were the smooth one"
+    return f"cycles as the rough body moves along {along}, in {place} as if it were the smooth one"
 
 
 def _row(
-    group: str, name: str, value: float, unit: str, shown: str, limits: xr.Dataset, error: float = np.nan
+    group: str,
+    name: str,
+    value: float,
+    unit: str,
+    shown: str,
+    limits: xr.Dataset,
+    error: float = np.nan,
+    source: str = "the pixels",
 ) -> Row:
     """A line, with the estimate for vanishing pixels if there is one, or an error of the value as it is."""
-    estimate, words = value, "by the pixels"
+    estimate, words = value, f"by {source}"
     if name in LIMITS:
         values, words = limit_of(limits, name), "for vanishing pixels"
         estimate, error = values["estimate"], values["estimate"] * values["error"]

@@ -19,9 +19,12 @@ from asperity.elasticity.layer import Layer
 from asperity.engineering.case import Body, Case
 from asperity.engineering.close_up import CloseUp
 from asperity.engineering.continuum import HalfGrid, estimates
+from asperity.engineering.moving import MovingContact
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import SOUGHT, analyse_stress
+from asperity.stress.cycles.criteria import Criteria
 from asperity.stress.cycles.smooth_body import Cycles
+from asperity.stress.cycles.stress_cycles import stress_cycles
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
@@ -95,7 +98,8 @@ class BodyAnswer:
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
     cycles : dataset or None
-        As of `asperity.stress_cycles`, below the coating if there is one; None without fatigue limits.
+        As of `asperity.stress_cycles`, below the coating if there is one; None without fatigue
+        limits and without motion.
     interface : dict
         Component → its values on the faces of the coating and of the base, of ``xx`` those of the largest
         magnitude, of ``zz`` the most tensile ones; ``shear``, the largest √(σ_xz² + σ_yz²) on either. None
@@ -169,6 +173,7 @@ def body_answer(
     face: TreatedMap,
     near: Sequence[CloseUp],
     progress: Progress,
+    moving: MovingContact | None = None,
 ) -> BodyAnswer:
     """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio.
 
@@ -183,15 +188,18 @@ def body_answer(
     near : sequence of CloseUp
         Take the fields of the case.
     progress : callable
+    moving : MovingContact, optional
+        Gives the cycles, if the faces move against each other.
     """
     body, layer = case.bodies[name], case.bodies[name].layer
     watch = _Extremes(case.fields, layer, body.yield_stress)
     contact = pressed.contact if isinstance(pressed, PartialSlip) else pressed
     loaded = pressed.in_body(name) if pressed is not contact else case.loaded_body(contact, name)
     sliding, cycles = case.sliding_of(name), None
-    if body.fatigue_torsion is not None:
-        limits = body.fatigue_torsion, body.fatigue_bending, body.yield_stress
-        cycles = Cycles(loaded, *limits, sliding["sliding_direction"], layer.poisson)
+    limits = {each: getattr(body, each) for each in ("fatigue_torsion", "fatigue_bending", "yield_stress")}
+    if body.fatigue_torsion is not None and moving is None:
+        criteria = Criteria(**limits)
+        cycles = Cycles(loaded, criteria, sliding["sliding_direction"], layer.poisson)
 
     def observe(plane: LinearPlane) -> None:
         watch.add(plane)
@@ -210,7 +218,7 @@ def body_answer(
     )
     main = stress.sel(quantity=list(LIMITED))
     estimated = estimates(contact, half, main, name, case.loaded_body)
-    progress(1.0, 1.0)
+    progress(0.8, 1.0)
     volume, depths, fraction = None, None, None
     if body.yield_stress is not None:
         planes = stress["plane_depth"].values
@@ -220,11 +228,14 @@ def body_answer(
         if depths is not None:
             fraction = volume / (face.map_area * depths[1]) if depths[1] else 0.0
     largest = {}
-    for name, at_nodes in watch.found.items():
-        found = _between_nodes(name, at_nodes, stress)
+    for field, at_nodes in watch.found.items():
+        found = _between_nodes(field, at_nodes, stress)
         y, x = map(float, face.on_map(found.y, found.x))
-        largest[name] = found._replace(y=y, x=x)
+        largest[field] = found._replace(y=y, x=x)
     found_cycles = None if cycles is None else cycles.dataset()
+    if moving is not None:
+        found_cycles = stress_cycles(moving.in_body(name), **limits, tolerance=STRESS_TOLERANCE)
+        progress(1.0, 1.0)
     return BodyAnswer(
         body,
         stress,

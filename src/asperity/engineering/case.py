@@ -20,8 +20,9 @@ from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.engineering.face import CounterMap, Source, counter_map_of, is_hertz, options_of
+from asperity.stress.cycles.criteria import hydrostatic_factor
 from asperity.stress.cycles.hertz_contact import HertzContact
-from asperity.stress.cycles.smooth_body import check_motion, hydrostatic_factor
+from asperity.stress.cycles.smooth_body import axis_of_motion
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -277,6 +278,12 @@ class Case:
     hertz : HertzPlace, optional
         Place of the map in the Hertz contact of two half-spaces. The load is then the largest pressure or the
         force of that contact, or the mean pressure at the place.
+    shifts : int, optional
+        Positions of two rough faces that move against each other along the sliding direction, for the stress
+        cycles of each; in a Hertz contact the places of a point that passes through it. See
+        `asperity.MovingContact`.
+    slide_to_roll : float
+        As of `asperity.MovingContact`.
     tangential_force, tangential_displacement : float, optional
         Force on the map in N, of at most the friction times the load, or displacement of the bodies in m:
         instead of full sliding the bodies slip in part, see `asperity.partial_slip`.
@@ -309,19 +316,14 @@ class Case:
     flow_direction: str | None = None
     viscosity: float | None = None
     pressure_difference: float | None = None
+    shifts: int | None = None
+    slide_to_roll: float = 0.0
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
             if not isinstance(body, Body):
                 raise TypeError(f"{name} = {shown(body)}: a Body is needed")
             shear_traction(self.friction, self.sliding_direction, body.layer)
-            if body.fatigue_torsion is not None:
-                check_motion(self.sliding_direction)
-                if self.counter_map is not None:
-                    raise ValueError(
-                        f"counter_map = {shown(_name_of(self.counter_map.source))}: none is needed for "
-                        "stress cycles, those of a smooth body under a rough one"
-                    )
         object.__setattr__(self, "fields", choices("fields", self.fields, FIELDS))
         for name in CONDUCTION:
             values = [getattr(body, name) for body in self.bodies.values()]
@@ -345,6 +347,30 @@ class Case:
             object.__setattr__(self, "flow_direction", "x")
         if self.flow_direction is not None:
             choice("flow_direction", self.flow_direction, ("x", "y"))
+        self._check_motion()
+
+    def _check_motion(self) -> None:
+        if self.shifts is None:
+            if self.slide_to_roll:
+                raise ValueError(f"slide_to_roll = {self.slide_to_roll:g}: shifts are needed")
+            if any(body.fatigue_torsion for body in self.bodies.values()):
+                axis_of_motion(self.sliding_direction)
+                if self.counter_map is not None:
+                    raise ValueError(
+                        f"counter_map = {shown(_name_of(self.counter_map.source))}: shifts are needed for "
+                        "the stress cycles of two rough faces"
+                    )
+            return
+        refused = {
+            "slide_to_roll without a Hertz contact": self.slide_to_roll and self.hertz is None,
+            "boundary = 'free'": self.options.periodic == "none",
+            "a radius of the map": self.options.radius is not None,
+            "a load curve": self.load.path,
+            "a coating": any(body.coating for body in self.bodies.values()),
+            "partial slip": self.tangential_force or self.tangential_displacement,
+        }
+        for name in (name for name, given in refused.items() if given):
+            raise ValueError(f"shifts = {self.shifts}: not accepted together with {name}")
 
     def _check_hertz(self) -> None:
         if self.hertz is None:
@@ -467,6 +493,8 @@ class Case:
             counter_map_of(settings),
             tuple(settings.get("fields", ("von_mises",))),
             hertz_of(settings),
+            shifts=settings.get("shifts"),
+            slide_to_roll=settings.get("slide_to_roll", 0.0),
             **{name: si(name, kind) for name, kind in (SIDEWAYS | FILM).items() if name in settings},
         )
 
@@ -500,6 +528,8 @@ class Case:
             add("counter_turned_about", counter.turned_about, "y")
             add("counter_shift", tuple(counter.shift), (0.0, 0.0), "length")
         add("fields", self.fields, ("von_mises",))
+        add("shifts", self.shifts)
+        add("slide_to_roll", self.slide_to_roll, 0.0)
         if hertz := self.hertz:
             is_roller = math.inf in (hertz.radius_x, hertz.radius_y)
             add("radius", hertz.radius_y if hertz.radius_x == math.inf else hertz.radius_x, None, "length")
@@ -525,8 +555,12 @@ class Case:
 
     @property
     def different_bodies(self) -> dict[str, Body]:
-        """The elastic bodies by name; of two with the same stress, without friction, only the lower one."""
-        return {"lower": self.lower} if self.lower == self.upper and not self.friction else self.bodies
+        """The elastic bodies by name; of two with the same stress only the lower one.
+
+        It is the same without friction, and without cycles of faces that move.
+        """
+        alike = self.lower == self.upper and not self.friction and self.shifts is None
+        return {"lower": self.lower} if alike else self.bodies
 
     @property
     def hardness(self) -> float | None:

@@ -82,6 +82,9 @@ class RoughFace(NamedTuple):
         The files that were read.
     options : MapOptions, optional
         Those that the file of the map needs, with the channel that was read.
+    upper : array, optional
+        The lower face of the upper body, whose sum with that of the lower body turned over is pressed, if
+        both are rough.
     """
 
     face: TreatedMap
@@ -90,6 +93,7 @@ class RoughFace(NamedTuple):
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[ReadFile, ...] = ()
     options: MapOptions | None = None
+    upper: Array | None = None
 
 
 def is_hertz(settings: Mapping[str, Any]) -> bool:
@@ -144,7 +148,8 @@ def read_face(
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
-    treated = treat_map(pair.map, replace(_completed(options, pair.map), despike=None, scan_lines=None))
+    later = replace(_completed(options, pair.map), despike=None, scan_lines=None)
+    treated, upper = treat_map(pair.map, later), treat_map(pair.upper, replace(later, radius=None)).height
     record = replace(treated.treatment, filled_fraction=filled + counter_filled)
     lines = [
         *(f"map: {line}" for line in done),
@@ -154,7 +159,7 @@ def read_face(
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, options=options)
+    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper)
 
 
 def _read_file(source: Source) -> tuple[ReadFile, ...]:

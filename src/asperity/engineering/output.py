@@ -119,7 +119,7 @@ def _write_results(answer: Answer, folder: Path) -> None:
         title = f"Stress under {surface}{suffix.replace('_', ', ')}"
         dataset.write(stress_dataset(answer, body), folder / f"stress{suffix}.nc", title, settings)
         if (cycles := answer.bodies[body].cycles) is not None:
-            title = f"Cycles of the stress in {body} body under {surface} that moves along x"
+            title = f"Cycles of the stress in {body} body under {surface} that moves"
             cycles = cycles.assign_attrs(unit_system=SI_UNITS, body=body)
             dataset.write(cycles, folder / f"cycles{suffix}.nc", title, settings)
     tables = {"peaks": answer.peaks(), "spots": answer.spots, "gaps": answer.gaps()}

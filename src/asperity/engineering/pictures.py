@@ -14,7 +14,7 @@ from matplotlib.colors import LogNorm
 from asperity.contact.gap import FilmFlow
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import Answer, body_title, cycles_title
+from asperity.engineering.answer import Answer, body_title, cycle_axis, cycles_title
 from asperity.engineering.close_up import CloseUp
 from asperity.engineering.load_curve import AnswerCurve
 from asperity.fourier.grid import Grid
@@ -223,15 +223,16 @@ def _of_cycles(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
     cycles, limit = answer.bodies[body].cycles, answer.case.bodies[body].fatigue_torsion
     if cycles is None or limit is None:
         return
-    rows = _whole(answer, source.grid)[0]
-    section = (cycles["dang_van"] * limit).rename(cycle_depth="depth", cycle_y="y").isel(y=rows)
-    touching = (source.field("pressure")[rows] > 0).any(axis=1)
-    section = section.assign_coords(contact=("y", touching)).rename(source.title)
+    axis = cycle_axis(cycles)
+    rows = _whole(answer, source.grid)["yx".index(axis)]
+    section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
+    touching = (source.field("pressure") > 0).any(axis="xy".index(axis))
+    section = section.assign_coords(contact=(axis, touching)).isel({axis: rows}).rename(source.title)
     look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
     faded = min(FADED * float(section.max()), limit)
     figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None, limit)
     caption = (
-        f"Largest Dang Van stress of each row along x; bars are rows with contact, the line is the "
+        f"Largest Dang Van stress of each row across {axis}; bars are rows with contact, the line is the "
         f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {cycles_title(answer.case, body)}."
     )
     yield Picture(f"cycles{suffix_of(answer, body)}", caption, figure, body)

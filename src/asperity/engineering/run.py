@@ -33,6 +33,7 @@ from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.interface import cycle_table, flow_of, slip_of
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
+from asperity.engineering.moving import MovingContact
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -57,6 +58,8 @@ def run(
     map_options: MapOptions | None = None,
     fields: Sequence[str] = ("von_mises",),
     progress: Progress | None = None,
+    shifts: int | None = None,
+    slide_to_roll: float = 0.0,
     tangential_force: float | None = None,
     tangential_displacement: float | None = None,
     flow_direction: str | None = None,
@@ -102,6 +105,8 @@ def run(
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
     progress : callable, optional
         Called as progress(done, total).
+    shifts, slide_to_roll : int, float
+        Motion of two rough faces, or passage through the Hertz contact; see `Case`.
     tangential_force, tangential_displacement : float, optional
         In N or m, for partial slip instead of full sliding; see `Case`.
     flow_direction, viscosity, pressure_difference : str, float, float, optional
@@ -144,6 +149,7 @@ def run(
     case = Case(
         *(source, lower, upper, load, friction, sliding_direction, options, counter, fields, hertz),
         *(tangential_force, tangential_displacement, flow_direction, viscosity, pressure_difference),
+        *(shifts, slide_to_roll),
     )
     return answer_of(case, progress=progress)
 
@@ -166,7 +172,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     """
     rough = rough or read_face(case.source, case.options, case.counter_map)
     case, face = replace(case, options=rough.options or case.options), rough.face
-    check_cell(case, face)
+    check_cell(case, rough)
     if case.load.kind == "mean_pressure":
         case.check_tangential_force(case.load.value * face.map_area)
     if case.viscosity is not None:
@@ -177,12 +183,12 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)
     form_repeats = face.boundary == "periodic" and case.options.radius is not None
-    half = solved_on_half(contact, slip)
+    half, moving = solved_on_half(contact, slip), moving_contact(case, rough, contact.mean_pressure)
     share, bodies = (0.1 if case.load.path else 0.5) / len(case.different_bodies), {}
     for number, name in enumerate(case.different_bodies):
         begin, near = 0.5 + share * number, close_ups(face, contact, numbers.typical_patch_width)
         bodies[name] = body_answer(
-            slip or contact, half, case, name, face, near, _part(progress, begin, begin + share)
+            slip or contact, half, case, name, face, near, _part(progress, begin, begin + share), moving
         )
     answer = Answer(
         case,
@@ -209,18 +215,42 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     return replace(answer, advice=advise(answer))
 
 
-def check_cell(case: Case, face: TreatedMap) -> None:
-    """Raise `ValueError` unless the Hertz contact of a case is wider than the map."""
+def check_cell(case: Case, rough: RoughFace) -> None:
+    """Raise `ValueError` if the Hertz contact of a case is not wider than the map, or shifts are too few."""
+    moving_contact(case, rough, 1.0)
     if (contact := case.hertz_contact) is None:
         return
     widths = 2 * contact.half_width_y, 2 * contact.half_width_x
-    for axis, width, edge in zip("yx", widths, face.map_length, strict=True):
+    for axis, width, edge in zip("yx", widths, rough.face.map_length, strict=True):
         if width < edge:
             raise ValueError(
                 f"radius: a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
                 f"it is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A form "
                 "that the map resolves is pressed with boundary = 'free' and a force or pressure"
             )
+
+
+def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> MovingContact | None:
+    """The faces of a case as they move against each other; None without shifts."""
+    if case.shifts is None:
+        return None
+    height = rough.face.height
+    upper = np.zeros_like(height) if rough.upper is None else rough.upper
+    return MovingContact(
+        upper - height,
+        upper,
+        case.solid,
+        rough.face.grid.length,
+        shifts=case.shifts,
+        sliding_direction=case.sliding_direction,
+        mean_pressure=mean_pressure if case.hertz is None else None,
+        hertz=case.hertz_contact,
+        at=(0.0, 0.0) if case.hertz is None else case.hertz.at,
+        slide_to_roll=case.slide_to_roll,
+        friction=case.friction,
+        hardness=case.hardness,
+        wavelength_short=rough.face.wavelength_short,
+    )
 
 
 def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:

@@ -260,6 +260,7 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None, number: in
     from asperity.engineering.case import Case
     from asperity.engineering.face import counter_map_of, options_of, read_face
     from asperity.engineering.folder import names_of
+    from asperity.engineering.run import check_cell
     from asperity.surface.reading.height_map import MapError
 
     case, rough = None, None
@@ -274,6 +275,8 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None, number: in
             several = folder is not None
             rough = read_face(values["map"], options_of(values), counter_map_of(values), shared=several)
             case = case and replace(case, options=rough.options or case.options)
+            if case:
+                check_cell(case, rough)
         except InputError as error:
             texts = [text for text in error.problems if not text.startswith(tuple(refused))]
             problems += MapError(error.source, texts).renamed(flag).lines

@@ -188,14 +188,15 @@ class HertzContact:
 
     def background(
         self,
-        y: float,
-        x: float,
+        y: ArrayLike,
+        x: ArrayLike,
         layer: Layer,
         friction: float = 0.0,
         sliding_direction: str | float = "x",
     ) -> Callable[[float], Array]:
-        """The part of `stress` at one place beyond the mean mode of a cell there, for `LoadedSolid`."""
+        """The part of `stress` beyond the mean mode of a cell at each place; (6,) for a place as numbers."""
         below = self.stress(y, x, layer, friction, sliding_direction)
-        mean = self.pressure(y, x) * layer.uniform_stress()
-        mean[4], mean[3] = self.pressure(y, x) * np.array(shear_traction(friction, sliding_direction, layer))
-        return lambda depth: below(depth)[0] - mean
+        mode = layer.uniform_stress()
+        mode[4], mode[3] = shear_traction(friction, sliding_direction, layer)
+        mean = self.pressure(y, x)[..., None] * mode
+        return lambda depth: below(depth).reshape(mean.shape) - mean

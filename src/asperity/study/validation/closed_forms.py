@@ -23,7 +23,7 @@ from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, von_mises
 from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.reference.westergaard import Westergaard
-from asperity.stress.cycles.smooth_body import stress_cycles
+from asperity.stress.cycles.stress_cycles import stress_cycles
 from asperity.stress.planes.planes import stress_planes
 from asperity.study.validation.indenter import (
     CURVATURE_RADIUS,

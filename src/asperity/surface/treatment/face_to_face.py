@@ -43,12 +43,15 @@ class FacedMaps(NamedTuple):
         True if the common area is all of the lower map.
     done : tuple of str
         What was done, one sentence a step.
+    upper : HeightMap
+        The part of the map that is the upper body's lower face.
     """
 
     map: HeightMap
     origin: tuple[float, float]
     whole: bool
     done: tuple[str, ...]
+    upper: HeightMap
 
 
 def face_to_face(
@@ -140,7 +143,7 @@ def face_to_face(
         )
     if not all(on_nodes):
         done.append("counter map interpolated to the pixels of the map")
-    return FacedMaps(combined, origin, whole, tuple(done))
+    return FacedMaps(combined, origin, whole, tuple(done), replace(combined, height=found - found.mean()))
 
 
 def _require_comparable(lower: HeightMap, upper: HeightMap) -> None:

@@ -1,0 +1,302 @@
+"""Contact of two rough bodies that move against each other, and passage of a point through a Hertz contact.
+
+The upper body moves over the lower one by whole nodes along a direction of the grid. Every position is a
+contact of its own, under one mean pressure over a whole period of the motion. On its way through a Hertz
+contact a point sees the mean pressure of its place rise and fall, while the other face slides past it by the
+slide-to-roll ratio S = 2 (u_upper − u_lower)/(u_upper + u_lower) of the surface velocities: when a point of
+the lower body has moved by s, the upper face has moved past it by S s/(1 − S/2), and for a point of the upper
+body by S s/(1 + S/2). In the middle of the contact the faces lie as they are given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.contact import solve
+from asperity.contact.solution import Solid
+from asperity.core.arguments import choice, magnitude, number, whole_number
+from asperity.core.errors import shown
+from asperity.core.types import Array, Progress
+from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import traction_direction
+from asperity.elasticity.two_bodies import TwoBodies
+from asperity.fourier.grid import Grid
+from asperity.stress.cycles.hertz_contact import HertzContact
+from asperity.stress.cycles.histories import MovingPressure
+from asperity.stress.planes.stream import shear_traction
+
+MAX_SHIFTS = 10_000
+"""Most positions of the bodies."""
+
+LONGEST_STEP = 8
+"""Most nodes along an axis of one step in a direction of the grid."""
+
+REACH = 1.5
+"""Places from the middle of a Hertz contact, in half-widths, from which on a point counts as unloaded."""
+
+DEEPEST = 2.0
+"""Depth in smaller half-widths of a Hertz contact down to which cycles are computed."""
+
+SAME_DIRECTION = 1e-3
+"""Degrees between an angle and a direction of the grid that are the same."""
+
+
+class State(NamedTuple):
+    """A position: steps of the upper body, mean pressure, and place of the point along the motion."""
+
+    steps: int
+    mean_pressure: float
+    place: float
+
+
+class MovingContact:
+    """Two bodies, rough or smooth, that move against each other in contact.
+
+    Parameters
+    ----------
+    lower : (ny, nx) array
+        Upper face of the lower body, peaks upward; zeros if it is smooth.
+    upper : (ny, nx) array
+        Lower face of the upper body, measured upward as `asperity.solve` takes it; zeros if it is smooth.
+    solid : Layer or TwoBodies
+    length : float or (length_y, length_x)
+        Edges of the periodic cell.
+    shifts : int
+        Number of positions: over a whole period of the motion, or on the way through the Hertz contact.
+    sliding_direction : "x", "y" or float
+        Direction in which the upper body moves over the lower one; a number is an angle in degrees from x
+        towards y, along a line through nodes.
+    mean_pressure : float, optional
+    hertz : HertzContact, optional
+        In place of the mean pressure; of half-spaces.
+    at : (y, x)
+        Place, in half-widths of the Hertz contact, on the line along which points pass through it.
+    slide_to_roll : float
+        S, between −2 and 2, in the Hertz contact. At 0 the faces do not move against each other.
+    friction : float
+        As for `asperity.stress_planes`; the traction on the lower body has the sliding direction.
+    hardness : float, optional
+        As for `asperity.solve`.
+    wavelength_short : float, optional
+        Shortest wavelength of the faces, of which a step is at most half; by default two steps of nodes,
+        so that all nodes are needed.
+    rtol : float
+        Of each contact; see `asperity.solve`.
+    progress : callable, optional
+        Called as progress(done, total) for the contacts of one body.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is out of range, the direction is none of the grid, or there are too few shifts.
+
+    Examples
+    --------
+    Two equal wavy faces that roll and slide along x; the cycles are those of points of the lower one:
+
+    >>> x = np.arange(64) / 64
+    >>> waves = 1e-3 * np.cos(2 * np.pi * x) * np.ones((4, 1))
+    >>> pair = asp.TwoBodies(asp.Layer(1.0, 0.3), asp.Layer(1.0, 0.3))
+    >>> moving = asp.MovingContact(
+    ...     waves, -waves, pair, (1 / 16, 1.0), shifts=16, mean_pressure=1e-3, wavelength_short=1.0
+    ... )
+    >>> cycles = asp.stress_cycles(moving.in_body("lower"), yield_stress=1e-2)
+    >>> print(f"range of σ_xz {cycles.attrs['worst_shear_range'][0] / 1e-3:.2f} p̄")
+    range of σ_xz 1.25 p̄
+    """
+
+    def __init__(
+        self,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        solid: Solid,
+        length: float | tuple[float, float] = 1.0,
+        *,
+        shifts: int,
+        sliding_direction: str | float = "x",
+        mean_pressure: float | None = None,
+        hertz: HertzContact | None = None,
+        at: tuple[float, float] = (0.0, 0.0),
+        slide_to_roll: float = 0.0,
+        friction: float = 0.0,
+        hardness: float | None = None,
+        wavelength_short: float | None = None,
+        rtol: float = 1e-6,
+        progress: Progress | None = None,
+    ) -> None:
+        self._lower, self._upper = (np.asarray(face, float) for face in (lower, upper))
+        self.grid = Grid(self._lower.shape, length)  # type: ignore[arg-type]
+        self.grid.field("lower", self._lower)
+        self.grid.field("upper", self._upper)
+        accepted = f"a whole number from 2 to {MAX_SHIFTS}"
+        self.shifts = whole_number("shifts", shifts, accepted, lambda count: 2 <= count <= MAX_SHIFTS)
+        self._layers = (
+            {"lower": solid.lower, "upper": solid.upper} if isinstance(solid, TwoBodies) else {"lower": solid}
+        )
+        if any(layer.base is not None for layer in self._layers.values()):
+            raise ValueError("solid: bodies without a coating are needed")
+        self._solid, self._hertz, self._at, self._progress = solid, hertz, at, progress
+        self._direction, self._friction = sliding_direction, friction
+        self.step = step_along(sliding_direction, self.grid)
+        self._along = np.array(shear_traction(1.0, sliding_direction, self._layers["lower"])[::-1])
+        self.step_length = float(np.hypot(*np.multiply(self.step, self.grid.spacing)))
+        accepted = "a number above -2 and below 2"
+        self._ratio = number("slide_to_roll", slide_to_roll, accepted, lambda ratio: -2 < ratio < 2)
+        if (mean_pressure is None) == (hertz is None):
+            raise ValueError("exactly one of mean_pressure and hertz is needed")
+        if hertz is None:
+            if slide_to_roll:
+                raise ValueError(f"slide_to_roll = {slide_to_roll:g}: a Hertz contact is needed")
+            self._mean_pressure = magnitude("mean_pressure", mean_pressure)
+        elif any(layer.height is not None for layer in self._layers.values()):
+            raise ValueError("hertz: half-spaces are needed, the solid is a layer")
+        self._settings: dict[str, Any] = {"hardness": hardness, "rtol": rtol}
+        self._solved: dict[tuple[int, float], Array] = {}
+        wave = 2 * self.step_length if wavelength_short is None else wavelength_short
+        self._check_shifts(wave)
+
+    def _check_shifts(self, wave: float) -> None:
+        """Raise `ValueError` if a step between positions is longer than half of the shortest wave."""
+        for body, moving in (("lower", self._upper), ("upper", self._lower)):
+            steps = [state.steps for state in self.states(body) if state.mean_pressure]
+            if body not in self._layers or not np.ptp(moving) or len(steps) < 2:
+                continue
+            moved = abs(steps[-1] - steps[0]) / (len(steps) - 1) if self._hertz else self.period / self.shifts
+            longest = self.step_length * moved
+            if longest > 0.5 * wave * (1 + 1e-9):
+                needed = math.ceil(self.shifts * 2 * longest / wave)
+                raise ValueError(
+                    f"shifts = {self.shifts}: at least {needed} are needed, for steps of half of the "
+                    f"shortest wave of the faces, {wave:.4g}; fewer do with a longer wavelength_short"
+                )
+
+    @property
+    def period(self) -> int:
+        """Steps after which the upper body lies as before."""
+        each = zip(self.grid.shape, self.step, strict=True)
+        return math.lcm(*(nodes // math.gcd(nodes, step) for nodes, step in each))
+
+    def states(self, body: str) -> list[State]:
+        """Positions that a point of a body sees."""
+        if self._hertz is None:
+            steps = np.rint(np.arange(self.shifts) * self.period / self.shifts)
+            return [State(int(step), self._mean_pressure, 0.0) for step in steps]
+        places = self._places()
+        pressures = self._hertz.pressure(*self._line(places))
+        share = self._ratio / (1 - self._ratio / 2 if body == "lower" else 1 + self._ratio / 2)
+        steps = np.rint(share * places / self.step_length)
+        found = zip(steps.astype(int).tolist(), pressures.tolist(), places.tolist(), strict=True)
+        return [State(*state) for state in found]
+
+    def _places(self) -> Array:
+        """Places on the line through the Hertz contact from the middle of its chord."""
+        assert self._hertz is not None
+        half = np.array([self._hertz.half_width_y, self._hertz.half_width_x])
+        per_width, start = self._along / half, np.array(self._at)
+        square, middle = per_width @ per_width, -(start @ per_width)
+        chord = middle**2 + square * (1 - start @ start)  # the square of its half, times that of `square`
+        if not (square > 0 and chord > 0):
+            raise ValueError(
+                f"sliding_direction = {shown(self._direction)}, at = {self._at[0]:g} {self._at[1]:g}: a line "
+                "across the Hertz contact is needed"
+            )
+        reach = REACH * math.sqrt(chord) * (2 * np.arange(self.shifts) + 1 - self.shifts) / self.shifts
+        return (middle + reach) / square
+
+    def _line(self, places: Array) -> tuple[Array, Array]:
+        """Positions y and x of places on the line through the Hertz contact."""
+        assert self._hertz is not None
+        half = self._hertz.half_width_y, self._hertz.half_width_x
+        start = [share * width if share else 0.0 for share, width in zip(self._at, half, strict=True)]
+        return start[0] + places * self._along[0], start[1] + places * self._along[1]
+
+    def in_body(self, body: str) -> MovingPressure:
+        """The pressures that points of a body see, for `asperity.stress_cycles`.
+
+        Parameters
+        ----------
+        body : "lower" | "upper"
+
+        Raises
+        ------
+        ValueError
+            If there is no such body.
+        ConvergenceError
+            If a contact does not converge.
+        """
+        layer = self._layers[choice("body", body, tuple(self._layers))]
+        states, pressures = self.states(body), []
+        for done, state in enumerate(states):
+            pressures.append(self._pressure(state, body) if state.mean_pressure else None)
+            if self._progress is not None:
+                self._progress(done + 1, len(states))
+        hertz, sliding = self._hertz, traction_direction(self._direction, body)
+        background: Callable[[float], Array] | None = None
+        if hertz is not None:
+            background = hertz.background(
+                *self._line(np.array([state.place for state in states])), layer, self._friction, sliding
+            )
+        return MovingPressure(
+            pressures,
+            self.grid,
+            layer,
+            self._direction,
+            self._friction,
+            sliding,
+            background,
+            hertz is not None,
+            0.0 if hertz is None else DEEPEST * hertz.narrow,
+        )
+
+    def _pressure(self, state: State, body: str) -> Array:
+        """Pressure of a position in coordinates of a body."""
+        shift = np.multiply(state.steps, self.step)
+        both_rough = bool(np.ptp(self._upper)) and bool(np.ptp(self._lower))
+        key = (state.steps % self.period if both_rough else 0), state.mean_pressure
+        if key not in self._solved:
+            self._solved[key] = solve(
+                np.roll(self._upper, shift if both_rough else 0, (0, 1)) - self._lower,
+                self._solid,
+                self.grid.length,
+                mean_pressure=state.mean_pressure,
+                initial=next(reversed(self._solved.values()), None),
+                **self._settings,
+            ).pressure
+        pressure = self._solved[key]
+        if not both_rough and np.ptp(self._upper):  # which takes the pressure with it
+            pressure = np.roll(pressure, shift, (0, 1))
+        return pressure if body == "lower" else np.roll(pressure, -shift, (0, 1))
+
+
+def step_along(sliding_direction: str | float, grid: Grid) -> tuple[int, int]:
+    """Nodes (y, x) of the shortest step along a direction of a grid.
+
+    Raises
+    ------
+    ValueError
+        If no step of at most `LONGEST_STEP` nodes along each axis has the direction.
+    """
+    y, x = shear_traction(1.0, sliding_direction, Layer(1.0, 0.0))[::-1]
+    steps = [
+        (j, i)
+        for j in range(-LONGEST_STEP, LONGEST_STEP + 1)
+        for i in range(-LONGEST_STEP, LONGEST_STEP + 1)
+        if math.gcd(j, i) == 1
+    ]
+    apart = {}
+    for j, i in steps:
+        down, right = j * grid.spacing[0], i * grid.spacing[1]
+        apart[j, i] = abs(math.degrees(math.atan2(down * x - right * y, right * x + down * y)))
+    nearest = min(apart, key=lambda step: (apart[step], abs(step[0]) + abs(step[1])))
+    if apart[nearest] > SAME_DIRECTION:
+        angle = math.degrees(math.atan2(nearest[0] * grid.spacing[0], nearest[1] * grid.spacing[1]))
+        raise ValueError(
+            f"sliding_direction = {shown(sliding_direction)}: x, y or the angle of a line through nodes is "
+            f"needed; the nearest is {angle:.6g}, by {nearest[0]} nodes along y and {nearest[1]} along x"
+        )
+    return nearest

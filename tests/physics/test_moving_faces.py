@@ -1,0 +1,256 @@
+"""Histories of two rough faces that move: closed forms, exchange of the bodies, and brute force."""
+
+import numpy as np
+import pytest
+from samples import HALF_SPACE, refuses
+
+import asperity as asp
+from asperity.reference.line_hertz import LineHertz
+from asperity.reference.westergaard import Westergaard
+from asperity.stress.cycles.criteria import hydrostatic_factor
+
+PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(2.0, 0.3))
+LIMITS = {"fatigue_torsion": 0.3, "fatigue_bending": 0.48, "yield_stress": 0.1}
+LOAD = {"mean_pressure": 3e-3}
+
+
+def face(points, seed, rms_height=1e-3):
+    return asp.self_affine((points, points), 0.8, 0.5, 4 / points, rms_height, seed)
+
+
+@pytest.mark.parametrize("direction", ["x", "y"])
+def test_a_smooth_counter_face_gives_the_cycles_of_a_smooth_body(direction):
+    """To the rounding of states in single precision; the residual stress of the lower bound is along x."""
+    rough, depths = face(32, 1), [0.0, 0.01, 0.05]
+    settings = {"friction": 0.2, "sliding_direction": direction}
+    contact = asp.solve(rough, HALF_SPACE, **LOAD)
+    smooth = asp.stress_cycles(contact, depths, **LIMITS, **settings, tolerance=0)
+    moving = asp.MovingContact(0 * rough, rough, HALF_SPACE, shifts=32, **LOAD, **settings)
+    found = asp.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=0)
+    for name in (
+        "shear_range",
+        "dang_van",
+        "shakedown_upper",
+        *(["shakedown_lower"] if direction == "x" else []),
+    ):
+        worst = found.attrs[f"worst_{name}"]
+        assert worst[:2] == pytest.approx(smooth.attrs[f"worst_{name}"][:2], rel=2e-6)
+        if direction == "x":
+            np.testing.assert_allclose(found[name], smooth[name], rtol=2e-6)
+
+
+def test_two_equal_wavy_faces():
+    """Their sum is one wave of amplitude 2A |cos(k s/2)| at every shift s: Westergaard's contact."""
+    nodes, shifts, amplitude, pressure = 256, 16, 1e-3, 2e-3
+    x = np.arange(nodes) / nodes
+    waves = amplitude * np.cos(2 * np.pi * x) * np.ones((8, 1))
+    settings = {"shifts": shifts, "mean_pressure": pressure, "wavelength_short": 1.0}
+    moving = asp.MovingContact(waves, -waves, PAIR, (8 / nodes, 1.0), **settings)
+    depths = np.array([0.05, 0.1, 0.2])
+    found = asp.stress_cycles(moving.in_body("lower"), depths)["shear_range"].values[:, 0]
+    history = np.zeros((shifts, depths.size, nodes))
+    for number in range(shifts):
+        shift = number / shifts
+        size = 2 * amplitude * np.cos(np.pi * shift)
+        if abs(size) > 1e-12:  # two flat faces otherwise
+            place = x - shift / 2 + (0.5 if size < 0 else 0)
+            wave = Westergaard(pressure, abs(size), 1.0, PAIR.effective_modulus)
+            history[number] = wave.stress(place, depths[:, None], 0.3)[..., 4]
+    exact = np.ptp(history, axis=0).max(axis=1)
+    np.testing.assert_allclose(found, exact, rtol=1e-3)  # 256 nodes in a wave
+
+
+def test_passage_without_relative_motion_is_hertz():
+    """Johnson (1985), sections 4.2, 9.3: σ_xz = ±p₀/4 at b/2, 4 k; 200 places miss the extremes by 1e-4."""
+    hertz = asp.HertzContact(1.0, np.inf, 20.0)
+    moving = asp.MovingContact(*np.zeros((2, 16, 16)), HALF_SPACE, shifts=200, hertz=hertz)
+    depths = 20 * np.linspace(0.4, 0.6, 5)
+    cycles = asp.stress_cycles(moving.in_body("lower"), depths, yield_stress=3**0.5)
+    value, depth, *_ = cycles.attrs["worst_shear_range"]
+    assert (value, depth) == pytest.approx((0.5, 10.0), rel=2e-4)
+    assert cycles.attrs["worst_shakedown_upper"][0] == pytest.approx(4.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("body", ["lower", "upper"])
+def test_passage_of_rough_faces_sees_place_and_shift(body):
+    """Each state against a contact of its own, solved afresh: pressure of the place, shift by its share."""
+    low, high, ratio = face(16, 1), face(16, 2), 0.4
+    hertz, shifts = asp.HertzContact(6e-3, np.inf, 3.0), 40
+    settings = {"shifts": shifts, "hertz": hertz, "slide_to_roll": ratio, "friction": 0.1}
+    moving = asp.MovingContact(low, high, PAIR, wavelength_short=0.25, **settings).in_body(body)
+    place = 1.5 * 3.0 * (2 * np.arange(shifts) + 1 - shifts) / shifts
+    share = ratio / (1 - ratio / 2 if body == "lower" else 1 + ratio / 2)
+    for number in (8, 17, 30):
+        pressure = 6e-3 * np.sqrt(1 - (place[number] / 3) ** 2)
+        steps = round(share * place[number] * 16)
+        contact = asp.solve(np.roll(high, steps, 1) - low, PAIR, mean_pressure=pressure)
+        expected = np.roll(contact.pressure, 0 if body == "lower" else -steps, 1)
+        np.testing.assert_allclose(moving.pressures[number], expected, atol=3e-5 * contact.max_pressure)
+        line = LineHertz(3.0, 6e-3).stress(place[number], 0.5, 0.3, (0.1 if body == "lower" else -0.1, 0.0))
+        mean = pressure * moving.layer.uniform_stress() + [
+            0,
+            0,
+            0,
+            0,
+            pressure * 0.1 * (1, -1)[body == "upper"],
+            0,
+        ]
+        np.testing.assert_allclose(moving.background(0.5)[number], line - mean, atol=1e-12)
+    assert moving.pressures[0] is None
+    assert moving.is_unloaded
+
+
+def test_exchange_of_the_bodies():
+    low, high = face(16, 1), face(16, 2, 6e-4)
+    swapped = asp.TwoBodies(PAIR.upper, PAIR.lower)
+    one = asp.MovingContact(low, high, PAIR, shifts=16, **LOAD, rtol=1e-10)
+    other = asp.MovingContact(-high, -low, swapped, shifts=16, **LOAD, rtol=1e-10)
+    for body, counter in (("lower", "upper"), ("upper", "lower")):
+        own, same = (
+            asp.stress_cycles(each.in_body(name), [0.02], **LIMITS, tolerance=0)
+            for each, name in ((one, body), (other, counter))
+        )
+        for name, field in own.items():
+            np.testing.assert_allclose(field, same[name], rtol=1e-5, err_msg=name)
+
+
+def brute_force(history):
+    """Range of σ_xz, Dang Van stress, squared radius of each history (points, states, 3, 3)."""
+    mean = np.trace(history, axis1=2, axis2=3) / 3
+    deviator = history - mean[..., None, None] * np.eye(3)
+    centre = deviator.mean(axis=1, keepdims=True)
+    # M. Badoiu, K. L. Clarkson, SODA (2003) 801: steps of 1/n towards the farthest point.
+    for step in range(2, 1500):
+        distance = ((deviator - centre) ** 2).sum(axis=(2, 3))
+        far = np.take_along_axis(deviator, distance.argmax(axis=1)[:, None, None, None], axis=1)
+        centre += (far - centre) / step
+    rest = deviator - centre
+    values = np.linalg.eigvalsh(rest)
+    stress = (values[..., 2] - values[..., 0]) / 2 + hydrostatic_factor(0.3, 0.48) * mean
+    return np.ptp(history[..., 0, 2], axis=1), stress.max(axis=1), (rest**2).sum(axis=(2, 3)).max(axis=1)
+
+
+@pytest.mark.parametrize(("direction", "step"), [("y", (3, 0)), (45, (3, 3))])
+def test_agreement_with_brute_force(direction, step):
+    """24² nodes, 8 shifts: fresh contacts, planes of `stress_planes`, spheres by another method, to 2e-3."""
+    low, high, depth, shifts = face(24, 1), face(24, 2), 0.02, 8
+    settings = {"shifts": shifts, "wavelength_short": 0.5, "sliding_direction": direction}
+    moving = asp.MovingContact(low, high, PAIR, **LOAD, **settings)
+    names, indices = ("xx", "yy", "zz", "yz", "xz", "xy"), [[0, 5, 4], [5, 1, 3], [4, 3, 2]]
+    for body in ("lower", "upper"):
+        states = []
+        for number in range(shifts):
+            shift = number * np.array(step)
+            contact = asp.solve(np.roll(high, shift, (0, 1)) - low, PAIR, **LOAD)
+            pressed = contact.in_body(body)
+            (plane,) = asp.stress_planes(pressed, [depth], fields=names, tolerance=0)
+            fields = np.stack([plane.fields[name][0] for name in names], axis=-1)
+            states.append(np.roll(fields, (0, 0) if body == "lower" else -shift, (0, 1)))
+        history = np.stack(states, axis=2)[..., indices].reshape(-1, shifts, 3, 3)
+        shear, dang_van, squared = brute_force(history)
+        if direction != 45:
+            shear = np.ptp(history[..., 1, 2], axis=1)
+        else:
+            shear = np.ptp((history[..., 0, 2] + history[..., 1, 2]) / np.sqrt(2), axis=1)
+        found = asp.stress_cycles(moving.in_body(body), [depth], **LIMITS, tolerance=0)
+        by_row = [each.reshape(24, 24).max(axis=1) for each in (shear, dang_van, squared)]
+        np.testing.assert_allclose(found["shear_range"][0], by_row[0], rtol=1e-4)
+        np.testing.assert_allclose(found["dang_van"][0], by_row[1] / 0.3, rtol=3e-3)
+        np.testing.assert_allclose(found["shakedown_upper"][0], 0.1 / np.sqrt(1.5 * by_row[2]), rtol=2e-3)
+        assert (found["shakedown_lower"] <= found["shakedown_upper"] * (1 + 1e-6)).all()
+
+
+def test_motion_along_an_angle_of_the_grid_closes_after_whole_edges():
+    moving = asp.MovingContact(face(24, 1), face(24, 2), PAIR, shifts=24, sliding_direction=135, **LOAD)
+    assert moving.step == (1, -1)
+    assert moving.period == 24
+    oblong = asp.MovingContact(
+        *np.zeros((2, 8, 12)),
+        PAIR,
+        (1.0, 3.0),
+        shifts=12,
+        sliding_direction=np.degrees(np.arctan2(1, 4)),
+        **LOAD,
+    )
+    assert oblong.step == (1, 2)  # steps of 1/8 and 1/4
+    assert oblong.period == 24
+
+
+def test_error_of_few_shifts_is_estimated():
+    """With steps of a quarter wave, against all positions; docs/stress.md has the measured trade."""
+    low, high = (asp.self_affine((48, 48), 0.8, 0.5, 1 / 6, 1e-3, seed) for seed in (1, 2))
+    depths = asp.depth_grid(asp.Grid((48, 48)))[:10]
+    cycles = []
+    for shifts in (48, 24):
+        moving = asp.MovingContact(low, high, PAIR, shifts=shifts, **LOAD, wavelength_short=1 / 6)
+        cycles.append(asp.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=1e-4).attrs)
+    every, few = cycles
+    for name in ("shear_range", "dang_van", "shakedown_upper"):
+        change = abs(few[f"worst_{name}"][0] / every[f"worst_{name}"][0] - 1)
+        assert change <= few["few_shifts_error"] < 0.2
+
+
+def moving(**settings):
+    settings = {"shifts": 16, "wavelength_short": 0.25, **LOAD} | settings
+    return asp.MovingContact(face(16, 1), face(16, 2), PAIR, **settings)
+
+
+HERTZ = {"mean_pressure": None, "hertz": asp.HertzContact(1e-2, np.inf, 9.0)}
+
+test_wrong_argument_is_refused = refuses(
+    (lambda: moving(shifts=7), "shifts = 7: at least 8 are needed, for steps of half of the shortest wave"),
+    (lambda: moving(**HERTZ, slide_to_roll=0.5), "shifts = 16: at least 144 are needed"),
+    (lambda: moving(shifts=1), "shifts = 1: a whole number from 2 to 10000"),
+    (
+        lambda: moving(sliding_direction=30),
+        "sliding_direction = 30: .* 29.7449, by 4 nodes along y",
+    ),
+    (lambda: moving(slide_to_roll=0.1), "slide_to_roll = 0.1: a Hertz contact is needed"),
+    (lambda: moving(**HERTZ, slide_to_roll=2), "slide_to_roll = 2: a number above -2 and below 2"),
+    (lambda: moving(**HERTZ, sliding_direction="y"), "sliding_direction = 'y', at = 0 0: a line across"),
+    (lambda: moving(hertz=HERTZ["hertz"]), "exactly one of mean_pressure and hertz"),
+    (lambda: moving().in_body("middle"), "body = 'middle': one of lower, upper"),
+)
+
+
+def test_run_moves_two_maps():
+    """The faces are those of both maps, the upper one turned over; each body has cycles of its own."""
+    edge, steel = 24e-6, asp.Body(210e9, 0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
+    low, high = (
+        asp.self_affine((24, 24), 0.8, edge / 2, edge / 6, 2e-8, seed, length=edge) for seed in (1, 2)
+    )
+    maps = [
+        asp.HeightMap(each, (edge, edge), periodic=True, unit="m", orientation="peaks up")
+        for each in (low, high)
+    ]
+    options = asp.MapOptions(detrend="none", wavelength_short=edge / 6)
+    load = {"mean_pressure": 5e8, "shifts": 12, "sliding_direction": "y"}
+    answer = asp.run(maps[0], steel, steel, counter_map=maps[1], map_options=options, **load)
+    pair = asp.TwoBodies(steel.layer, steel.layer)
+    direct = asp.MovingContact(low, -high[:, ::-1], pair, edge, wavelength_short=edge / 6, **load)
+    limits = {"fatigue_torsion": 3e8, "fatigue_bending": 4.8e8, "tolerance": 1e-4}
+    for body in ("lower", "upper"):
+        found = asp.stress_cycles(direct.in_body(body), **limits)
+        own = answer.bodies[body].cycles
+        for name in ("shear_range", "dang_van"):
+            assert own.attrs[f"worst_{name}"] == pytest.approx(found.attrs[f"worst_{name}"], rel=1e-3)
+    groups = {row.group for row in answer.rows if row.name == "largest range of shear stress"}
+    assert groups == {
+        f"cycles of the {body} body as the faces move along y, 12 shifts" for body in ("lower", "upper")
+    }
+
+
+def case(**settings):
+    surface = asp.HeightMap(face(16, 1) * 1e-5, (1e-5, 1e-5), periodic=True, unit="m")
+    body = asp.Body(210e9, 0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
+    load = {} if "area_fraction" in settings else {"mean_pressure": 1e8}
+    return asp.run(surface, body, body, **load, **settings)
+
+
+test_wrong_case_is_refused = refuses(
+    (lambda: case(counter_map="a.x3p"), "counter_map = 'a.x3p': shifts are needed for the stress cycles"),
+    (lambda: case(slide_to_roll=0.1), "slide_to_roll = 0.1: shifts are needed"),
+    (lambda: case(shifts=8, slide_to_roll=0.1), "shifts = 8: not accepted .* slide_to_roll without a Hertz"),
+    (lambda: case(shifts=8, map_options=asp.MapOptions(periodic="none")), "shifts = 8: .* boundary = 'free'"),
+    (lambda: case(shifts=8), "shifts = 8: at least 16 are needed"),
+)
