@@ -82,7 +82,7 @@ def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
     for section in ("layer", "contact", "statistics"):
         preset = {key.split(".")[1] for key in KEYS if key.startswith(section)}
         known = schema()["properties"][section]["properties"].keys()
-        others = {*LOAD_LABELS, "hardness"} - PAPER[section].keys() if section == "contact" else set()
+        others = {*LOAD_LABELS, "hardness", "base"} - PAPER[section].keys()
         assert PAPER[section].keys() | preset == known - others
 
 

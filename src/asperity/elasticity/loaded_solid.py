@@ -191,9 +191,9 @@ def layer_from(settings: Mapping[str, Any]) -> Layer:
 
 
 def layer_of(contact: xr.Dataset) -> Layer:
-    """The solid of a dataset of stage contact, with E* = 1 unless it is coated.
+    """The solid of a dataset of stage contact, with E* = 1.
 
-    The stress depends on the pressure, and on moduli by their ratio alone.
+    The stress depends on the pressure, and under a coating on the ratio of the moduli.
     """
     poisson = float(contact.attrs["poisson_contact"])
     lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
@@ -205,8 +205,10 @@ def layer_of(contact: xr.Dataset) -> Layer:
     height = settings["height"]
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
-    if settings.get("base"):
-        return layer_from(settings)
+    if base := settings.get("base"):  # of a study, or of a `Layer`
+        ratio = base["modulus_ratio"] if "modulus_ratio" in base else base["young"] / settings["young"]
+        below = Layer(young * ratio, base["poisson"])
+        return Layer(young, poisson, height, lateral=lateral, base=below)
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
     return Layer(young, poisson, height, bottom, lateral)
 

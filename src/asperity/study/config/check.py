@@ -208,11 +208,13 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         yield "claims = true needs figures = 'paper': the claims are statements about the paper's surfaces"
     for name, surface in known.items():
         least = _FEWEST_PLANES * config["stress"]["depth_spacing"] / surface.get("points", math.inf)
-        if layer["height"] < least:
+        if layer["height"] < least and "base" not in layer:
             yield (
                 f"layer.height = {layer['height']!r}: at least {number(least)} is needed for {name}, "
                 f"{_FEWEST_PLANES} planes at its depth_spacing"
             )
+    if "base" in layer and layer["bottom"] != "bonded":
+        yield f"layer.bottom = {layer['bottom']!r}: bonded is needed with layer.base"
     contact = config["contact"]
     loads = [name for name in LOAD_LABELS if name in contact]
     if len(loads) > 1:

@@ -30,7 +30,7 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
     Parameters
     ----------
     settings : mapping
-        Section ``layer`` of the configuration: height, bottom, poisson, lateral, half_space_tolerance.
+        Section ``layer`` of the configuration: height, bottom, base, poisson, lateral, half_space_tolerance.
         Lengths are in units of the cell edge.
 
     Returns
@@ -42,13 +42,15 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
         The `SOLID_ATTRIBUTES`: the solid used, the reason and the difference, the condition of
         the mean (q = 0) mode, and Poisson's ratio.
     """
-    poisson = settings["poisson"]
+    poisson, base = settings["poisson"], settings.get("base")
+    young = 1 - poisson**2
     layer = Layer(
-        young=1 - poisson**2,
+        young=young,
         poisson=poisson,
         height=settings["height"],
         bottom=settings["bottom"],
         lateral=settings["lateral"],
+        base=None if base is None else Layer(young * base["modulus_ratio"], base["poisson"]),
     )
     chosen = simplest_solid(layer, _SMALLEST_WAVENUMBER, settings["half_space_tolerance"])
     record = {

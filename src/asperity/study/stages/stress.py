@@ -125,11 +125,12 @@ def compute_stresses(
                     f"leave this ratio out or allow a larger layer.half_space_tolerance"
                 )
     spacing = stress_settings["depth_spacing"]
+    bottom = layer_settings["height"] if layer.base is None else layer.extent
     hardness = float(contact.get("hardness", math.inf))
     found = analyse_lateral_conditions(
         LoadedSolid(contact["pressure"].values.astype(float), grid, layer, hardness=hardness),
         [layer.lateral, *(name for name in laterals if name != layer.lateral)],
-        depth_grid(grid, layer_settings["height"], spacing, GROWTH_PER_SPACING * spacing),
+        depth_grid(grid, bottom, spacing, GROWTH_PER_SPACING * spacing, layer.interface),
         poisson,
         quantities,
         tolerance=stress_settings["tolerance"],
