@@ -116,6 +116,8 @@ def with_heights(
     held = np.abs(modes) > IN_BAND * np.abs(modes).max()
     held &= (2 * np.abs(grid.ky[:, None]) < grid.shape[0]) & (2 * grid.kx[None, :] < grid.shape[1])
     rows, columns = np.nonzero(held)
+    if not rows.size:
+        raise ValueError("height: waves below the Nyquist wavenumber are needed, this surface has none")
     largest = int(np.abs(grid.ky[rows]).max()), int(grid.kx[columns].max())
     own = Grid(
         (good_size(NODES_PER_WAVE * max(largest[0], 1)), good_size(NODES_PER_WAVE * max(largest[1], 1)))
@@ -152,8 +154,9 @@ def _sorted_heights(count: int, moments: Any, plateau: Any, sample: Any) -> Arra
         )
     share = (np.arange(count) + 0.5) / count
     if sample is not None:
-        heights = varying_heights(np.ravel(finite_array("sample", sample))[None])[0]
-        found = np.quantile(heights, share, method="hazen")
+        found = np.quantile(np.ravel(finite_array("sample", sample)), share, method="hazen")
+        if not found.std() > 0:
+            raise ValueError(f"sample: heights are needed that differ in more than one of {count} places")
     elif moments is not None:
         skewness, kurtosis = _numbers("moments", moments, ("skewness", "kurtosis"))
         found = with_moments(ndtri(share)[None], skewness, kurtosis)[0]
