@@ -145,7 +145,8 @@ def settings_in_words(results: Any, several_ratios: bool) -> str:
             ratios = one.attrs["poisson_contact"]
         areas = [one[key].mean() for key in ("area_fraction", "seed_area_fraction") if key in one and surface]
         for key, values in {
-            "H = ": [surface["hurst"]] if "hurst" in surface else ["measured"] if "file" in surface else [],
+            "H = ": [surface["hurst"]] if "hurst" in surface else [],
+            "": ["measured map"] if "file" in surface else [],
             "ν = ": np.ravel(ratios).tolist(),
             "area ": [float(f"{100 * float(area):.2g}") for area in areas],
             "seeds ": np.ravel(settings.get("seed", ())).tolist() if "hurst" in surface else [],

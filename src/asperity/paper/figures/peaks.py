@@ -32,7 +32,7 @@ LARGEST_DISTANCE = 6.0
 """Largest depth or distance drawn, in units of the shortest wavelength."""
 
 MOST = 0.999
-"""Share of the peaks above the end of an axis of depths."""
+"""Share of the peaks before the end of each axis of value and depth."""
 
 DEPARTURE = 0.05
 """Difference between curves of the decay, over the variance, that is marked: the paper finds none."""
@@ -176,14 +176,17 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     )
     reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
     widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
-    deepest = max(
-        _depth_of_most(case, unit) for case, unit in zip(compared, _units(compared, cases), strict=True)
-    )
-    for axis, case, (value, depth, density) in zip(axes, compared, densities, strict=True):
-        counts = case.peaks("von_mises")["joint_counts"].values
+    every = [case.peaks("von_mises")["joint_counts"].values for case in compared]
+    ends = [
+        (_end_of_most(value, counts.sum(axis=1)), _end_of_most(depth, counts.sum(axis=0)))
+        for (value, depth, _), counts in zip(densities, every, strict=True)
+    ]
+    widest, deepest = min(widest, max(end for end, _ in ends)), max(end for _, end in ends)
+    for axis, counts, (value, depth, density) in zip(axes, every, densities, strict=True):
         beyond = counts.sum() - counts[np.ix_(value[1:] <= widest, depth[1:] <= deepest)].sum()
         text = f"{int(beyond)} of {int(counts.sum())} peaks\nbeyond the axes"
-        axis.text(0.98, 0.02, text, ha="right", va="bottom", fontsize=6, transform=axis.transAxes)
+        pale = {"facecolor": "w", "alpha": 0.7, "lw": 0, "pad": 1}
+        axis.text(0.98, 0.02, text, ha="right", va="bottom", fontsize=6, transform=axis.transAxes, bbox=pale)
         image = axis.pcolormesh(value, depth, density.T, norm=norm, cmap="viridis_r", rasterized=True)
         axis.set(xlabel=r"$\sigma_\mathrm{VM}^\mathrm{lmax} / E^* \bar{g}_r$", ylabel=f"depth $/ {symbol}$")
         axis.set(xlim=(0, widest), ylim=(deepest, 0))
@@ -260,11 +263,9 @@ def _units(compared: Sequence[Case], cases: str) -> list[float]:
     return units[:1] * len(units) if cases == "shortest waves" else units
 
 
-def _depth_of_most(case: Case, unit: float) -> float:
-    """Depth in a unit above which `MOST` of the von Mises peaks lie."""
-    peaks = case.peaks("von_mises")
-    below = np.cumsum(peaks["joint_counts"].values.sum(axis=0))
-    return float(peaks["depth_edge"].values[1:][np.searchsorted(below, MOST * below[-1])] / unit)
+def _end_of_most(edges: Array, counts: Array) -> float:
+    """Upper edge of the bin in which the share `MOST` of the counts is reached."""
+    return float(edges[1:][np.searchsorted(np.cumsum(counts), MOST * counts.sum())])
 
 
 def _joint_density(case: Case, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:

@@ -32,7 +32,7 @@ OFFSET = 7.0
 ZOOM = 0.125
 """Edge of the magnified part of a map of pressure, over that of the cell."""
 
-ALIKE = 0.05
+ALIKE = 0.1
 """Largest difference of densities, over the largest one, that is called coincidence."""
 
 PIXELS = 512
@@ -190,8 +190,9 @@ def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None
         edges = data["height_edge"].values
         middles = (edges[1:] + edges[:-1]) / 2
         curve_with_band(axis, middles, *with_band(data, "height_density"), label=title, lw=width, ls=dashes)
-    if len(densities) > 1 and np.ptp(densities, axis=0).max() < ALIKE * np.max(densities):
-        text = f"the curves coincide\nwithin {100 * ALIKE:g} % of the largest density"
+    apart = np.ptp(densities, axis=0).max() / np.max(densities)
+    if len(densities) > 1 and apart < ALIKE:
+        text = f"curves coincide\nwithin {100 * apart:.0f} %\nof the largest"
         axis.text(0.02, 0.98, text, va="top", fontsize=6, transform=axis.transAxes)
     axis.set(xlabel=r"$h / h_\mathrm{rms}$", ylabel="probability density", xlim=(-4.5, 4.5), ylim=(0, None))
 
