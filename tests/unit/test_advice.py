@@ -74,6 +74,7 @@ def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0
             options=asp.MapOptions(),
         ),
         slip=None,
+        coarse={},
         rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         neighbours=None,

@@ -34,6 +34,10 @@ def test_numbers_are_those_of_partial_slip(fretting):
     assert found["tangential displacement"] == pytest.approx(slip.displacement, rel=1e-5)
     assert found["energy lost in a cycle ± force"] == pytest.approx(slip.lost_energy / 4, rel=1e-4)
     assert fretting.face.is_mirrored  # the cell holds four images of the map
+    assert found["tangential displacement"] == pytest.approx(
+        fretting.coarse["tangential displacement"], rel=0.1
+    )
+    assert any("by a factor of" in advice.text for advice in fretting.advice)
     by_displacement = {"tangential_displacement": slip.displacement}
     other = run(a_rough_map(), STEEL, STEEL, mean_pressure=LOAD, friction=FRICTION, **by_displacement)
     assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
@@ -92,6 +96,7 @@ def test_leak_through_a_mirrored_map(tmp_path):
     )
     flow = asp.film_flow(alone, 1e-3, 1e5, "x")
     assert found["leakage along x"] == pytest.approx(flow.flow_rate, rel=1e-6)
+    assert found["leakage along x"] == pytest.approx(answer.coarse["leakage along x"], rel=0.5)
     assert found["pressure flow factor"] == pytest.approx(flow.flow_factor, rel=1e-6)
     np.testing.assert_allclose(answer.flow.pressure, flow.pressure, atol=1e-3 * 1e5)
     assert (tmp_path / "flow.png") in asp.write_answer(answer, tmp_path)

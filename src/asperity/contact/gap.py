@@ -223,9 +223,14 @@ def check_film_grid(grid: Grid) -> None:
         )
 
 
+def open_along(contact: Contact) -> tuple[bool, bool]:
+    """True for y, and for x, if the gap percolates."""
+    return spanned(open_gap(contact) > 0, contact.boundary == "periodic", diagonals=False)
+
+
 def require_path(contact: Contact, flow_direction: str) -> None:
     """Raise `ValueError` if the gap does not percolate in a direction."""
-    found = spanned(open_gap(contact) > 0, contact.boundary == "periodic", diagonals=False)
+    found = open_along(contact)
     if not found["yx".index(flow_direction)]:
         other = "x" if flow_direction == "y" else "y"
         accepted = f"{other}, along which it is open, or a smaller load" if any(found) else "a smaller load"

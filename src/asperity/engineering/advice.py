@@ -224,6 +224,14 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         yield False, "no_estimate", {"reason": reason}
     else:
         yield False, "vanishing_pixels", {}
+    if answer.coarse:
+        fine = {row.name: row.value for row in answer.rows}
+        ratios = {name: fine[name] / value if value else math.inf for name, value in answer.coarse.items()}
+        most = max(ratios.values(), key=lambda ratio: abs(ratio - 1))
+        changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
+        size = abs(most - 1)
+        found = {"changes": changed, "most": most, "size": size}
+        yield size > RESOLUTION_CHANGE, "interface_pixels", found
     known = {}
     for name in LIMITS:
         values = limit_of(limits, name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import groupby
@@ -167,6 +167,8 @@ class Answer:
         Of several loads.
     unfiltered : Contact or None
         Under the same load without the Gaussian filters; None if there are none.
+    coarse : dict or None
+        Name of a number of partial slip or of the gap → its value with pixels twice as large.
     paths : Percolation or None
         Of contact and gap.
     flow : FilmFlow or None
@@ -189,6 +191,7 @@ class Answer:
     plastic: Contact | None = None
     curve: AnswerCurve | None = None
     unfiltered: Contact | None = None
+    coarse: Mapping[str, float] | None = None
     paths: Percolation | None = None
     flow: FilmFlow | None = None
     slip: PartialSlip | None = None

@@ -9,14 +9,18 @@ import numpy as np
 import pandas as pd
 
 from asperity.contact import Contact
-from asperity.contact.gap import FilmFlow, Percolation, film_flow
+from asperity.contact.gap import FilmFlow, Percolation, film_flow, open_along
 from asperity.contact.slip import PartialSlip, partial_slip
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
+from asperity.engineering.continuum import HalfGrid
 from asperity.surface.treatment.treatment import TreatedMap
 
 Numbers = tuple[str, float, str, str]
 """Name, value, unit, and words of a number."""
+
+SETTLING = ("tangential displacement", "sticking part of the contact", "energy lost in a cycle ± force")
+"""Numbers of partial slip that are compared with those of pixels twice as large."""
 
 STEPS = 6
 """Forces of first loading in the cycle: chords enclose 97 % of the energy, and cost five contacts more."""
@@ -72,6 +76,20 @@ def flow_of(case: Case, face: TreatedMap, contact: Contact) -> FilmFlow | None:
         flux=np.stack([face.part(along) for along in flow.flux]),
         pressure=face.part(flow.pressure) - (images - 1) * case.pressure_difference,
     )
+
+
+def interface_on_half(case: Case, face: TreatedMap, half: HalfGrid) -> dict[str, float]:
+    """Numbers of slip and leak by name, as they are with pixels twice as large; no leak is 0."""
+    found = {}
+    if half.slip is not None:
+        found = {name: value for name, value, *_ in slip_rows(half.slip, face.map_area) if name in SETTLING}
+    if case.viscosity is not None and case.pressure_difference is not None:
+        direction, fall = case.flow_direction or "x", face.images * case.pressure_difference
+        leak = 0.0
+        if open_along(half.contact)["yx".index(direction)]:
+            leak = film_flow(half.contact, case.viscosity, fall, direction).flow_rate / face.images
+        found[f"leakage along {direction}"] = leak
+    return found
 
 
 def gap_rows(

@@ -31,7 +31,7 @@ from asperity.engineering.case import (
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.interface import cycle_table, flow_of, slip_of
+from asperity.engineering.interface import cycle_table, flow_of, interface_on_half, slip_of
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
 from asperity.engineering.moving import MovingContact
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -200,6 +200,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
         plastic_contact(face, case, contact),
         unfiltered=unfiltered_contact(case),
+        coarse=interface_on_half(case, face, half),
         paths=None if case.flow_direction is None else percolation(contact),
         flow=flow,
         slip=slip,
