@@ -43,6 +43,13 @@ def test_numbers_are_those_of_partial_slip(fretting):
     assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
 
 
+def test_force_of_sliding_leaves_nothing_that_sticks():
+    answer = run(a_rough_map(), STEEL, **HALF | {"tangential_force": LIMIT})
+    found = values(answer)
+    assert found["sticking part of the contact"] == found["last tangential stiffness"] == 0.0
+    assert found["tangential force"] == pytest.approx(LIMIT, rel=1e-9)
+
+
 def test_stress_lies_between_rest_and_sliding(fretting):
     """σ_xz in the surface is the traction; in the upper body it is opposite."""
     settings = {"mean_pressure": LOAD, "friction": FRICTION}
