@@ -7,12 +7,14 @@ units of the edge of the cell, stresses in units of E* unless said otherwise.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from asperity.contact import solve
+from asperity.contact.gap import percolation
 from asperity.contact.slip import partial_slip
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
@@ -453,13 +455,14 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
 
 
 def metal_contacts(points: int = 128) -> xr.Dataset:
-    """Hardness, stiffness, partial slip and stress cycles: a flattened map, a sphere and a cylinder.
+    """Hardness, stiffness, slip, percolation and cycles: a flattened map, a sphere, noise and a cylinder.
 
     A map that was flattened under a load, pressed elastically under it, has the same pressure. A sphere has
     the stiffness 2 E* a. Under half of the tangential force at which it slides it sticks within 0.5^(1/3) of
     the contact radius, and a cycle between this force and its opposite loses energy (Johnson, Sec. 7.4). As a
     cylinder moves, σ_xz changes by p₀/2, and elastic shakedown ends at p₀ = 4 k (K. L. Johnson, Contact
-    Mechanics, 1985, Sec. 9.3).
+    Mechanics, 1985, Sec. 9.3). A gap of white noise percolates where a share 0.592746 of its nodes is open,
+    as sites of a square lattice do (M. E. J. Newman, R. M. Ziff, Phys. Rev. Lett. 85 (2000) 4104).
 
     Parameters
     ----------
@@ -470,7 +473,7 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     -------
     Dataset
         ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, sticking_area, tangential_displacement,
-        lost_energy, shear_range and shakedown_pressure.
+        lost_energy, percolation, shear_range and shakedown_pressure.
     """
     solid = Layer(1 - 0.3**2, 0.3)
     height = self_affine((points, points), 0.8, 1 / 4, 8 / points, rms_height=1e-3, seed=1)
@@ -486,6 +489,11 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     compliance = 2 * (1 + 0.3) * (2 - 0.3) / solid.young / exact.contact_radius
     displacement = slip.displacement / (3 / 16 * friction * exact.load * compliance)
     lost = slip.lost_energy / (0.9 * (friction * exact.load) ** 2 * compliance)
+    opened = []
+    for seed in range(8):
+        noise = np.random.default_rng(seed).random((points, points))
+        paths = percolation(replace(sphere, gap=noise, pressure=np.zeros_like(noise)))
+        opened += [np.mean(noise >= width) for width in paths.constriction]
     x = (np.arange(4 * points) - 2 * points) / (4 * points)
     line = solve(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
     cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
@@ -495,6 +503,7 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
         "sticking_area": ((), slip.sticking_area, 0.5 ** (2 / 3)),
         "tangential_displacement": ((), displacement, 1 - 0.5 ** (2 / 3)),
         "lost_energy": ((), lost, 1 - 0.5 ** (5 / 3) - 5 / 12 * (1 + 0.5 ** (2 / 3))),
+        "percolation": ((), np.mean(opened), 0.592746),
         "shear_range": ((), cycles["worst_shear_range"][0] / pressure, 0.5),
         "shakedown_pressure": ((), cycles["worst_shakedown_line"][0] * pressure, 4.0),
     }
