@@ -25,6 +25,7 @@ from .results import write_result as write_result
 from .stress.analysis import analyse_stress as analyse_stress
 from .stress.cycles.hertz_contact import HertzContact as HertzContact
 from .stress.cycles.stress_cycles import stress_cycles as stress_cycles
+from .stress.cycles.survival import cracks_per_area as cracks_per_area
 from .stress.peaks.finder import find_peaks as find_peaks
 from .stress.peaks.finder import plane_peaks as plane_peaks
 from .stress.peaks.selection import peaks as peaks

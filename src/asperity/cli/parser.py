@@ -40,7 +40,7 @@ From a map to an answer: run. The steps of a calculation: surface, solve, stress
 error beforehand: plan. Pictures and tables of its results: view, export. The study of the paper: study."""
 
 _PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"} | {
-    quantity: quantity.upper() for quantity in ("pressure", "force", "length", "area")
+    quantity: quantity.upper() for quantity in ("pressure", "force", "length", "area", "volume")
 }
 """Format or type of a setting → its value in the usage of a command."""
 

@@ -113,6 +113,8 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
         if cycles is not None and "few_shifts_error" in cycles.attrs:
             values = {"size": cycles.attrs["few_shifts_error"], "count": answer.case.shifts, "where": where}
             found.append((values["size"] > FEW_SHIFTS, "few_shifts", values))
+    if any(part.cycles is not None and "dang_van" in part.cycles for part in answer.bodies.values()):
+        found.append((False, "fatigue", {}))
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
     made = []
     for warns, key, values in sorted(found, key=lambda advice: not advice[0]):

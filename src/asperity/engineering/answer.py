@@ -24,6 +24,7 @@ from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, SIDEWA
 from asperity.engineering.face import RoughFace
 from asperity.engineering.interface import gap_rows, slip_rows
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
+from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
 from asperity.stress.peaks.selection import peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -68,6 +69,12 @@ CYCLE_WORDS = {
     "shakedown_upper": ("shakedown factor, at most", "1"),
 }
 """Variable of the cycles → name of its worst value among the numbers, and its unit."""
+
+LIMIT_SHARES = (0.5, 0.75, 0.9, 1.0)
+"""Shares of the fatigue limit above which the volume is listed."""
+
+CRACKS = "cracks expected per area"
+"""Name of the number from which the probability on an area follows."""
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
@@ -269,6 +276,16 @@ class Answer:
         order = {"body": True, "quantity": False, "size": False}
         found = found.sort_values([*order], ascending=[*order.values()], ignore_index=True)
         return found[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
+
+    def fatigue(self) -> pd.DataFrame:
+        """Volume per nominal area above shares of the fatigue limit: body, share, volume_per_area_m."""
+        found = []
+        for body in self.case.different_bodies:
+            cycles = self.bodies[body].cycles
+            if cycles is not None and "fatigue_volume" in cycles:
+                volume = cycles["fatigue_volume"].to_series()
+                found += [(body, share, value) for share, value in volume[volume > 0].items()]
+        return pd.DataFrame(found, columns=["body", "share", "volume_per_area_m"])
 
     def _dang_van_peaks(self, body: str) -> Iterator[pd.DataFrame]:
         """Maxima over rows of the largest Dang Van stress of each row, on the map; none without cycles."""
@@ -505,6 +522,25 @@ def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
             source = "the pixels and the shifts" if few else "the pixels"
             shown = f"{shown_si(value, unit)} at depth {shown_si(depth, 'm')}, {at}"
             yield _row(group, words, value, unit, shown, body.limits, error, source)
+    if "fatigue_volume" in cycles:
+        yield from _fatigue_rows(answer, group, cycles)
+
+
+def _fatigue_rows(answer: Answer, group: str, cycles: xr.Dataset) -> Iterator[Row]:
+    """Volume above shares of the fatigue limit, and the probability that no crack starts."""
+    volume = cycles["fatigue_volume"]
+    for share in LIMIT_SHARES:
+        value = float(volume.interp(fatigue_share=share))
+        name = f"volume above {100 * share:g} % of the limit per area"
+        yield Row(group, name, value, "m", shown_si(value, "m"))
+    case, area = answer.case, answer.numbers.nominal_area
+    if case.fatigue_scatter is not None and case.fatigue_volume is not None:
+        cracks = cracks_per_area(cycles, case.fatigue_scatter, case.fatigue_volume)
+        exponent = f"Weibull exponent {weibull_exponent(case.fatigue_scatter):.3g}"
+        yield Row(group, CRACKS, cracks, "1/m^2", f"{1e-6 * cracks:.3g} per mm², {exponent}")
+        none = math.exp(-cracks * area)
+        shown = f"{none:.4g} on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
+        yield Row(group, "probability of no crack on the map", none, "1", shown)
 
 
 def cycle_axis(cycles: xr.Dataset) -> str:

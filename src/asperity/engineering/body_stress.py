@@ -197,6 +197,7 @@ def body_answer(
     loaded = pressed.in_body(name) if pressed is not contact else case.loaded_body(contact, name)
     sliding, cycles = case.sliding_of(name), None
     limits = {each: getattr(body, each) for each in ("fatigue_torsion", "fatigue_bending", "yield_stress")}
+    limits["residual_stress"] = body.residual_stress or 0.0
     if body.fatigue_torsion is not None and moving is None:
         criteria = Criteria(**limits)
         cycles = Cycles(loaded, criteria, sliding["sliding_direction"], layer.poisson)

@@ -23,6 +23,7 @@ from asperity.engineering.face import CounterMap, Source, counter_map_of, is_her
 from asperity.stress.cycles.criteria import hydrostatic_factor
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.smooth_body import axis_of_motion
+from asperity.stress.cycles.survival import weibull_exponent
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -48,6 +49,7 @@ BODY = {
     "resistivity": ("resistivity", ""),
     "fatigue_torsion": ("fatigue_torsion", "pressure"),
     "fatigue_bending": ("fatigue_bending", "pressure"),
+    "residual_stress": ("residual_stress", "pressure"),
     "layer_height": ("height", "length"),
     "bottom": ("bottom", ""),
     "coating": ("coating", "length"),
@@ -104,6 +106,9 @@ class Body:
     fatigue_torsion, fatigue_bending : float, optional
         Fatigue limits in Pa in fully reversed torsion and bending, both or none. With them the cycles of the
         stress are analysed, as if this body were the smooth one; see `asperity.stress_cycles`.
+    residual_stress : float, optional
+        Equal normal stress along x and y in Pa in the unloaded body, compression negative; it adds to the
+        mean stress in that of Dang Van.
     coating, coating_young, coating_poisson : float, optional
         Thickness in m, Young's modulus in Pa and Poisson's ratio of a coating that is bonded to the body, a
         half-space; all or none. The hardness is that of the coated body, yield stress and fatigue limits are
@@ -136,6 +141,7 @@ class Body:
     coating_young: float | None = None
     coating_poisson: float | None = None
     coating_yield: float | None = None
+    residual_stress: float | None = None
 
     def __post_init__(self) -> None:
         given = {name: getattr(self, name) for name in ("coating", "coating_young", "coating_poisson")}
@@ -284,6 +290,10 @@ class Case:
         `asperity.MovingContact`.
     slide_to_roll : float
         As of `asperity.MovingContact`.
+    fatigue_scatter, fatigue_volume : float, optional
+        Coefficient of variation of the fatigue limits, and stressed volume in m³ of the specimens on which
+        they were measured, both or none: the probability that no crack starts follows; see
+        `asperity.cracks_per_area`.
     tangential_force, tangential_displacement : float, optional
         Force on the map in N, of at most the friction times the load, or displacement of the bodies in m:
         instead of full sliding the bodies slip in part, see `asperity.partial_slip`.
@@ -318,6 +328,8 @@ class Case:
     pressure_difference: float | None = None
     shifts: int | None = None
     slide_to_roll: float = 0.0
+    fatigue_scatter: float | None = None
+    fatigue_volume: float | None = None
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
@@ -350,6 +362,12 @@ class Case:
         self._check_motion()
 
     def _check_motion(self) -> None:
+        if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
+            raise ValueError("fatigue_scatter, fatigue_volume: both are needed, or none")
+        if self.fatigue_scatter is not None:
+            weibull_exponent(self.fatigue_scatter)
+            if not any(body.fatigue_torsion for body in self.bodies.values()):
+                raise ValueError(f"fatigue_scatter = {self.fatigue_scatter:g}: fatigue limits are needed")
         if self.shifts is None:
             if self.slide_to_roll:
                 raise ValueError(f"slide_to_roll = {self.slide_to_roll:g}: shifts are needed")
@@ -495,6 +513,8 @@ class Case:
             hertz_of(settings),
             shifts=settings.get("shifts"),
             slide_to_roll=settings.get("slide_to_roll", 0.0),
+            fatigue_scatter=settings.get("fatigue_scatter"),
+            fatigue_volume=si("fatigue_volume", "volume") if "fatigue_volume" in settings else None,
             **{name: si(name, kind) for name, kind in (SIDEWAYS | FILM).items() if name in settings},
         )
 
@@ -530,6 +550,8 @@ class Case:
         add("fields", self.fields, ("von_mises",))
         add("shifts", self.shifts)
         add("slide_to_roll", self.slide_to_roll, 0.0)
+        add("fatigue_scatter", self.fatigue_scatter)
+        add("fatigue_volume", self.fatigue_volume, dimension="volume")
         if hertz := self.hertz:
             is_roller = math.inf in (hertz.radius_x, hertz.radius_y)
             add("radius", hertz.radius_y if hertz.radius_x == math.inf else hertz.radius_x, None, "length")

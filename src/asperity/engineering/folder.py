@@ -72,7 +72,7 @@ def names_of(case: Case | None) -> list[str]:
         suffix = f"_{body}" if len(case.different_bodies) > 1 else ""
         names += [f"stress{suffix}.nc"]
         names += [f"cycles{suffix}.nc"] if constants.fatigue_torsion or case.shifts else []
-        names += [f"cycles{suffix}.png"] if constants.fatigue_torsion else []
+        names += [f"cycles{suffix}.png", "fatigue.csv"] if constants.fatigue_torsion else []
         for field in case.fields:
             end = ("" if field == "von_mises" else f"_{field}") + suffix
             names += [f"{view}{end}.png" for view in ("plane", "section", "peaks")]

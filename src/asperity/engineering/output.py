@@ -127,6 +127,8 @@ def _write_results(answer: Answer, folder: Path) -> None:
         tables["curve"] = answer.curve.frame()
     if answer.cycle is not None:
         tables["cycle"] = answer.cycle
+    if not (fatigue := answer.fatigue()).empty:
+        tables["fatigue"] = fatigue
     for name, table in tables.items():
         write_table(table, f"answer_{name}", folder / f"{name}.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
@@ -144,7 +146,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
         canvas = FigureCanvasAgg(picture.figure)
         canvas.print_png(path, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
-        if same and picture.body == "upper":  # as those of the lower body
+        if same and picture.body == "upper" and "cycles" not in picture.name:  # as those of the lower body
             continue
         title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))

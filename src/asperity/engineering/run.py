@@ -60,6 +60,8 @@ def run(
     progress: Progress | None = None,
     shifts: int | None = None,
     slide_to_roll: float = 0.0,
+    fatigue_scatter: float | None = None,
+    fatigue_volume: float | None = None,
     tangential_force: float | None = None,
     tangential_displacement: float | None = None,
     flow_direction: str | None = None,
@@ -107,6 +109,8 @@ def run(
         Called as progress(done, total).
     shifts, slide_to_roll : int, float
         Motion of two rough faces, or passage through the Hertz contact; see `Case`.
+    fatigue_scatter, fatigue_volume : float
+        For the probability that no crack starts; see `Case`.
     tangential_force, tangential_displacement : float, optional
         In N or m, for partial slip instead of full sliding; see `Case`.
     flow_direction, viscosity, pressure_difference : str, float, float, optional
@@ -149,7 +153,7 @@ def run(
     case = Case(
         *(source, lower, upper, load, friction, sliding_direction, options, counter, fields, hertz),
         *(tangential_force, tangential_displacement, flow_direction, viscosity, pressure_difference),
-        *(shifts, slide_to_roll),
+        *(shifts, slide_to_roll, fatigue_scatter, fatigue_volume),
     )
     return answer_of(case, progress=progress)
 

@@ -16,7 +16,15 @@ from numpy.typing import ArrayLike
 from asperity.core.markup import table, with_error
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import PLACES, REPEATS, SHARES, Answer, case_in_words, without_repeats
+from asperity.engineering.answer import (
+    CRACKS,
+    PLACES,
+    REPEATS,
+    SHARES,
+    Answer,
+    case_in_words,
+    without_repeats,
+)
 from asperity.engineering.largest import FEWEST, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -320,6 +328,28 @@ class Sample:
                 found.append((body, quantity, area, *ends, *value[3:]))
         columns = ["body", "quantity", "area_m2", "value_Pa", "low_Pa", "high_Pa"]
         return pd.DataFrame(found, columns=[*columns, "threshold_Pa", *Largest._fields[4:]])
+
+    def survival(self, area: float) -> pd.DataFrame:
+        """Probability that no crack starts on an area, by the cracks expected per area; with its interval.
+
+        Parameters
+        ----------
+        area : float
+            In m².
+
+        Returns
+        -------
+        DataFrame
+            Columns as in ``docs/tables.md``; the interval is NaN for one map. No rows without a scatter of
+            the fatigue limit.
+        """
+        found = []
+        for row in self.rows:
+            if row.name == CRACKS:
+                mean, error = row.mean.value, row.mean.error if len(self.names) > 1 else np.nan
+                ends = np.exp(-area * np.maximum([mean, mean + error, mean - error], 0))
+                found.append((row.group, area, *ends))
+        return pd.DataFrame(found, columns=["group", "area_m2", "no_crack", "low", "high"])
 
     def text(self) -> str:
         """The means as a block of text."""

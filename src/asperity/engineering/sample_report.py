@@ -71,6 +71,8 @@ def write_sample(
         for row in (() if largest is None else largest.itertuples())
         if row.body == "lower" or not repeats
     ]
+    size = sample.areas.sum() if area is None else to_si(area, "area")
+    predicted += [survival_in_words(row) for row in sample.survival(size).itertuples()]
     page = rendered(
         "asperity.engineering",
         "sample.html.j2",
@@ -98,6 +100,15 @@ def write_sample(
         write_text(unfinished / "sample.html", page)
         write_text(unfinished / CASE_FILE, case)
     return "\n".join([sample.text(), *([""] if predicted else []), *predicted])
+
+
+def survival_in_words(row: Any) -> str:
+    """One line about the probability that no crack starts, of a row of `Sample.survival`."""
+    between = f"95 % between {row.low:.4g} and {row.high:.4g}"
+    if not row.low <= row.high:
+        between = "no interval of one map"
+    area = shown_si(row.area_m2, "m^2")
+    return f"probability of no crack on {area}: {row.no_crack:.4g}, {between} ({row.group})"
 
 
 def largest_in_words(row: Any) -> str:

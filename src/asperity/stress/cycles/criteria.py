@@ -46,6 +46,9 @@ LARGEST_FACTOR = 1e12
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
 
+FATIGUE_SHARES = np.geomspace(0.1, 10, 461)
+"""Shares of the fatigue limit above which the volume is known, 1 % apart."""
+
 NUMBERS = ("shear_range", "dang_van", *RESIDUALS)
 """Numbers of a history, in the order of `Criteria.numbers`."""
 
@@ -117,10 +120,19 @@ class Criteria:
         reduce_rows(states, unloaded, self.has_fatigue, self.yield_stress is not None, self.alpha, out)
         return out
 
+    def over_limit(self, dang_van: Array) -> Array:
+        """Dang Van stress with that of the residual stress, over the limit in torsion."""
+        return (dang_van + self.alpha * 2 / 3 * self.residual_stress) / (self.fatigue_torsion or 1.0)
+
+    def above(self, dang_van: Array) -> Array:
+        """Share of points whose Dang Van stress is above each of `FATIGUE_SHARES`."""
+        rank = np.searchsorted(np.sort(self.over_limit(dang_van)), FATIGUE_SHARES, side="right")
+        return 1 - rank / dang_van.size
+
     def numbers(self, reduced: Array) -> Array:
         """The numbers of `NUMBERS` from the result of `reduced`; those without a limit have no meaning."""
         limit, found = self.yield_stress or 1.0, reduced.copy()
-        found[1] = (found[1] + self.alpha * 2 / 3 * self.residual_stress) / (self.fatigue_torsion or 1.0)
+        found[1] = self.over_limit(reduced[1])
         found[2:] = limit / np.maximum(np.sqrt(1.5 * found[2:]), limit / LARGEST_FACTOR)
         return found
 
@@ -143,15 +155,31 @@ class CycleMaps:
         self._depths: list[float] = []
         self._values: list[Array] = []
         self._along: list[Array] = []
+        self._above: list[Array] = []
 
-    def take(self, depth: float, reduced: Array, along: Array | None = None) -> None:
-        """Add a plane: numbers (5, rows) as of `Criteria.reduced`, and places of points along the rows."""
+    def take(
+        self, depth: float, reduced: Array, along: Array | None = None, above: Array | None = None
+    ) -> None:
+        """Add a plane.
+
+        Parameters
+        ----------
+        depth : float
+        reduced : (5, rows) array
+            As of `Criteria.reduced`.
+        along : (5, rows) array, optional
+            Places of the points along the rows.
+        above : (shares,) array, optional
+            As of `Criteria.above`; by default that of the rows.
+        """
         rows, nodes = reduced.shape[1], self._positions.size
         nearest = np.rint(np.arange(nodes) * (rows / nodes)).astype(int) % rows
         self._depths.append(depth)
         self._values.append(self.criteria.numbers(reduced)[:, nearest])
         if along is not None:
             self._along.append(along[:, nearest])
+        if "dang_van" in self.names:
+            self._above.append(self.criteria.above(reduced[1]) if above is None else above)
 
     def dataset(self) -> xr.Dataset:
         """The result of `asperity.stress_cycles` from the planes so far."""
@@ -170,8 +198,15 @@ class CycleMaps:
                 *(float(along[NUMBERS.index(name), row]) for along in self._along[plane : plane + 1]),
             ]
         across = f"cycle_{self._across}"
-        maps = {name: (("cycle_depth", across), field) for name, field in found.items()}
-        return xr.Dataset(maps, {"cycle_depth": self._depths, across: self._positions}, worst)
+        volume = {}
+        if self._above:
+            per_area = np.trapezoid(np.array(self._above), self._depths, axis=0)
+            volume = {"fatigue_volume": ("fatigue_share", per_area)}
+        maps: dict[str, Any] = {name: (("cycle_depth", across), field) for name, field in found.items()}
+        coordinates = {"cycle_depth": self._depths, across: self._positions}
+        if volume:
+            coordinates["fatigue_share"] = FATIGUE_SHARES
+        return xr.Dataset(maps | volume, coordinates, worst)
 
 
 @makes_arrays

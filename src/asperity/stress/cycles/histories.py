@@ -43,6 +43,9 @@ STATES_BYTES = 2**29
 DEEPER = 25
 """Depths below those of the cell at which the background alone matters."""
 
+EXACT_ABOVE = 0.5
+"""Share of the largest Dang Van stress above which that of every point is computed, for the distribution."""
+
 ERROR_OVER_CHANGE = 2.0
 """Error of the worst values over their change with half of the states: the estimate holds in 14 of the 15
 cases of ``docs/stress.md``."""
@@ -134,8 +137,13 @@ class Histories(CycleMaps):
             (ny, nx), count = plane.grid.shape, len(self._states)
             rows = max(1, min(ny, STATES_BYTES // (4 * len(COMPONENTS) * nx * count)))
             blocks = [self._plane(plane.depth, first, min(first + rows, ny)) for first in range(0, ny, rows)]
-            found, along = (np.concatenate(parts, axis=1) for parts in zip(*blocks, strict=True))
-            self.take(plane.depth, found, along * plane.grid.spacing[1])
+            found, along, above = zip(*blocks, strict=True)
+            self.take(
+                plane.depth,
+                np.concatenate(found, axis=1),
+                np.concatenate(along, axis=1) * plane.grid.spacing[1],
+                np.average(above, axis=0, weights=[part.shape[1] for part in found]),
+            )
 
     def _use(self, grid: Grid) -> None:
         """The states on the grid of a plane."""
@@ -154,8 +162,8 @@ class Histories(CycleMaps):
     def _solid(self, pressure: Array | None) -> LoadedSolid | None:
         return None if pressure is None else LoadedSolid(pressure, self._grid, self._moving.layer)
 
-    def _plane(self, depth: float, first: int, last: int) -> tuple[Array, Array]:
-        """Largest numbers of some rows of a plane, (5, rows), and their columns."""
+    def _plane(self, depth: float, first: int, last: int) -> tuple[Array, Array, Array]:
+        """Largest numbers of some rows of a plane, (5, rows), their columns, and shares above a stress."""
         layer, nx = self._moving.layer, self._grid.shape[1]
         states = np.zeros((len(self._states), len(COMPONENTS), (last - first) * nx), np.float32)
         count, uniform = len(COMPONENTS), uniform_part(layer, layer.poisson, depth)
@@ -173,24 +181,29 @@ class Histories(CycleMaps):
             partial(self._strip, states[:, :, start : start + strip], nx)
             for start in range(0, states.shape[2], strip)
         ]
-        found, along, halves = zip(*results_of(tasks, self._threads), strict=True)
+        found, along, halves, dang_van = zip(*results_of(tasks, self._threads), strict=True)
         self._halves = np.max([self._halves, *halves], axis=0)
-        return np.concatenate(found, axis=1), np.concatenate(along, axis=1)
+        above = self.criteria.above(np.concatenate(dang_van))
+        return np.concatenate(found, axis=1), np.concatenate(along, axis=1), above
 
-    def _strip(self, states: Array, columns: int) -> tuple[Array, Array, Array]:
-        """Largest numbers of some rows, (5, rows), their columns, and those of both halves of the states."""
+    def _strip(self, states: Array, columns: int) -> tuple[Array, Array, Array, Array]:
+        """Largest numbers of some rows, (5, rows), their columns, those of halves of the states, Dang Van."""
         states = np.ascontiguousarray(states.transpose(1, 2, 0))  # a history in consecutive memory
         rows = states.shape[1] // columns
-        exact = self._numbers(states, rows).reshape(3, rows, columns)
+        exact, dang_van = self._numbers(states, rows)
+        exact = exact.reshape(3, rows, columns)
         found, along = np.zeros((2, 5, rows))
         found[:3], along[:3] = exact.max(axis=2), exact.argmax(axis=2)
         if "shakedown_lower" in self.names:
             fill_row_radii(states.reshape(len(COMPONENTS), rows, -1), self._moving.is_unloaded, found[4])
-        halves = [self._numbers(states[:, :, first::2], 1).max(axis=1) for first in (0, 1)]
-        return found, along, np.array(halves)
+        halves = [self._numbers(states[:, :, first::2], 1)[0].max(axis=1) for first in (0, 1)]
+        return found, along, np.array(halves), dang_van
 
-    def _numbers(self, states: Array, rows: int) -> Array:
-        """Range, Dang Van stress and squared radius, (3, points), of the points that may be largest."""
+    def _numbers(self, states: Array, rows: int) -> tuple[Array, Array]:
+        """Range, Dang Van stress and squared radius, (3, points), of the points that may be largest.
+
+        And the Dang Van stress of all points, of those below `EXACT_ABOVE` its upper bound.
+        """
         unloaded, alpha = self._moving.is_unloaded, self.criteria.alpha
         bound, exact = np.empty((2, states.shape[1])), np.full((3, states.shape[1]), -np.inf)
         fill_bounds(states, unloaded, alpha, bound)
@@ -199,14 +212,18 @@ class Histories(CycleMaps):
         chosen = np.zeros(by_row.shape[1:], bool)
         for upper in by_row:
             chosen[np.arange(rows), upper.argmax(axis=1)] = True
-        for _ in range(2):
-            at = np.flatnonzero(chosen)
+        large = np.full(chosen.shape, False)
+        for turn in range(2):
+            at = np.flatnonzero(chosen | large)
             out = np.empty((5, at.size))
             reduce_rows(states[:, at], unloaded, True, False, alpha, out)
             exact[1:, at] = out[1:3]
             best = exact[1:].reshape(by_row.shape).max(axis=2, keepdims=True)
-            chosen = (by_row > best).any(axis=0) & (exact[2] == -np.inf).reshape(chosen.shape)
-        return exact
+            unknown = (exact[2] == -np.inf).reshape(chosen.shape)
+            chosen = (by_row > best).any(axis=0) & unknown
+            if turn == 0 and self.criteria.has_fatigue and rows > 1:
+                large = (by_row[0] > EXACT_ABOVE * max(best[0].max(), self._halves[:, 1].max())) & unknown
+        return exact, np.where(exact[1] == -np.inf, bound[0], exact[1])
 
     def _along_motion(self, states: Array) -> Array:
         """Shear stress in the direction of motion, (points, states)."""

@@ -62,9 +62,11 @@ def stress_cycles(
         under a contact that does not change along y, and a lower bound. Rows of a plane on a coarser grid
         stand at all rows of the contact to which they are nearest, so that none is lost. The attribute
         ``worst_shear_range`` is the largest value, its depth and y; so are the others, of the factors the
-        smallest. Of a `MovingPressure` each value is the worst along x, ``worst_…`` names x, too, there is no
-        ``shakedown_line``, and ``few_shifts_error`` estimates the relative error of the worst values: twice
-        the largest change of them with half of the states, as a mean over both halves.
+        smallest. With fatigue limits ``fatigue_volume`` is the volume per nominal area whose Dang Van stress
+        is above a ``fatigue_share`` of the limit. Of a `MovingPressure` each value is the worst along x,
+        ``worst_…`` names x, too, there is no ``shakedown_line``, ``few_shifts_error`` estimates the relative
+        error of the worst values, twice their largest change with half of the states, as a mean over both
+        halves, and ``fatigue_volume`` is an upper bound below half of the largest value.
 
     Raises
     ------

@@ -150,7 +150,7 @@ def _is_quantity(dimension: str, text: object) -> bool:
     raise ValueError(f"{article} {dimension} > 0 with its unit ({units}{misread(text, dimension)})")
 
 
-for _dimension in ("pressure", "force", "length", "area"):
+for _dimension in ("pressure", "force", "length", "area", "volume"):
     _FORMATS.checks(_dimension, raises=ValueError)(partial(_is_quantity, _dimension))
 
 

@@ -1,0 +1,57 @@
+r"""
+Probability that no crack starts
+================================
+
+Fatigue limits scatter. With their coefficient of variation and the stressed volume of the specimens on which
+they were measured, the cycles of three maps of one ground face give the probability that no crack starts on
+an area, with its interval from the maps.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import asperity as asp
+from asperity.stress.cycles.survival import weibull_exponent
+
+edge, scatter, volume = 100e-6, 0.1, 1e-9  # 1 mm³ of stressed volume in a specimen
+steel = asp.Body(210e9, 0.3, fatigue_torsion=450e6, fatigue_bending=700e6, residual_stress=-200e6)
+answers = []
+for seed in (1, 2, 3):
+    height = asp.self_affine((64, 64), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=seed, length=edge)
+    surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name=f"ring {seed}")
+    answers.append(
+        asp.run(surface, steel, mean_pressure=150e6, fatigue_scatter=scatter, fatigue_volume=volume)
+    )
+sample = asp.pooled(answers)
+
+# %%
+# The probability on areas up to a square centimetre.
+for area in (1e-6, 1e-5, 1e-4):
+    (row,) = sample.survival(area).itertuples()
+    print(f"{area * 1e6:5.0f} mm²: {row.no_crack:.4f}, 95 % between {row.low:.4f} and {row.high:.4f}")
+
+# %%
+# The volume above a share of the limit, for each map: all that is said without a scatter.
+figure, axes = plt.subplots(figsize=(6, 4), layout="compressed")
+for answer in answers:
+    table = answer.fatigue()
+    axes.semilogy(table["share"], table["volume_per_area_m"] * 1e6, label=answer.face.name)
+axes.set(xlabel="Dang Van stress over limit", ylabel="volume above per area (µm)", ylim=(1e-3, None))
+axes.legend()
+plt.show()
+
+# %%
+# **Check**: under a roller all stresses are proportional to p₀, and so is the half-width: the cracks per area
+# rise with the power m + 1 of p₀. Two areas survive together with the product of their probabilities.
+flat, cycles = np.zeros((16, 16)), []
+for pressure in (1e9, 1.5e9):
+    hertz = asp.HertzContact.from_radii(8e-3, np.inf, 115e9, largest_pressure=pressure)
+    passage = asp.MovingContact(flat, flat, steel.layer, edge, shifts=41, hertz=hertz)
+    depths = hertz.half_width_x * np.linspace(0, 2, 41)
+    found = asp.stress_cycles(passage.in_body("lower"), depths, fatigue_torsion=450e6, fatigue_bending=700e6)
+    cycles.append(asp.cracks_per_area(found, scatter, volume))
+power = np.log(cycles[1] / cycles[0]) / np.log(1.5)
+print(f"exponent {power:.3f}, m + 1 = {weibull_exponent(scatter) + 1:.3f}")
+assert abs(power / (weibull_exponent(scatter) + 1) - 1) < 2e-3
+(small,), (large,) = (sample.survival(area)["no_crack"] for area in (1e-5, 2e-5))
+assert abs(small**2 / large - 1) < 1e-12

@@ -1,0 +1,81 @@
+"""Cracks that are expected to start, from cycles of the stress and the scatter of the fatigue limit.
+
+By the weakest link a body survives if each of its volumes does. With a limit of Weibull's distribution, whose
+mean is t₋₁ for specimens of the stressed volume V₀, the expected number of cracks per nominal area is
+
+    h = 1/V₀ ∫ (Γ(1 + 1/m) d)^m dz,    averaged over the area,
+
+with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−h A) (W.
+Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is that of E.
+Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and threshold).
+The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+from scipy.special import gammaln
+
+from asperity.core.arguments import magnitude, number
+
+SCATTERS = (0.01, 1.0)
+"""Accepted coefficients of variation; fatigue limits of steels have 0.03 to 0.15."""
+
+
+def weibull_exponent(scatter: float) -> float:
+    """Exponent m of Weibull's distribution of a coefficient of variation.
+
+    Examples
+    --------
+    >>> from asperity.stress.cycles.survival import weibull_exponent
+    >>> print(f"{weibull_exponent(0.1):.2f} {weibull_exponent(1.0):.2f}")
+    12.15 1.00
+    """
+    low, high = SCATTERS
+    accepted = f"a number from {low:g} to {high:g}"
+    number("scatter", scatter, accepted, lambda value: low <= value <= high)
+
+    def excess(logarithm: float) -> float:
+        inverse = np.exp(-logarithm)
+        return float(np.expm1(gammaln(1 + 2 * inverse) - 2 * gammaln(1 + inverse)) - scatter**2)
+
+    return float(np.exp(brentq(excess, -0.1, 6.0, xtol=1e-14)))
+
+
+def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
+    """Expected number of cracks per nominal area, h; none starts on an area A with probability e^(−h A).
+
+    Parameters
+    ----------
+    cycles : dataset
+        Of `asperity.stress_cycles` with fatigue limits.
+    scatter : float
+        Coefficient of variation of the fatigue limit, from 0.01 to 1.
+    volume : float
+        Stressed volume of the specimens on which limits and scatter were measured, in the unit of length of
+        the contact cubed.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range, or the cycles have no Dang Van stress.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> contact = asp.solve(height, asp.Layer(210e9, 0.3), 2e-4, mean_pressure=20e6)
+    >>> cycles = asp.stress_cycles(contact, fatigue_torsion=300e6, fatigue_bending=480e6)
+    >>> cracks = asp.cracks_per_area(cycles, scatter=0.1, volume=1e-8)
+    >>> bool(0 < np.exp(-cracks * 1e-6) < 1)
+    True
+    """
+    if "fatigue_volume" not in cycles:
+        raise ValueError("cycles: a result of stress_cycles with fatigue limits is needed")
+    exponent, above = weibull_exponent(scatter), cycles["fatigue_volume"].values
+    shares = cycles["fatigue_share"].values
+    weight = np.exp(exponent * (gammaln(1 + 1 / exponent) + np.log(shares)))
+    # ∫ d^m dV = ∫ V(d > s) d(s^m)
+    total = above[0] * weight[0] + np.trapezoid(above, weight)
+    return float(total / magnitude("volume", volume))

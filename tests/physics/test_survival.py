@@ -1,0 +1,118 @@
+"""Residual stress, distribution of the Dang Van stress, and the probability that no crack starts."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from samples import HALF_SPACE, refuses, rough
+from scipy.stats import weibull_min
+
+import asperity as asp
+from asperity.engineering.sample import Sample
+from asperity.stress.cycles.criteria import FATIGUE_SHARES, hydrostatic_factor
+from asperity.stress.cycles.survival import weibull_exponent
+
+LIMITS = {"fatigue_torsion": 2e-2, "fatigue_bending": 3e-2}
+
+
+@pytest.mark.parametrize("scatter", [0.01, 0.05, 0.1, 0.3, 1.0])
+def test_exponent_has_the_scatter(scatter):
+    limit = weibull_min(weibull_exponent(scatter))
+    assert limit.std() / limit.mean() == pytest.approx(scatter, rel=1e-8)
+
+
+@pytest.mark.parametrize("scatter", [0.05, 0.1, 0.4])
+def test_cracks_below_a_stress_that_falls_with_the_depth(scatter):
+    """d = d₀ e^(−z/L): ∫ (Γ d)^m dz = (Γ d₀)^m L/m; shares are 1 % apart and above 0.1."""
+    exponent, largest, length = weibull_exponent(scatter), FATIGUE_SHARES[300], 3.0
+    above = length * np.log(np.maximum(largest / FATIGUE_SHARES, 1))
+    cycles = xr.Dataset({"fatigue_volume": ("fatigue_share", above)}, {"fatigue_share": FATIGUE_SHARES})
+    mean = weibull_min(exponent).mean()
+    exact = (mean * largest) ** exponent * length / exponent / 7.0
+    assert asp.cracks_per_area(cycles, scatter, 7.0) == pytest.approx(
+        exact, rel=(exponent / 100) ** 2 / 6 + 5e-4
+    )
+
+
+def test_volume_and_cracks_are_those_of_all_points():
+    """Of a smooth body under a moving rough one, and the same by histories of all points; sums of powers."""
+    height, depths = rough((32, 32)), np.linspace(0, 0.1, 21)
+    contact = asp.solve(height, HALF_SPACE, mean_pressure=3e-3)
+    cycles = asp.stress_cycles(contact, depths, **LIMITS, tolerance=0)
+    exponent = weibull_exponent(0.1)
+    power = np.maximum(cycles["dang_van"].values * weibull_min(exponent).mean(), 0) ** exponent
+    exact = np.trapezoid(power.mean(axis=1), depths)
+    assert asp.cracks_per_area(cycles, 0.1, 1.0) == pytest.approx(exact, rel=1e-2)
+    moving = asp.MovingContact(0 * height, height, HALF_SPACE, shifts=32, mean_pressure=3e-3)
+    same = asp.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=0)
+    assert asp.cracks_per_area(same, 0.1, 1.0) == pytest.approx(exact, rel=1e-2)
+    volume = float((cycles["dang_van"] > 0.9).mean("cycle_y").integrate("cycle_depth"))
+    assert float(cycles["fatigue_volume"].interp(fatigue_share=0.9)) == pytest.approx(volume, rel=1e-2)
+
+
+def test_residual_stress_moves_the_mean_stress():
+    contact = asp.solve(rough((32, 32)), HALF_SPACE, mean_pressure=3e-3)
+    free, pressed = (
+        asp.stress_cycles(contact, [0.01], **LIMITS, yield_stress=0.1, residual_stress=stress)
+        for stress in (0.0, -5e-3)
+    )
+    change = hydrostatic_factor(2e-2, 3e-2) * 2 / 3 * -5e-3 / 2e-2
+    np.testing.assert_allclose(pressed["dang_van"] - free["dang_van"], change, rtol=1e-6)
+    for name in ("shear_range", "shakedown_upper"):
+        np.testing.assert_array_equal(pressed[name], free[name])
+
+
+@pytest.fixture(scope="module")
+def answers():
+    edge, known = 2e-4, {"periodic": True, "unit": "m"}
+    steel = asp.Body(210e9, 0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8, residual_stress=-1e8)
+    heights = (asp.self_affine((32, 32), 0.8, 1e-4, 5e-5, 1e-7, seed, length=edge) for seed in (1, 2, 3))
+    maps = (asp.HeightMap(height, (edge, edge), **known, name="ground") for height in heights)
+    settings = {"mean_pressure": 30e6, "fatigue_scatter": 0.1, "fatigue_volume": 1e-12}
+    return [asp.run(each, steel, **settings) for each in maps]
+
+
+def test_probability_of_an_area_with_its_interval(answers):
+    sample = asp.pooled(answers)
+    cracks = [row.value for each in answers for row in each.rows if row.name == "cracks expected per area"]
+    error = 4.302652729911275 * np.std(cracks, ddof=1) / np.sqrt(3)  # Student's t, two degrees of freedom
+    (row,) = sample.survival(1e-8).itertuples()
+    assert row.no_crack == pytest.approx(np.exp(-1e-8 * np.mean(cracks)), rel=1e-9)
+    assert row.low == pytest.approx(np.exp(-1e-8 * (np.mean(cracks) + error)), rel=1e-9)
+    assert row.low < row.no_crack < row.high <= 1
+    (alone,) = asp.pooled(answers[:1]).survival(1e-8).itertuples()
+    assert np.isnan(alone.low)
+    assert isinstance(sample, Sample)
+
+
+def test_answer_lists_the_distribution_and_what_it_is_not(answers):
+    (answer, *_) = answers
+    values = {row.name: row.value for row in answer.rows}
+    assert (
+        values["volume above 50 % of the limit per area"] > values["volume above 75 % of the limit per area"]
+    )
+    none = np.exp(-values["cracks expected per area"] * 4e-8)
+    assert values["probability of no crack on the map"] == pytest.approx(none, rel=1e-12)
+    table = answer.fatigue()
+    assert (np.diff(table["volume_per_area_m"]) <= 0).all()
+    assert any("no lubricant film" in advice.text for advice in answer.advice)
+    settings = answer.case.settings() | {"map": "a.x3p"}
+    again = asp.engineering.Case.of(
+        {name: value for name, value in settings.items() if name != "physical_size"}
+    )
+    assert (again.fatigue_volume, again.lower.residual_stress) == (pytest.approx(1e-12), -1e8)
+
+
+def case(**settings):
+    body = asp.Body(210e9, 0.3)
+    return asp.run(np.zeros(3), body, mean_pressure=1e6, **settings)
+
+
+test_wrong_argument_is_refused = refuses(
+    (lambda: weibull_exponent(2), "scatter = 2: a number from 0.01 to 1 is needed"),
+    (lambda: asp.cracks_per_area(xr.Dataset(), 0.1, 1.0), "cycles: a result of stress_cycles with fatigue"),
+    (lambda: case(fatigue_scatter=0.1), "fatigue_scatter, fatigue_volume: both are needed"),
+    (
+        lambda: case(fatigue_scatter=0.1, fatigue_volume=1e-9),
+        "fatigue_scatter = 0.1: fatigue limits are needed",
+    ),
+)
