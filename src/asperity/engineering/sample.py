@@ -340,8 +340,8 @@ class Sample:
         Returns
         -------
         DataFrame
-            Columns as in ``docs/tables.md``; the interval is NaN for one map. No rows without a scatter of
-            the fatigue limit.
+            Columns group, area_m2, no_crack, and low and high of its 95 % interval, NaN for one map. No rows
+            without a scatter of the fatigue limit.
         """
         found = []
         for row in self.rows:

@@ -103,12 +103,12 @@ def write_sample(
 
 
 def survival_in_words(row: Any) -> str:
-    """One line about the probability that no crack starts, of a row of `Sample.survival`."""
-    between = f"95 % between {row.low:.4g} and {row.high:.4g}"
+    """One line about the probability that a crack starts, of a row of `Sample.survival`."""
+    between = f"95 % between {1 - row.high:.2g} and {1 - row.low:.2g}"
     if not row.low <= row.high:
         between = "no interval of one map"
     area = shown_si(row.area_m2, "m^2")
-    return f"probability of no crack on {area}: {row.no_crack:.4g}, {between} ({row.group})"
+    return f"probability that a crack starts on {area}: {1 - row.no_crack:.2g}, {between} ({row.group})"
 
 
 def largest_in_words(row: Any) -> str:
