@@ -216,3 +216,13 @@ def test_solver_takes_at_most_half_as_many_iterations_again(contrast):
         for solid in (BASE, asp.Layer(contrast, 0.3, 1 / 64, base=BASE))
     )
     assert coated <= 1.5 * plain
+
+
+@pytest.mark.parametrize("face", [1e-12, np.nextafter(3 / 128, 0), 0.5, 3.0])
+def test_depths_hold_both_faces_of_the_interface_once(face):
+    depths = asp.depth_grid(asp.Grid((64, 64)), interface=face)
+    at = np.flatnonzero(depths == face)[0]
+    assert at >= 4
+    assert np.all(np.diff(depths) > 0)
+    assert np.flatnonzero(np.diff(depths) < 1e-9 * depths[1:]).tolist() == [at]
+    assert depths[at + 1] == np.nextafter(face, np.inf)

@@ -11,6 +11,7 @@ from asperity.elasticity.simplest_solid import simplest_solid
 from asperity.elasticity.two_bodies import TwoBodies
 
 SUPPORTED = [Layer(1.3, 0.3), Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3, 0.4, "frictionless")]
+SUPPORTED.append(Layer(1.3, 0.3, 0.2, base=SUPPORTED[0]))
 
 
 @pytest.mark.parametrize("layer", SUPPORTED)

@@ -206,7 +206,8 @@ def depth_grid(
     found = np.array(depths)
     if interface is not None:
         face = number("interface", interface, "a positive finite length", lambda value: value > 0)
-        inside, outside = found[found < face], found[found > face * (1 + 0.5 * growth)]
+        near = 1 + 0.5 * growth
+        inside, outside = found[found < face / near], found[found > face * near]
         if inside.size < COATING_PLANES:
             inside = np.linspace(0, face, COATING_PLANES, endpoint=False)
         found = np.concatenate([inside, [face, np.nextafter(face, np.inf)], outside])
