@@ -73,6 +73,10 @@ MIN_POINTS = 128
 # nodes, on both axes.
 MAX_SPACING_RATIO = 1.5
 
+# Largest factor by which q G falls to a quarter of a wavelength: under a coating that is stiff and as thin as
+# the spacing the division errs by more than the shortest waves are displaced.
+MAX_STEEPNESS = 2.0
+
 # Nodes on the edge of the small map on which the stencil is computed.
 _TILE = 64
 
@@ -283,8 +287,13 @@ def near_stencil(response: Response) -> Array:
 
 
 def _can_be_divided(response: Response) -> bool:
-    """True if the grid is large enough, and every second node of it is a grid of its own."""
-    grid = response.grid
+    """True if the grid is large enough, every second node of it is a grid of its own, and G is smooth."""
+    grid, solid = response.grid, response.solid
+    if solid.interface is not None:
+        q = np.pi / min(grid.spacing) * np.array([0.25, 1.0])
+        longer, shortest = q * solid.surface_compliance(q)
+        if longer > MAX_STEEPNESS * shortest:
+            return False
     even = all(nodes % 2 == 0 for nodes in response.mode_grid.shape)
     ratio = max(grid.spacing) / min(grid.spacing)
     return even and min(grid.shape) >= MIN_POINTS and ratio <= MAX_SPACING_RATIO
