@@ -16,6 +16,7 @@ PARTS = (
     "config",
     "profiles",
     "workflow/Snakefile",
+    "workflow/maps.smk",
     "workflow/cost.py",
     "workflow/crate.py",
     "workflow/envs",

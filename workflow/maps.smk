@@ -1,0 +1,60 @@
+# Many maps of one surface: a job for the answer of each, and then their means. Maps, bodies and load are in a case file
+# with a list of maps: snakemake --snakefile workflow/maps.smk --config case=pool.yaml --cores 2
+import shlex
+import subprocess
+import sys
+
+try:
+    from asperity.cli.commands.run import names_of_maps, pool_of
+    from asperity.core.errors import ConfigError
+except ImportError as error:
+    sys.exit(f"maps: {error}")
+
+if "case" not in config:
+    sys.exit("maps: --config case=FILE is needed, a case file with a list of maps")
+try:
+    POOL = pool_of([config["case"]])
+except ConfigError as error:
+    sys.exit(f"maps: {error}")
+if not POOL.get("pooled"):
+    sys.exit(f"maps: {config['case']}: `pooled: true` and a list of maps are needed")
+
+CASE, OUT = config["case"], config.get("out", POOL.get("out", "pooled"))
+MAPS = dict(zip(names_of_maps(POOL["map"]), POOL["map"], strict=True))
+RUN = [sys.executable, "-m", "asperity", "run", CASE, "--out", OUT]
+
+
+wildcard_constraints:
+    name="|".join(MAPS),
+
+
+# Before the first job: what is wrong with one of the maps is said before anything is computed.
+onstart:
+    if subprocess.run([*RUN, "--check"]).returncode:
+        sys.exit(1)
+
+
+rule sample:
+    default_target: True
+    input:
+        expand(f"{OUT}/{{name}}/answer.csv", name=MAPS),
+    output:
+        f"{OUT}/sample.csv",
+        f"{OUT}/sample.html",
+    log:
+        f"{OUT}/logs/sample.log",
+    shell:
+        f"{shlex.join(RUN)} --resume > {{log:q}} 2>&1"
+
+
+rule answer:
+    input:
+        CASE,
+        lambda wildcards: MAPS[wildcards.name],
+    output:
+        f"{OUT}/{{name}}/answer.csv",
+        f"{OUT}/{{name}}/report.html",
+    log:
+        f"{OUT}/logs/{{name}}.log",
+    shell:
+        f"{shlex.join(RUN)} --only {{wildcards.name:q}} > {{log:q}} 2>&1"
