@@ -96,8 +96,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--surfaces", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--surfaces", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=9)
     parser.add_argument("--out", default="docs/answers.csv")
     parser.add_argument("--rows", help="file for the errors of every surface")
     options = parser.parse_args()

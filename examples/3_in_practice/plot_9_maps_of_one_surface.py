@@ -1,0 +1,56 @@
+r"""
+Several maps of one surface
+===========================
+
+One map says nothing about how places of a surface differ. Four maps do: ``pooled`` gives every number as its
+mean with a 95 % interval, of the places and of the pixels. Here each map is a cut-out of a larger surface,
+whose contact is known, and so is what the maps should give.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import asperity as asp
+
+edge, points = 80e-6, 64
+whole = asp.self_affine((512, 512), 0.8, 40e-6, 10e-6, rms_height=1.5e-7, seed=4, length=8 * edge)
+steel = asp.Body(young=210e9, poisson=0.3, yield_stress=2e9)
+places = [(0, 0), (128, 256), (320, 64), (384, 384)]
+answers = [
+    asp.run(
+        asp.HeightMap(-whole[y : y + points, x : x + points], (edge, edge), name=f"place {number}"),
+        steel,
+        mean_pressure=200e6,
+        map_options=asp.MapOptions(detrend="none"),
+    )
+    for number, (y, x) in enumerate(places, 1)
+]
+sample = asp.pooled(answers)
+print(sample)
+
+# %%
+# Peaks of the von Mises stress above a stress, per nominal area: the mean of the maps, and each of them.
+peaks = sample.peaks_per_area().query("quantity == 'von_mises'")
+figure, axis = plt.subplots(figsize=(5.5, 3.8), layout="compressed")
+for name in sample.names:
+    axis.plot(peaks["stress_Pa"] / 1e9, peaks[f"map_{name}"], "C7", lw=0.8)
+axis.plot(peaks["stress_Pa"] / 1e9, peaks["per_mm2"], "C0", lw=2)
+axis.axvline(2.0, color="C1", ls=":")
+axis.set(yscale="log", xlabel="von Mises stress (GPa)", ylabel="peaks above it (1/mm²)")
+plt.show()
+
+# %%
+# **Check**: the larger surface, pressed as a whole, is within the interval of the maps: its contact area and
+# its volume above yield per area. The interval is Student's :math:`t s / \sqrt{n}`, with the pixels.
+all_of_it = asp.HeightMap(-whole, (8 * edge, 8 * edge), periodic=True, name="whole")
+truth = asp.pooled([asp.run(all_of_it, steel, mean_pressure=200e6)])
+for group, name in (
+    ("contact", "real contact"),
+    ("stress in the elastic body", "volume above yield per area"),
+):
+    found, known = sample.mean(group, name), truth.mean(group, name).value
+    print(f"{name}: {found.value:.4g} ± {found.error:.2g}, the whole surface {known:.4g}")
+    assert abs(found.value - known) < found.error
+areas = [answer.frame().set_index("name")["estimate"]["real contact"] for answer in answers]
+expected = 3.182 * np.std(areas, ddof=1) / 2
+assert abs(sample.mean("contact", "real contact").of_maps / expected - 1) < 1e-3
