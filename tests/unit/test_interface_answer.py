@@ -50,6 +50,15 @@ def test_force_of_sliding_leaves_nothing_that_sticks():
     assert found["tangential force"] == pytest.approx(LIMIT, rel=1e-9)
 
 
+def test_full_contact_sticks_without_yielding():
+    """Half-spaces in full contact are not displaced further, and their stiffness is infinite."""
+    answer = run(a_rough_map(32), SOFT, mean_pressure=3e9, friction=FRICTION, tangential_force=0.1)
+    found = values(answer)
+    assert found["first tangential stiffness"] == found["last tangential stiffness"] == np.inf
+    assert found["sticking part of the contact"] == 1.0
+    assert found["energy lost in a cycle ± force"] == 0.0
+
+
 def test_stress_lies_between_rest_and_sliding(fretting):
     """σ_xz in the surface is the traction; in the upper body it is opposite."""
     settings = {"mean_pressure": LOAD, "friction": FRICTION}

@@ -18,7 +18,7 @@ from asperity.contact.gap import FilmFlow, Percolation
 from asperity.contact.slip import PartialSlip
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import DIMENSIONS, scaled_unit, shown_si
-from asperity.engineering.answer_numbers import ContactNumbers, gap_of
+from asperity.engineering.answer_numbers import IN_FULL_CONTACT, ContactNumbers, gap_of
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, SIDEWAYS, Body, Case
 from asperity.engineering.face import RoughFace
@@ -78,9 +78,6 @@ CRACKS = "cracks expected per area"
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
-
-IN_FULL_CONTACT = "infinite, as the bodies touch everywhere"
-"""Stiffness and conductance in full contact, instead of a number."""
 
 GAP_SHARES = np.linspace(0, 1, 101)
 """Shares of the area for which the gap is listed."""

@@ -16,6 +16,9 @@ from asperity.fourier.grid import Grid
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
+IN_FULL_CONTACT = "infinite, as the bodies touch everywhere"
+"""Stiffness and conductance in full contact, instead of a number."""
+
 SPANS = "none", "y", "x", "x and y"
 """Directions along which a patch of contact spans the cell."""
 

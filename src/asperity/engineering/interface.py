@@ -12,6 +12,7 @@ from asperity.contact import Contact
 from asperity.contact.gap import FilmFlow, Percolation, film_flow, open_along
 from asperity.contact.slip import PartialSlip, partial_slip
 from asperity.core.units import shown_si
+from asperity.engineering.answer_numbers import IN_FULL_CONTACT
 from asperity.engineering.case import Case
 from asperity.engineering.continuum import HalfGrid
 from asperity.surface.treatment.treatment import TreatedMap
@@ -49,7 +50,7 @@ def slip_rows(slip: PartialSlip, map_area: float) -> Iterator[Numbers]:
     sticking = slip.sticking_area
     yield "sticking part of the contact", sticking, "1", f"{100 * sticking:.4g} % of it, the rest slips"
     for name, value in (("first", slip.initial_stiffness), ("last", slip.stiffness)):
-        number = f"{shown_si(value * 1e-6, 'Pa')}/µm" if np.isfinite(value) else "infinite, as all sticks"
+        number = f"{shown_si(value * 1e-6, 'Pa')}/µm" if np.isfinite(value) else IN_FULL_CONTACT
         yield f"{name} tangential stiffness", value, "Pa/m", number
     largest, lost = float(slip.slip.max()), slip.lost_energy * on_map
     yield "largest slip", largest, "m", shown_si(largest, "m")

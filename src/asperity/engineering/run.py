@@ -16,8 +16,8 @@ from asperity.core.packages import require
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
-from asperity.engineering.answer import IN_FULL_CONTACT, Answer
-from asperity.engineering.answer_numbers import contact_numbers, contact_spots
+from asperity.engineering.answer import Answer
+from asperity.engineering.answer_numbers import IN_FULL_CONTACT, contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import (
     LARGEST_LOAD,
