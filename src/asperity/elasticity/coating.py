@@ -36,6 +36,7 @@ from asperity.elasticity.kernels import (
     DEEPEST,
     cosh_rest,
     decaying,
+    double_sinh_rest,
     half_space_kernels,
     half_space_shear_kernels,
     sinh_rest,
@@ -73,11 +74,8 @@ def coated_compliance(h: float, materials: Materials) -> float:
     k, k_base = 3.0 - 4.0 * nu, 3.0 - 4.0 * nu_base
     e2h, c2h = decaying(2.0 * h)
     m = 1.0 - 2.0 * nu
-    if h < 1.0:  # sinh 2h − 2h = 2 h³ (…) of the bonded layer
-        rest = sinh_rest(h * h)
-        above = cosh_rest(h * h)
-        double = rest + above + h * h * rest * above
-        rigid = 4.0 * e2h * h * (2.0 * m + k * h * h * double)
+    if h < 1.0:  # as of the bonded layer
+        rigid = 4.0 * e2h * h * (2.0 * m + k * h * h * double_sinh_rest(h * h))
     else:
         rigid = k * c2h * (1.0 + e2h) - 4.0 * h * e2h
     mixed = 1.0 + k * k_base + (k + k_base) * e2h * e2h - 4.0 * h * e2h * (k_base - 1.0)

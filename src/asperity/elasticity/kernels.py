@@ -80,7 +80,7 @@ def cosh_rest(square: float) -> float:
 
 
 @fused_inlined
-def _double_sinh_rest(square: float) -> float:
+def double_sinh_rest(square: float) -> float:
     """(sinh 2x / (2x) − 1)/x² as a function of x², for x ≤ 1."""
     sinh, cosh = sinh_rest(square), cosh_rest(square)
     return sinh + cosh + square * sinh * cosh
@@ -140,7 +140,7 @@ def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> 
     normal = scale * (sinh_h * cosh_t + d * cosh_h * cosh_t + t * (1.0 + above_d))
     shear = scale * 2.0 * h * t * s * d * _sinhc_difference(4.0 * quarter, dd)
     # sinh s − s + sinh d − d − s (cosh d − 1) − d (cosh s − 1)
-    excess = s * quarter * _double_sinh_rest(quarter) + d * dd * sinh_rest(dd)
+    excess = s * quarter * double_sinh_rest(quarter) + d * dd * sinh_rest(dd)
     longitudinal = scale * (0.5 * (excess - s * above_d) - d * half_s * half_s)
     along = (1.0 - poisson) * longitudinal - poisson * normal
     downward = shear + scale * 2.0 * (1.0 - poisson) * sinh_h * sinh_t
@@ -312,7 +312,7 @@ def fill_surface_compliance(
                 ratio = (bending + 4.0 * h * e2h) / (c2h * c2h - 4.0 * h * h * e2h)
             out[n] = unit / wavenumber * ratio
         else:
-            beyond = h * h * _double_sinh_rest(h * h)
+            beyond = h * h * double_sinh_rest(h * h)
             if kind == BONDED:
                 divisor = h * h + m1 * m1 + k * np.sinh(h) ** 2
                 out[n] = unit * height * (2.0 * m + (1.0 + 2.0 * m) * beyond) / divisor
