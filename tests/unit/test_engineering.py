@@ -399,3 +399,12 @@ def test_close_ups_lie_along_a_ridge_and_across_it():
     rows = [box.part[0] for box in boxes]
     assert all(box.along == "x" and box.node(box.part[0].start * 1e-6, 48e-6) for box in boxes)
     assert {row for part in rows for row in range(part.start, part.stop)} == set(range(96))
+
+
+def test_sections_are_across_the_lay_where_a_close_up_holds_several_ridges():
+    """Ridges along y, broken off halfway: along y one changes once, along x all of them change."""
+    y, x = np.meshgrid(*asp.Grid((96, 96), 96e-6).coordinates(), indexing="ij")
+    height = 2e-7 * np.cos(2 * np.pi * x / 8e-6) * (1 + 0.3 * np.cos(2 * np.pi * y / 96e-6))
+    ridges = asp.HeightMap(height, (96e-6, 96e-6), periodic=True, unit="m")
+    boxes = run(ridges, STEEL, mean_pressure=800e6).bodies["lower"].close_ups
+    assert {box.along for box in boxes} == {"x"}

@@ -103,22 +103,22 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
     depth = contact.plastic_depth
     if depth is not None and depth.any():  # of the nodes at the hardness those that overlap most
         weight = weight + face.part(depth) / depth.max()
+    left = weight.copy()
     half = round(min(max(WIDTHS * width, FEWEST_PIXELS), MOST_PIXELS))
-    while len(found) < BOXES and weight.any():
-        middle = np.unravel_index(weight.argmax(), weight.shape)
+    while len(found) < BOXES and left.any():
+        middle = np.unravel_index(left.argmax(), left.shape)
         ends = zip(map(int, middle), face.map_shape, strict=True)
         rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
-        box = weight[rows, columns]
-        found.append(CloseUp(face.grid, (rows, columns), _axis_across(box, face.grid)))
-        box[:] = 0
+        along = _axis_across(weight[rows, columns], face.grid)
+        found.append(CloseUp(face.grid, (rows, columns), along))
+        left[rows, columns] = 0
     return found
 
 
 def _axis_across(weight: Array, grid: Grid) -> str:
-    """Axis along which the weight extends least."""
-    spread = {}
-    for name, axis, step in zip("yx", (0, 1), grid.spacing, strict=True):
-        sums = weight.sum(axis=1 - axis)
-        place = np.arange(sums.size) * step
-        spread[name] = np.average((place - np.average(place, weights=sums)) ** 2, weights=sums)
-    return min(spread, key=lambda name: spread[name])
+    """Axis along which the weight changes most: across the lay, also if there are several ridges."""
+    slopes = {
+        name: float(np.square(np.diff(weight, axis=axis)).sum()) / step**2
+        for name, axis, step in zip("yx", (0, 1), grid.spacing, strict=True)
+    }
+    return max(slopes, key=lambda name: slopes[name])
