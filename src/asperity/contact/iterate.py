@@ -17,7 +17,7 @@ from asperity.contact.contact_nodes import added, dot, field_of, inserted
 from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.operators import Operators
 from asperity.contact.problem import Control, Problem
-from asperity.core.compiled import compiled, makes_arrays, sums
+from asperity.core.compiled import compiled, sums
 from asperity.core.parallel import STRIP, apply, results_of, total
 from asperity.core.types import Array
 
@@ -166,10 +166,13 @@ class Iterate:
         real_bound = height.dtype.type(bound)
 
         def found_in(start: int) -> tuple[Array, Array]:
-            part = slice(start, start + STRIP)
-            edges = np.array((part.start, part.stop), np.uint32)
+            level = height[start : start + STRIP] + displacement[start : start + STRIP]
+            below = level < real_bound
+            edges = np.array((start, start + level.size), np.uint32)
             contact_nodes = self.nodes[slice(*np.searchsorted(self.nodes, edges))]
-            return _free_below(height[part], displacement[part], contact_nodes, start, real_bound)
+            below[contact_nodes.astype(np.intp) - start] = False
+            found = np.flatnonzero(below)
+            return found.astype(np.uint32) + edges[0], level[found]
 
         tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
         nodes, levels = zip(*results_of(tasks, self.problem.fourier.threads), strict=True)
@@ -487,22 +490,6 @@ def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> float
         out[k] = h + u
         largest = max(largest, np.float64(abs(h) + abs(u)))
     return largest
-
-
-@makes_arrays
-def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, bound: Any) -> Any:
-    """Nodes of a part of a field out of contact with a level h + u below a bound, and their levels."""
-    nodes, levels = np.empty(height.size, np.uint32), np.empty(height.size, height.dtype)
-    found, k = 0, 0
-    for i in range(height.size):
-        level = height[i] + displacement[i]
-        if level < bound:
-            while k < contact_nodes.size and contact_nodes[k] < start + i:
-                k += 1
-            if k == contact_nodes.size or contact_nodes[k] != start + i:
-                nodes[found], levels[found] = start + i, level
-                found += 1
-    return nodes[:found].copy(), levels[:found].copy()
 
 
 @compiled

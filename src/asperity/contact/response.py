@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from asperity.core.arguments import choice
-from asperity.core.compiled import compiled
+from asperity.core.compiled import compiled, makes_arrays
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import (
@@ -171,24 +171,23 @@ class Response:
         The node is in the middle of its cell. On half the nodes this is the mean over pairs of nodes: no
         value lies outside the range of the field, so that what is flat stays flat.
         """
-        for axis in (0, 1):
-            nodes, wanted = field.shape[axis], to.shape[axis]
-            if nodes == wanted:
-                continue
+        places = []
+        for axis, nodes in enumerate(field.shape):
             ratio = to.spacing[axis] / self.grid.spacing[axis]
-            position = (np.arange(wanted) + 0.5) * ratio - 0.5
+            position = (np.arange(to.shape[axis]) + 0.5) * ratio - 0.5
             before = np.floor(position).astype(np.intp)
-            weight = (position - before).astype(field.dtype)
             ends = [before % nodes, (before + 1) % nodes]
             if not self.repeats:
                 ends = [np.clip(end, 0, nodes - 1) for end in (before, before + 1)]
-            weight = weight[:, None] if axis == 0 else weight
-            first, second = (field.take(end, axis) for end in ends)
-            second -= first
-            second *= weight
-            second += first
-            field = second
-        return field
+            places.append((*ends, (position - before).astype(field.dtype)))
+        (above, below, down), across = places
+        out = np.empty(to.shape, field.dtype)
+
+        def interpolate(rows: slice) -> None:
+            _interpolate(field, above[rows], below[rows], down[rows], *across, out[rows])
+
+        in_strips(interpolate, out.shape, self.fourier.threads)
+        return out
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """∂u/∂y and ∂u/∂x of the surface by spectral differentiation of the displacement."""
@@ -284,6 +283,21 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
 def multiply_rows(coefficients: Array, factors: Array) -> None:
     """Multiply coefficients by real factors of the same shape."""
     _multiply(coefficients.view(coefficients.real.dtype), factors)
+
+
+@makes_arrays
+def _interpolate(
+    field: Any, above: Any, below: Any, down: Any, left: Any, right: Any, across: Any, out: Any
+) -> None:
+    """Interpolate a field between two of its rows and two of its columns, at fractions of the way."""
+    between = np.empty(field.shape[1], field.dtype)
+    for j in range(out.shape[0]):
+        first, second = field[above[j]], field[below[j]]
+        for i in range(between.size):
+            between[i] = first[i] + (second[i] - first[i]) * down[j]
+        for i in range(out.shape[1]):
+            start = between[left[i]]
+            out[j, i] = start + (between[right[i]] - start) * across[i]
 
 
 @compiled

@@ -104,9 +104,17 @@ class Ducc0Engine:
     """Transforms by ducc0, which needs no plans.
 
     ducc0 transforms as many lines at once as a vector register holds numbers, and left-over lines one by one,
-    which rounds differently. Several threads therefore share a multiple of 128 lines, and one does the rest:
-    no thread has lines left over.
+    which rounds differently. Several threads therefore share a multiple of `LINES`, and one does the rest: no
+    thread has lines left over.
     """
+
+    LINES = 128
+
+    # Distance of rows in bytes whose elements share the same lines of the processor's cache. In single
+    # precision ducc0 takes two to four times as long to write such rows as to write rows that are so many
+    # numbers longer, and to copy them.
+    CRITICAL_STRIDE = 4096
+    PADDING = 16
 
     @property
     def description(self) -> str:
@@ -138,21 +146,26 @@ class Ducc0Engine:
 
         `coefficients` may be overwritten. The rows of `out` may begin where theirs do, in the same memory.
         """
-        for part, workers in self._shares(out.shape[-2], threads):
-            ducc0.fft.c2r(
-                coefficients[..., part, :],
-                axes=(out.ndim - 1,),
-                lastsize=out.shape[-1],
-                forward=False,
-                out=out[..., part, :],
-                nthreads=workers,
-                allow_overwriting_input=True,
-            )
+        if out.dtype != np.float32 or out.strides[-2] % self.CRITICAL_STRIDE:
+            for part, workers in self._shares(out.shape[-2], threads):
+                _rows_back(coefficients[..., part, :], out[..., part, :], workers)
+            return
 
-    @staticmethod
-    def _shares(lines: int, threads: int) -> list[tuple[slice, int]]:
+        def transform(part: slice) -> None:
+            room = np.empty((self.LINES, out.shape[-1] + self.PADDING), out.dtype)[:, : out.shape[-1]]
+            for source, target in zip(_planes(coefficients), _planes(out), strict=True):
+                for first in range(part.start, part.stop, self.LINES):
+                    rows = slice(first, min(first + self.LINES, part.stop))
+                    some = room[: rows.stop - first]
+                    _rows_back(source[rows], some, 1)
+                    target[rows] = some
+
+        in_parts(transform, out.shape[-2], threads, multiple=self.LINES, smallest=self.LINES)
+
+    @classmethod
+    def _shares(cls, lines: int, threads: int) -> list[tuple[slice, int]]:
         """Slices of the lines, with the number of threads for each."""
-        shared = lines - lines % 128 if threads > 1 else 0
+        shared = lines - lines % cls.LINES if threads > 1 else 0
         return [(slice(shared), threads)] * (shared > 0) + [(slice(shared, lines), 1)] * (shared < lines)
 
 
@@ -227,6 +240,19 @@ class PyfftwEngine:
         flags = "FFTW_MEASURE", "FFTW_DESTROY_INPUT"
         with self._planner, _kept_wisdom():
             return before, after, pyfftw.FFTW(before, after, (1,), direction, flags, threads=1).execute
+
+
+def _rows_back(coefficients: Array, out: Array, threads: int) -> None:
+    """Transform rows of coefficients, which may be overwritten, to rows of a field."""
+    ducc0.fft.c2r(
+        coefficients,
+        axes=(out.ndim - 1,),
+        lastsize=out.shape[-1],
+        forward=False,
+        out=out,
+        nthreads=threads,
+        allow_overwriting_input=True,
+    )
 
 
 def _planes(values: Array) -> Array:
