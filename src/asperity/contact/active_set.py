@@ -69,11 +69,13 @@ PATIENCE = 3
 # A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
 WHOLE_STEP = 0.5
 
-# A step whose energy is least before this fraction is shortened by a factor before nodes are released, so
-# many times; later steps are shortened, too, and lengthened step by step.
+# If the energy is least before this fraction of a step, the set of contact nodes changes far more than a
+# correction right to `RESIDUAL_DROP` can tell. From then on corrections are exact, and steps are taken whole
+# whatever the energy, until for so many steps the number of nodes that change sides has not fallen.
 LEAST_FRACTION = 0.1
-SHORTENING = 4.0
-MAX_TRIALS = 3
+EXACT_RESIDUAL_DROP = 1e-3
+MAX_EXACT_ITERATIONS = 1000
+MAX_EXACT_STEPS = 30
 
 # The loop gives up after so many steps without progress.
 MAX_STEPS_WITHOUT_PROGRESS = 100
@@ -271,7 +273,8 @@ class ActiveSet:
         self._inner = InnerSolver(problems[0].response)
         self._report = ConvergenceProgress(progress, rule.tolerance)
         self.iterations = 0
-        self._area, self._length = None, 1.0
+        self._area = None
+        self._exchange, self._has_failed = None, False
         if control.kind == "area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
@@ -295,11 +298,15 @@ class ActiveSet:
             stagnation.record(system.error)
             if taken == self._rule.max_steps or self._is_hopeless(iterate, system, stagnation):
                 return iterate, system, False
-            max_iterations = MAX_ITERATIONS * 2 ** min(stagnation.steps, PATIENCE)
-            correction = self._inner.solve(system.linear, self._residual_drop(system.error), max_iterations)
+            exact = (EXACT_RESIDUAL_DROP, MAX_EXACT_ITERATIONS) if self._exchange is not None else ()
+            longest = MAX_ITERATIONS * 2 ** min(stagnation.steps, PATIENCE)
+            effort = exact or (self._residual_drop(system.error), longest)
+            correction = self._inner.solve(system.linear, *effort)
             held, load, extension = system.held_after(iterate, correction), iterate.load, None
             if self._area is not None:
-                extension = extended(self._area, iterate, system, correction, held, self._inner, converged)
+                extension = extended(
+                    self._area, iterate, system, correction, held, self._inner, converged, exact
+                )
                 if extension is None and converged:
                     return iterate, system, True
             if extension is not None:
@@ -309,6 +316,8 @@ class ActiveSet:
             if self._to_double_precision(system, stagnation) or extension is not None:
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
+                if self._exchange is not None:
+                    self._exchange, self._has_failed = Stagnation(), False
                 target, problem = step.pressure_after(1.0, load), self._problems[0]
                 out = iterate.displacement if iterate.problem is problem else None
                 del iterate, system, step, held  # the fields in single precision are not needed any more
@@ -358,26 +367,29 @@ class ActiveSet:
         """The iterate at the least energy along a step; it takes the memory of the one before.
 
         Nodes in tension are released where the step reaches zero pressure. If the energy then hardly falls,
-        shorter steps are tried, and last the one along the projected gradient, which lowers it; after so many
-        steps that have not lowered the error it is the first. The best is taken.
+        exact steps follow, which need not lower it. Once they have failed the step along the projected
+        gradient is tried, which lowers it, and the better one is taken; after so many steps that have not
+        lowered the error it is tried alone.
         """
         problem, field = iterate.problem, iterate.displacement
+        if self._exchange is not None and not self._has_failed:
+            self._exchange.record(step.exchanged)
+            self._has_failed = self._exchange.steps > MAX_EXACT_STEPS
+            return self._evaluated(problem, step.pressure_after(1.0, iterate.load), field)
         best, decrease = Pressure(iterate.nodes, iterate.pressure, iterate.load), 0.0
-        trials = 0 if stagnation.steps % (PATIENCE + 1) == PATIENCE else MAX_TRIALS
-        for trial in range(trials + 1):
-            if trial == trials:
-                step = Step.gradient(iterate, system)
-            elif trial:
-                self._length /= SHORTENING
-                step = step.without_entering()
-            length = 1.0 if trial == trials else self._length
-            after = self._evaluated(problem, step.pressure_after(length, iterate.load), field)
-            fraction, fall = step.least_energy(after)
+        steps = [Step.gradient(iterate, system)]
+        if not self._has_failed or stagnation.steps % (PATIENCE + 1) != PATIENCE:
+            steps.insert(0, step)
+        for tried in steps:
+            after = self._evaluated(problem, tried.pressure_after(1.0, iterate.load), field)
+            fraction, fall = tried.least_energy(after)
             if fall > decrease:
-                best, decrease = step.between(after, fraction if fraction < WHOLE_STEP else 1.0), fall
+                best, decrease = tried.between(after, fraction if fraction < WHOLE_STEP else 1.0), fall
             if fraction >= LEAST_FRACTION:
                 break
-        self._length = min(2 * self._length, 1.0)
+            if self._exchange is None:
+                self._exchange = Stagnation()
+                return after
         if fraction >= WHOLE_STEP and fall == decrease:
             return after
         return self._evaluated(problem, best, field)

@@ -117,10 +117,12 @@ class InnerSolver:
             return before
         return Operators(nodes, self._response, self._preconditioner)
 
-    def solve_uniform(self, operators: Operators, drop: float = RESIDUAL_DROP) -> Correction:
+    def solve_uniform(
+        self, operators: Operators, drop: float = RESIDUAL_DROP, max_iterations: int = MAX_ITERATIONS
+    ) -> Correction:
         """Correction that answers a uniform overlap of the contact nodes at a given approach."""
         ones = np.ones(operators.nodes.size, np.float32)
-        return self.solve(System(operators, ones, operators.uniform, fixed_load=False), drop)
+        return self.solve(System(operators, ones, operators.uniform, fixed_load=False), drop, max_iterations)
 
     def solve(
         self, system: System, drop: float = RESIDUAL_DROP, max_iterations: int = MAX_ITERATIONS

@@ -236,8 +236,11 @@ def extended(
     held: OverlapOfHeld,
     inner: InnerSolver,
     converged: bool,
+    effort: tuple[float, int] | tuple[()] = (),
 ) -> tuple[Correction, OverlapOfHeld, float] | None:
     """Extend a correction to the load at which the number of contact nodes is that asked for.
+
+    The tangent is found with an effort, as of `InnerSolver.solve`.
 
     Returns
     -------
@@ -251,7 +254,7 @@ def extended(
         near = not area.misses(count)
         if near or not area.may_change():
             return None
-    tangent = _approximate_tangent(iterate, system, inner)
+    tangent = _approximate_tangent(iterate, system, inner, effort)
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
@@ -307,7 +310,9 @@ def _borne(elastic: Array, candidates: OverlapOfHeld, further: Array, problem: P
     return float(pressure.sum(dtype=float)) / problem.grid.size
 
 
-def _approximate_tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Correction:
+def _approximate_tangent(
+    iterate: Iterate, system: ContactSystem, inner: InnerSolver, effort: tuple[float, int] | tuple[()]
+) -> Correction:
     """Change of the contact per change of the approach, in units of the nodal compliance.
 
     Its approach is 1, or 0 in full contact of a solid without uniform displacement.
@@ -315,7 +320,7 @@ def _approximate_tangent(iterate: Iterate, system: ContactSystem, inner: InnerSo
     nodes = system.linear.operators.nodes
     if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:
         return Correction(np.ones(nodes.size, np.float32), np.zeros(nodes.size, np.float32), 0.0, 0)
-    found = inner.solve_uniform(system.linear.operators)
+    found = inner.solve_uniform(system.linear.operators, *effort)
     return Correction(found.pressure, found.displacement, 1.0, found.iterations)
 
 
