@@ -14,7 +14,8 @@ approach δ, or over those of a given mean; by default the hardness H is infinit
             find the nodes that the correction brings into contact                 `ContactSystem.held_after`
             if an area is imposed, extend the correction to the load that has it   `load.extended`
             add the correction, release nodes in tension, and go to the least      `Step.of`, `Step.taken`
-            energy on the way; if it does not fall, along its projected gradient   `Step.gradient`
+            energy on the way; if it does not fall, by exact corrections, and      `ActiveSet._next`
+            last along its projected gradient
 
 Hardness enters where a pressure is bounded (`iterate.with_load`) and where held nodes are found
 (`Iterate.held_nodes`); the area in `load`; precision in `ActiveSet.run`, which begins on the finest grid in
@@ -69,13 +70,18 @@ PATIENCE = 3
 # A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
 WHOLE_STEP = 0.5
 
-# If the energy is least before this fraction of a step, the set of contact nodes changes far more than a
-# correction right to `RESIDUAL_DROP` can tell. From then on corrections are exact, and steps are taken whole
-# whatever the energy, until for so many steps the number of nodes that change sides has not fallen.
+# If the energy is least before this fraction of a step, more nodes change sides than a correction right to a
+# few per cent can tell, as on a sheet that bends. Corrections are then solved almost exactly, and steps are
+# taken whole whatever the energy, until for so many steps no fewer nodes have changed sides.
 LEAST_FRACTION = 0.1
 EXACT_RESIDUAL_DROP = 1e-3
-MAX_EXACT_ITERATIONS = 1000
+MAX_EXACT_ITERATIONS = 300
 MAX_EXACT_STEPS = 30
+
+# After that such a step is shortened by a factor before nodes are released, so many times; later steps are
+# shortened, too, and lengthened step by step.
+SHORTENING = 4.0
+MAX_TRIALS = 3
 
 # The loop gives up after so many steps without progress.
 MAX_STEPS_WITHOUT_PROGRESS = 100
@@ -228,15 +234,15 @@ def _level_of_load(height: Array, mean_pressure: float, stiffness: float, hardne
 
 
 class Stagnation:
-    """Counts the steps since the error last fell below nine tenths of the smallest before."""
+    """Counts the steps since a number, as the error, last fell below nine tenths of the smallest before."""
 
     def __init__(self) -> None:
         self.steps, self._smallest = 0, math.inf
 
-    def record(self, error: float) -> None:
-        """Record the error after a step."""
-        if error < 0.9 * self._smallest:
-            self.steps, self._smallest = 0, error
+    def record(self, value: float) -> None:
+        """Record the number after a step."""
+        if value < 0.9 * self._smallest:
+            self.steps, self._smallest = 0, value
         else:
             self.steps += 1
 
@@ -273,8 +279,8 @@ class ActiveSet:
         self._inner = InnerSolver(problems[0].response)
         self._report = ConvergenceProgress(progress, rule.tolerance)
         self.iterations = 0
-        self._area = None
-        self._exchange, self._has_failed = None, False
+        self._area, self._length = None, 1.0
+        self._exact: Stagnation | None = None  # of the number of nodes that change sides in exact steps
         if control.kind == "area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
@@ -286,7 +292,7 @@ class ActiveSet:
         for taken in count():
             iterate = iterate.without_free_nodes()
             system = ContactSystem.of(iterate, self._control, self._inner, operators)
-            operators = system.linear.operators
+            same_nodes, operators = system.linear.operators is operators, system.linear.operators
             self._report(system.error)
             converged = self._is_converged(system)
             if converged and not (self._area and self._area.misses(iterate.nodes.size)):
@@ -298,8 +304,8 @@ class ActiveSet:
             stagnation.record(system.error)
             if taken == self._rule.max_steps or self._is_hopeless(iterate, system, stagnation):
                 return iterate, system, False
-            exact = (EXACT_RESIDUAL_DROP, MAX_EXACT_ITERATIONS) if self._exchange is not None else ()
-            longest = MAX_ITERATIONS * 2 ** min(stagnation.steps, PATIENCE)
+            exact = (EXACT_RESIDUAL_DROP, MAX_EXACT_ITERATIONS) if self._exact else ()
+            longest = MAX_ITERATIONS * 2 ** (PATIENCE if same_nodes else min(stagnation.steps, PATIENCE))
             effort = exact or (self._residual_drop(system.error), longest)
             correction = self._inner.solve(system.linear, *effort)
             held, load, extension = system.held_after(iterate, correction), iterate.load, None
@@ -316,14 +322,14 @@ class ActiveSet:
             if self._to_double_precision(system, stagnation) or extension is not None:
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
-                if self._exchange is not None:
-                    self._exchange, self._has_failed = Stagnation(), False
+                if self._exact is not None:
+                    self._exact = Stagnation()
                 target, problem = step.pressure_after(1.0, load), self._problems[0]
                 out = iterate.displacement if iterate.problem is problem else None
                 del iterate, system, step, held  # the fields in single precision are not needed any more
                 iterate = self._evaluated(problem, target, out)
             else:
-                iterate = self._descended(iterate, system, step, stagnation)
+                iterate = self._next(iterate, system, step, stagnation)
         raise AssertionError  # the loop returns
 
     def _evaluated(self, problem: Problem, pressure: Pressure, out: Array | None = None) -> Iterate:
@@ -343,7 +349,10 @@ class ActiveSet:
             return True  # no node is within reach of the approach, or the pressure has overflowed
         if len(self._problems) > 1:
             return False
-        rounded = stagnation.steps > PATIENCE and system.error <= 2 * system.rounding
+        limit = 2 * system.rounding
+        if iterate.pressure.dtype == np.float32:  # a solution in double precision can follow
+            limit = max(limit, FINAL_ERROR)
+        rounded = stagnation.steps > PATIENCE and system.error <= limit
         return rounded or stagnation.steps > MAX_STEPS_WITHOUT_PROGRESS
 
     def _to_double_precision(self, system: ContactSystem, stagnation: Stagnation) -> bool:
@@ -361,35 +370,38 @@ class ActiveSet:
             return RESIDUAL_DROP
         return max(FINAL_ERROR, 0.3 * self._rule.tolerance / max(error, self._rule.tolerance))
 
-    def _descended(
-        self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation
-    ) -> Iterate:
-        """The iterate at the least energy along a step; it takes the memory of the one before.
+    def _next(self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation) -> Iterate:
+        """The iterate after a step at the same load; it takes the memory of the one before.
 
-        Nodes in tension are released where the step reaches zero pressure. If the energy then hardly falls,
-        exact steps follow, which need not lower it. Once they have failed the step along the projected
-        gradient is tried, which lowers it, and the better one is taken; after so many steps that have not
-        lowered the error it is tried alone.
+        It is that of the least energy along the step. If the energy hardly falls, exact steps follow, which
+        need not lower it. When they no longer help, shorter steps are tried, and last the one along the
+        projected gradient, which lowers the energy; after so many steps that have not lowered the error it is
+        the first. The best is taken.
         """
         problem, field = iterate.problem, iterate.displacement
-        if self._exchange is not None and not self._has_failed:
-            self._exchange.record(step.exchanged)
-            self._has_failed = self._exchange.steps > MAX_EXACT_STEPS
-            return self._evaluated(problem, step.pressure_after(1.0, iterate.load), field)
+        if self._exact is not None and self._exact.steps <= MAX_EXACT_STEPS:
+            after = self._evaluated(problem, step.pressure_after(1.0, iterate.load), field)
+            self._exact.record(step.exchanged(after))
+            return after
         best, decrease = Pressure(iterate.nodes, iterate.pressure, iterate.load), 0.0
-        steps = [Step.gradient(iterate, system)]
-        if not self._has_failed or stagnation.steps % (PATIENCE + 1) != PATIENCE:
-            steps.insert(0, step)
-        for tried in steps:
-            after = self._evaluated(problem, tried.pressure_after(1.0, iterate.load), field)
-            fraction, fall = tried.least_energy(after)
+        trials = 0 if stagnation.steps % (PATIENCE + 1) == PATIENCE else MAX_TRIALS
+        for trial in range(trials + 1):
+            if trial == trials:
+                step = Step.gradient(iterate, system)
+            elif trial:
+                self._length /= SHORTENING
+                step = step.without_entering()
+            length = 1.0 if trial == trials else self._length
+            after = self._evaluated(problem, step.pressure_after(length, iterate.load), field)
+            fraction, fall = step.least_energy(after)
             if fall > decrease:
-                best, decrease = tried.between(after, fraction if fraction < WHOLE_STEP else 1.0), fall
+                best, decrease = step.between(after, fraction if fraction < WHOLE_STEP else 1.0), fall
             if fraction >= LEAST_FRACTION:
                 break
-            if self._exchange is None:
-                self._exchange = Stagnation()
+            if self._exact is None:
+                self._exact, self._inner = Stagnation(), InnerSolver(problem.response, divided=False)
                 return after
+        self._length = min(2 * self._length, 1.0)
         if fraction >= WHOLE_STEP and fall == decrease:
             return after
         return self._evaluated(problem, best, field)

@@ -94,6 +94,8 @@ class InnerSolver:
     ----------
     response : Response
         In any precision.
+    divided : bool
+        As of `asperity.contact.operators.InnerResponse`.
 
     Attributes
     ----------
@@ -103,17 +105,17 @@ class InnerSolver:
         Stiffness of the modes times the nodal compliance; None unless far above the half-space's.
     """
 
-    def __init__(self, response: Response) -> None:
+    def __init__(self, response: Response, divided: bool = True) -> None:
         self._unit, self._threads = response.nodal_compliance, response.fourier.threads
         products = StencilProduct(response.grid, response.repeats, self._threads)
-        self._response = InnerResponse(response, products)
+        self._response = InnerResponse(response, products, divided)
         self._preconditioner = Preconditioner(response, products)
         self.nodal_stiffness = self._preconditioner.nodal_stiffness
         self.layer_stiffness = _layer_stiffness(response)
 
     def operators(self, nodes: Array, before: Operators | None = None) -> Operators:
         """Operators on contact nodes; those before if the nodes are the same."""
-        if before is not None and np.array_equal(nodes, before.nodes):
+        if before is not None and before.response is self._response and np.array_equal(nodes, before.nodes):
             return before
         return Operators(nodes, self._response, self._preconditioner)
 

@@ -356,10 +356,17 @@ class Step:
         overlap = overlap_of(system.held.level, system.approach, iterate.problem.unit) - np.float32(rise)
         return replace(cls.of(iterate, system, still, OverlapOfHeld(system.held, overlap)), is_projected=True)
 
-    @property
-    def exchanged(self) -> int:
-        """Number of nodes that enter the contact or leave it."""
-        return int(np.count_nonzero(self.enters) + np.count_nonzero(self.pressure + self.change < 0))
+    def exchanged(self, after: Iterate) -> int:
+        """Number of nodes that come to a bound, or leave one, on the way to an iterate."""
+        if after.nodes.size != self.nodes.size:
+            return after.nodes.size  # no pressure was left
+        hardness = after.problem.hardness
+        bounds = ((pressure > 0) + 1 * (pressure >= hardness) for pressure in (self.pressure, after.pressure))
+        return int(np.count_nonzero(np.not_equal(*bounds)))
+
+    def without_entering(self) -> Step:
+        """The same step without the nodes that enter, whose pressure stays zero."""
+        return replace(self, change=np.where(self.enters, 0, self.change))
 
     def pressure_after(self, length: float, load: float) -> Pressure:
         """Pressure after a part of the step; nodes in tension are released."""

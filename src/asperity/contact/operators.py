@@ -103,6 +103,7 @@ class Operators:
     ----------
     nodes : (count,) array of unsigned integers
         Sorted indices of the contact nodes in the flattened grid.
+    response : InnerResponse
     precondition : NodePreconditioner
     uniform : (count,) array
         Pressures M 1 that answer a uniform residual.
@@ -111,8 +112,7 @@ class Operators:
     """
 
     def __init__(self, nodes: Array, response: InnerResponse, whole: Preconditioner) -> None:
-        self.nodes = nodes
-        self._response = response
+        self.nodes, self.response = nodes, response
         self._indices = response.indices(nodes)
         self.precondition = NodePreconditioner(whole, nodes)
         self.uniform = self.precondition.uniform
@@ -120,7 +120,7 @@ class Operators:
 
     def displacement(self, pressure: Array, at: Array | None = None) -> Array:
         """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
-        return self._response.displacement(pressure, self.nodes, self._indices, at)
+        return self.response.displacement(pressure, self.nodes, self._indices, at)
 
 
 class InnerResponse:
@@ -131,14 +131,16 @@ class InnerResponse:
     response : Response
     products : StencilProduct
         For the same grid.
+    divided : bool
+        False if displacements are to be right to single precision, by transforms of the whole grid.
     """
 
-    def __init__(self, response: Response, products: StencilProduct) -> None:
+    def __init__(self, response: Response, products: StencilProduct, divided: bool = True) -> None:
         self._grid, self._unit = response.grid, response.nodal_compliance
         self._products = products
         self._far: FarField | None = None
         self._response: Response | None = None
-        if _can_be_divided(response):
+        if divided and _can_be_divided(response):
             self._far = FarField(response, 1 / self._unit)
             self._stencil = near_stencil(response)
         else:

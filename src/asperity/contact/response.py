@@ -184,7 +184,7 @@ class Response:
         out = np.empty(to.shape, field.dtype)
 
         def interpolate(rows: slice) -> None:
-            _interpolate(field, above[rows], below[rows], down[rows], *across, out[rows])
+            _interpolate(field, above[rows], below[rows], down[rows], *across, out[rows])  # type: ignore[call-arg]
 
         in_strips(interpolate, out.shape, self.fourier.threads)
         return out
