@@ -142,7 +142,13 @@ def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance
     violation = max(violation, ALLOWED_AT_NODE / ALLOWED * certificate.load_imbalance / tolerance)
     if not violation <= ALLOWED_AT_NODE:
         return SolutionCheck(violation, reason=str(certificate))
-    if "area_fraction" in imposed and not area_is_nearest(contact, imposed["area_fraction"], whole):
+    # On a solid that bends more load may close fewer nodes.
+    bends = contact.solid.height is not None and contact.solid.height < 0.1 * min(contact.grid.length)
+    if (
+        "area_fraction" in imposed
+        and not bends
+        and not area_is_nearest(contact, imposed["area_fraction"], whole)
+    ):
         return SolutionCheck(violation, reason="another load has a number of contact nodes that is nearer")
     error, noise = energy_error(contact, height, pressure, rounding, **known)
     direct, reason = False, ""

@@ -167,7 +167,7 @@ of_family = {
 engineered = st.builds(
     families.FamilyCase,
     **of_family,
-    # Not the thin free sheet, a known limit: docs/contact.md.
+    # Not the thin free sheet, whose solutions take seconds: docs/contact.md.
     solid=st.sampled_from([solid for solid in families.SOLIDS if solid != "sheet"]),
 ) | st.builds(
     families.FamilyCase,

@@ -89,6 +89,7 @@ SINGLE = {"precision": ("float32", 1e-4)}
         load(-5, family="groove", shape=(97, 53), relief=1e-5, size=0.1, solid="very thin"),
         load(-6, family="square punch", shape=(16, 16), **SHEET),
         {"family": "square punch", "shape": (8, 8), "imposed": ("area", 0.7), **SHEET},
+        *(load(-2, family="steps", shape=(nodes, nodes), size=0.1, **SHEET) for nodes in (33, 64)),
     ],
     ids=lambda settings: " ".join(map(str, settings.values())),
 )

@@ -16,7 +16,9 @@ jump, and the side with the nearer area is taken.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import starmap
 
 import numpy as np
 
@@ -263,16 +265,13 @@ def extended(
     near_nodes = system.held_after(iterate, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
     closing = near_nodes.held.side > 0
-    edges = np.concatenate(
-        (
-            _divided(-near_nodes.overlap[closing], rate[closing], np.inf),
-            _divided(-after, tangent.pressure, -np.inf),
-            np.full(system.plastic.size, -np.inf),
-        )
+    edges = starmap(
+        _divided,
+        ((-near_nodes.overlap[closing], rate[closing], np.inf), (-after, tangent.pressure, -np.inf)),
     )
     # Nodes that touch at the same load do so at slightly different ones before the pressure has converged.
     shortest = area.resolution if converged else max(area.resolution, 0.02 / area.target)
-    factor = _change_to(area.target, edges, -down, up, shortest * load / slope)
+    factor = _change_to(area.target - system.plastic.size, edges, -down, up, shortest * load / slope)
     factor = min(max(factor, -up), up)
     new_load = load + factor * slope
     if system.plastic.size and factor:
@@ -330,22 +329,25 @@ def _divided(numerator: Array, rate: Array, otherwise: float) -> Array:
     return np.divide(numerator, rate, out=out, where=rate > 0)
 
 
-def _change_to(target: int, edges: Array, least: float, most: float, shortest: float) -> float:
+def _change_to(target: int, edges: Iterable[Array], least: float, most: float, shortest: float) -> float:
     """Change at which so many of the edges are below it, or the nearest number that lasts; 0 if it is now.
 
     Parameters
     ----------
     target : int
-    edges : array
+    edges : arrays
         Changes at which the number of contact nodes grows.
     least, most : float
         Range of the change.
     shortest : float
         Numbers that last for a shorter range are passed over.
     """
-    first = int(np.count_nonzero(edges <= least))
-    within = np.sort(edges[(edges > least) & (edges < most)])
-    bounds = np.concatenate(([least], within, [most]))
+    first, within = 0, []
+    for some in edges:
+        first += int(np.count_nonzero(some <= least))
+        within.append(some[(some > least) & (some < most)])
+    bounds = np.concatenate(([least], *within, [most]))
+    bounds.sort()
     lasting = np.flatnonzero(np.diff(bounds) >= shortest)
     if not lasting.size:
         lasting = np.arange(bounds.size - 1)
