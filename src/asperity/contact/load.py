@@ -253,7 +253,7 @@ def extended(
     after = iterate.pressure[system.elastic] + correction.pressure
     count = int(np.count_nonzero(after > 0) + np.count_nonzero(held.enter)) + system.plastic.size
     if not converged:
-        near = not area.misses(count)
+        near = abs(count - area.target) <= max(AREA_TOLERANCE * area.target, 0.5)
         if near or not area.may_change():
             return None
     tangent = _approximate_tangent(iterate, system, inner, effort)
