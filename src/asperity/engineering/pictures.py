@@ -228,6 +228,8 @@ def _of_cycles(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
     section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
     touching = (source.field("pressure") > 0).any(axis="xy".index(axis))
     section = section.assign_coords(contact=(axis, touching)).isel({axis: rows}).rename(source.title)
+    # Cycles in a Hertz contact go down to its own depth, of which the map sees the top.
+    section = section.sel(depth=slice(0, max(answer.face.map_length) / 2))
     look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
     faded = min(FADED * float(section.max()), limit)
     figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None, limit)
