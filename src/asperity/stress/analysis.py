@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choices, require_finite
 from asperity.core.parallel import KeptArrays
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Work
@@ -209,6 +209,7 @@ class _Analysis:
             count, depths.size, solid.grid, stream.dtype, stream.keeps_planes, stream.threads, stream.work
         )
         self._points = np.zeros(depths.size, np.int64)
+        self._finest: list[LinearPlane] = []  # planes on the grid of the contact, while they may be missing
 
     def _field(self, name: str, lateral: str, poisson: float) -> _Field:
         """A field under one condition of the mean mode, the same one where both give the same stress."""
@@ -240,6 +241,8 @@ class _Analysis:
 
     def _take_all(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
         for number, plane in enumerate(self._stream.planes(progress, watch=self._watch)):
+            if number == len(self._finest) and not self._stream.keeps_planes:
+                self._finest.append(plane)
             search, size, count = self._search, plane.grid.size, self._von_mises
             assert search is not None
             self._references.add(number, search.sums[:count], partial(self._fields_of, plane))
@@ -257,9 +260,24 @@ class _Analysis:
 
     def _take_again(self, count: int) -> None:
         for number, _ in enumerate(self._stream.planes(count=count, watch=self._watch_again)):
-            assert self._search is not None
-            self._references.compare(number, self._search.sums, self._references.missing > number)
+            self._compare_again(number)
         self._search = None
+
+    def _compare_again(self, number: int) -> None:
+        assert self._search is not None
+        self._references.compare(number, self._search.sums, self._references.missing > number)
+
+    def _settle(self, memory: Array) -> None:
+        """Compare all planes on the grid of the contact with references that have stopped rising there.
+
+        The references then need the memory of coarser grids only.
+        """
+        finest, self._finest = self._finest, []
+        if self._references.number.max() < len(finest) - 1:
+            for number in range(int(self._references.missing.max())):
+                finest[number].refresh(self._watch_again(finest[number]))
+                self._compare_again(number)
+            self._references.settle(memory)
 
     def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> Fields:
         """Some of the fields in a plane."""
@@ -269,6 +287,8 @@ class _Analysis:
 
     def _watch(self, plane: LinearPlane) -> Visit:
         """Search and sum the rows of a plane as they are computed."""
+        if self._finest and plane.grid != self._finest[0].grid:
+            self._settle(plane.basis.values)
         # The floor is known when the plane is; until then, one that is a little lower.
         floor = max(plane.bound, 0.99 * self._floor * plane.scale)
         fields, references = (

@@ -85,18 +85,15 @@ class PlaneSearch:
             del self._strips[band]
 
     def maxima(self, floor: float) -> Maxima:
-        """Maxima above a floor in all rows, when all have been added, by fields, rising rows and columns."""
-        edges = [start for start, _ in self._bands]
-        around = [(edge - 1, edge + 1) for edge in edges]
-        if not self.fields.periodic:
-            around[0] = 0, 1
-            around.append((self._rows - 1, self._rows))
-        found = [part for of_band in self._found for part in of_band]
-        self._found = []
-        found += [maxima_in_rows(self.fields, first, last, float(self._floor)) for first, last in around]
-        every = Maxima.join(found)
-        del found
-        every.row %= self._rows
-        order = np.argsort(every.field * self._rows + every.row, kind="stable")
-        high = self._sought[every.field] & (every.magnitude > floor)
-        return every.select(order[high[order]])
+        """Maxima above a floor when all rows are added; those of a field by rising rows and columns."""
+        edges = [(start - 1, start + 1) for start, _ in self._bands[1:]]
+        around = [(0, 1), *edges, (self._rows - 1, self._rows)]
+        between = [maxima_in_rows(self.fields, first, last, float(self._floor)) for first, last in around]
+        parts = between[:1]
+        for of_band, after in zip(self._found, between[1:], strict=True):
+            parts += [*of_band, after]
+        found = Maxima.join(parts)
+        del parts, of_band
+        self._found = []  # before another copy is made
+        high = self._sought[found.field] & (found.magnitude > floor)
+        return found if high.all() else found.select(np.flatnonzero(high))

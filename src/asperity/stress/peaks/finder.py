@@ -35,7 +35,7 @@ from asperity.stress.peaks.selection import checked_ratio
 from asperity.stress.planes.fields import NODES_AT_ONCE, Fields
 from asperity.stress.planes.planes import StressPlane
 
-REFINED_AT_ONCE = 2**16
+REFINED_AT_ONCE = 2**14
 """Peaks that are refined together: about a kilobyte each."""
 
 
@@ -80,7 +80,7 @@ class SearchedPlane(NamedTuple):
     depth: float
     grid: Grid
     fields: Fields
-    refresh: Callable[[], None] = lambda: None
+    refresh: Callable[..., None] = lambda: None
 
     def exceeded(
         self, maxima: Maxima, grid: Grid, decided: Array, wins: Array, threads: int
@@ -153,16 +153,19 @@ class PeakFinder:
                 pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
             # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`.
             upper_kept, below = plane.exceeded(upper, last.grid, pair, wins, self._threads)
-            kept, maxima.above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
+            kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
             chosen = np.flatnonzero(upper_kept)
             if chosen.size:
                 depths = self._depth_above, last.depth, plane.depth
                 for start in range(0, chosen.size, REFINED_AT_ONCE):
-                    some = chosen[start : start + REFINED_AT_ONCE]
-                    found = upper.select(some)
+                    some = slice(start, start + REFINED_AT_ONCE)
+                    found = upper.select(chosen[some])
                     self._found.append((found.field, _refined(found, last, below[some], depths)))
             self._depth_above = last.depth
-        self._last = plane, maxima.select(np.flatnonzero(kept))
+        maxima = maxima.select(np.flatnonzero(kept))
+        if self._last is not None:
+            maxima.above = above
+        self._last = plane, maxima
 
 
 def _refined(

@@ -70,6 +70,9 @@ ROWS_OF_BAND = 64
 NODES_AT_ONCE = 2**15
 """Nodes of rows that are transformed, searched and summed while they are in the cache."""
 
+COMPARED_AT_ONCE = 2**16
+"""Maxima that are compared with a plane together: memory of values around those that are not kept."""
+
 BLOCK = 512
 """Nodes for which the values that all von Mises stresses share fit into the processor's cache."""
 
@@ -194,11 +197,10 @@ class Fields:
         Returns
         -------
         kept : (nodes,) bool array
-        values : (nodes, 3, 3) array in the precision of the plane
-            Where a magnitude is not above all of them, some are left out.
+        values : (kept nodes, 3, 3) array in the precision of the plane
         """
         basis, numbers = self.basis, np.arange(len(BASIS))
-        kept, out = np.empty(which.size, bool), np.empty((which.size, 3, 3), basis.values.dtype)
+        kept = np.empty(which.size, bool)
         given = np.where(basis.place < 0, -1, numbers), float(basis.mean_pressure)
         precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
         needed = np.array([_needed(int(kind), basis.place) for kind in self.formulas.kinds])
@@ -206,24 +208,31 @@ class Fields:
         own = basis.values.shape[1], basis.columns
         stencils = tuple(_stencils(*pair, self.periodic) for pair in zip(shape, own, strict=True))
 
-        def compare(part: slice) -> None:
-            _compare(
-                basis,
-                Basis(np.empty((numbers.size, 1, 1)), 1, *given),
-                self.formulas,
-                precise,
-                needed,
-                (which[part], row[part], column[part]),
-                shape,
-                self.periodic,
-                magnitude[part],
-                stencils,
-                kept[part],
-                out[part],
-            )
+        values = [np.empty((0, 3, 3), basis.values.dtype)]
+        for start in range(0, which.size, COMPARED_AT_ONCE):
+            some = slice(start, start + COMPARED_AT_ONCE)
+            nodes, level, above = (which[some], row[some], column[some]), magnitude[some], kept[some]
+            out = np.empty((above.size, 3, 3), basis.values.dtype)
 
-        in_parts(compare, which.size, threads, smallest=256)
-        return kept, out
+            def compare(part: slice) -> None:
+                _compare(
+                    basis,
+                    Basis(np.empty((numbers.size, 1, 1)), 1, *given),
+                    self.formulas,
+                    precise,
+                    needed,
+                    tuple(each[part] for each in nodes),  # noqa: B023
+                    shape,
+                    self.periodic,
+                    level[part],  # noqa: B023
+                    stencils,
+                    above[part],  # noqa: B023
+                    out[part],  # noqa: B023
+                )
+
+            in_parts(compare, above.size, threads, smallest=256)
+            values.append(out[above])
+        return kept, np.concatenate(values)
 
 
 def _needed(kind: int, place: Array) -> Array:
@@ -552,5 +561,5 @@ def _stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
         base = np.clip(base, 2, nodes - 4)
     steps = np.arange(-2, 4)
     apart = (position - base)[:, None] - steps
-    weights = np.stack([np.prod(np.delete(apart, k, axis=1), axis=1) for k in range(6)], axis=1)
+    weights = np.prod(np.where(np.eye(6, dtype=bool), 1.0, apart[:, None]), axis=2)
     return (base[:, None] + steps) % nodes, weights * _INVERSE_PRODUCTS

@@ -55,7 +55,7 @@ square."""
 SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Largest pressures for which single precision will do: squares of stresses stay within it."""
 
-KEPT_BYTES = 550_000_000
+KEPT_BYTES = 541_100_000
 """Memory in which the basis fields of two planes are kept side by side: those of 2048² nodes in double
 precision. Of larger planes only one is in memory, and the plane above it is computed again where its stress
 is compared with that below."""
@@ -92,7 +92,8 @@ class LinearPlane:
     scale : float
         Root mean square of σ_zz or less, as far as it is known before the plane is computed.
     refresh : callable
-        Computes the basis fields again if those of another plane have been written over them.
+        Computes the basis fields again if those of another plane have been written over them; calls `visit`,
+        if it is given, as of `PlaneStream.planes`.
     """
 
     depth: float
@@ -102,7 +103,7 @@ class LinearPlane:
     fixed: bool
     solid: LoadedSolid
     scale: float
-    refresh: Callable[[], None]
+    refresh: Callable[..., None]
 
     def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> Fields:
         """Fields of these names and Poisson's ratios, given uniform parts over the mean pressure.
@@ -229,7 +230,7 @@ class PlaneStream:
                 own.scale,
                 partial(memory.use, index, compute),
             )
-            memory.use(index, partial(compute, visit=None if watch is None else watch(plane)))
+            memory.use(index, compute, None if watch is None else watch(plane))
             yield plane
             if progress is not None:
                 progress(float(done[index] / done[-1]), 1.0)
@@ -283,13 +284,13 @@ class _Memory:
         start, stop = self._part(number)
         return self._block[start:stop].reshape(shape)
 
-    def use(self, number: int, compute: Callable[[], None]) -> None:
+    def use(self, number: int, compute: Callable[..., None], visit: Visit | None = None) -> None:
         """Compute a plane, unless it is there."""
         if number not in self._intact:
             start, stop = self._part(number)
             parts = {other: self._part(other) for other in self._intact}
             self._intact = {other for other, (a, b) in parts.items() if b <= start or stop <= a} | {number}
-            compute()
+            compute(visit=visit)
 
     def _part(self, number: int) -> tuple[int, int]:
         size = self._sizes[number]

@@ -76,6 +76,7 @@ class References:
         self._free: list[Array] = []
         self._own: dict[int, tuple[Grid, Array, float, float]] = {}
         self._modes: dict[int, tuple[Grid, Array]] = {}
+        self._in_plane: dict[int, Array] = {}
 
     def on(self, grid: Grid, memory: Array) -> Array:
         """The references on the grid of a plane in steps, (fields, ny, nx); none before the first plane.
@@ -84,17 +85,20 @@ class References:
         """
         if len(self._packed) and grid != self._grid:
             self._end(np.flatnonzero(self._rising))
-            former = self._packed
-            packed = self._empty(grid)
+            former, is_settled = self._packed, len(self._in_plane) == self.number.size
+            if is_settled:  # each field takes the place of those before it
+                packed = former.reshape(-1)[: len(former) * grid.size].reshape(-1, *grid.shape)
+            else:
+                packed = self._empty(grid)
             fourier = Fourier(grid, self._real, self._threads, self._work)
             numbers = memory.reshape(-1)
             if numbers.size < grid.size + 3 * self._grid.size:
                 numbers = np.empty(grid.size + 3 * max(self._grid.size, self._finest.size), self._real)
             field, numbers = numbers[: grid.size].reshape(grid.shape), numbers[grid.size :]
             for m in range(self.number.size):
-                source, own, step, mean = self._own.setdefault(
-                    m, (self._grid, former[m], self._steps[m], self._means[m])
-                )
+                source, own, step, mean = self._grid, former[m], self._steps[m], self._means[m]
+                if not is_settled:
+                    source, own, step, mean = self._own.setdefault(m, (source, own, step, mean))
                 if source == grid:
                     packed[m], self._steps[m], self._means[m] = own, step, mean
                 else:
@@ -144,6 +148,7 @@ class References:
         for m in risen:
             self._modes.pop(m, None)
             self._own.pop(m, None)
+            self._in_plane.pop(m, None)
 
     def compare(self, number: int, sums: Array, chosen: Array) -> None:
         """Set the covariances of a plane, given the sums of its rows with the references on its grid."""
@@ -211,12 +216,25 @@ class References:
             self._modes[m] = found
         return found
 
-    def in_plane(self) -> tuple[Array, Array]:
+    def settle(self, memory: Array) -> None:
+        """Finish what needs the references on their own grid, the present one, when no plane is missing.
+
+        As long as no larger value is found, they are then needed on the grids of deeper planes only.
+        `memory` is as of `on`.
+        """
+        self.missing[:] = 0
+        self._in_plane = dict(enumerate(self.in_plane(memory.reshape(-1))[1]))
+
+    def in_plane(self, memory: Array | None = None) -> tuple[Array, Array]:
         """Lags, (lags,), and the covariance of each reference within its plane, (fields, lags)."""
         rings, found = _Rings(self._finest), []
         for m in range(self.number.size):
-            source, modes = self._transformed(m, True)
-            found.append(rings.autocovariance(modes, source, self._threads, self._work))
+            if m not in self._in_plane:
+                source, modes = self._transformed(m, True, memory)
+                free = None if memory is None else memory[2 * modes.size :]
+                found.append(rings.autocovariance(modes, source, self._threads, self._work, free))
+            else:
+                found.append(self._in_plane[m])
         return rings.lag, np.stack(found)
 
 
@@ -363,15 +381,27 @@ class _Rings:
         if along_y.size % 2 == 0:
             self._weight[-1] = 1.0
 
-    def autocovariance(self, modes: Array, source: Grid, threads: int = 1, work: Work | None = None) -> Array:
-        """Covariance of a field at the lags, from its coefficients on the grid `source`."""
-        power = np.empty_like(modes)
-        np.multiply(modes, np.conj(modes, out=power), out=power)
+    def autocovariance(
+        self,
+        modes: Array,
+        source: Grid,
+        threads: int = 1,
+        work: Work | None = None,
+        memory: Array | None = None,
+    ) -> Array:
+        """Covariance of a field at the lags, from its coefficients on the grid `source`.
+
+        They are written over, and the covariance in the plane to `memory`, if that is given.
+        """
+        power = modes.copy() if memory is None else modes
+        for row in power:
+            row *= np.conj(row)
         power[0, 0] = 0
         if source != self._grid:
             power = resample(power, source, self._grid)
         fourier = Fourier(self._grid, power.real.dtype, threads, Work() if work is None else work)
-        covariance = fourier.inverse(power, overwrite=True)
+        out = None if memory is None else memory[: self._grid.size].reshape(self._grid.shape)
+        covariance = fourier.inverse(power, out, overwrite=True)
         sums = np.zeros((2, self.lag.size + 1))
         _sum_rings(covariance, *self._squares, self._weight, sums)
         return sums[0, :-1] / sums[1, :-1]
