@@ -133,6 +133,7 @@ class PeakFinder:
         maxima : Maxima
             The maxima in it.
         """
+        above = None
         if self._last is None:
             # Of the planes that may come first, the surface alone has no neighbour above.
             kept = np.full(maxima.size, plane.depth == 0)
@@ -153,7 +154,6 @@ class PeakFinder:
                 pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
             # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`.
             upper_kept, below = plane.exceeded(upper, last.grid, pair, wins, self._threads)
-            kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
             chosen = np.flatnonzero(upper_kept)
             if chosen.size:
                 depths = self._depth_above, last.depth, plane.depth
@@ -161,10 +161,11 @@ class PeakFinder:
                     some = slice(start, start + REFINED_AT_ONCE)
                     found = upper.select(chosen[some])
                     self._found.append((found.field, _refined(found, last, below[some], depths)))
-            self._depth_above = last.depth
+            self._depth_above, self._last = last.depth, None
+            del upper, below  # before the other values take memory
+            kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
         maxima = maxima.select(np.flatnonzero(kept))
-        if self._last is not None:
-            maxima.above = above
+        maxima.above = above
         self._last = plane, maxima
 
 
