@@ -184,6 +184,7 @@ class StencilProduct:
         self._strip_shape = min(ny, max(_LEAST_ROWS, _STRIP // width)) + 2 * RADIUS, width
         self._strips: list[Array] = []
         self._rows = (np.arange(ny + 1) * nx).astype(np.uint32)
+        self._known: tuple[Any, Any] = None, None  # the nodes of the last product, and the first in each row
 
     def __call__(
         self,
@@ -210,7 +211,9 @@ class StencilProduct:
         others = nodes if at is None else at
         out = np.empty(others.size, np.float32)
         # The first node of each row, and the number of nodes at the end.
-        first = np.searchsorted(nodes, self._rows)
+        if nodes is not self._known[0]:
+            self._known = nodes, np.searchsorted(nodes, self._rows)
+        first = self._known[1]
         first_other = first if at is None else np.searchsorted(at, self._rows)
 
         def apply(part: slice) -> None:
