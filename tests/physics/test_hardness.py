@@ -1,5 +1,6 @@
 """Contact with a hardness, against direct solutions, its exact identities and another program."""
 
+import importlib
 import runpy
 from pathlib import Path
 
@@ -47,6 +48,19 @@ def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
                 np.testing.assert_array_equal(getattr(contact, name), getattr(elastic, name))
             assert contact.approach == elastic.approach
             assert contact.plastic_area == contact.plastic_load == contact.plastic_depth.max() == 0
+
+
+def test_hardness_far_out_of_reach_costs_no_second_solution(monkeypatch):
+    """One that iterates meet does: the rounding of an elastic solution depends on the way to it."""
+    methods = importlib.import_module("asperity.contact.solve").METHODS
+    calls, active_set = [], methods["active_set"]
+    monkeypatch.setitem(methods, "active_set", lambda *given: calls.append(given) or active_set(*given))
+    height = asp.self_affine((64, 64), 0.8, 1 / 2, 1 / 16, 1e-2, seed=0)
+    largest = asp.solve(height, LAYER, mean_pressure=1e-3).max_pressure
+    for factor, solutions in ((10.0, 1), (1.01, 2)):
+        calls.clear()
+        asp.solve(height, LAYER, mean_pressure=1e-3, hardness=factor * largest)
+        assert len(calls) == solutions
 
 
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])

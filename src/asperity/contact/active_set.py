@@ -213,6 +213,8 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
         least = height.min() + 1e-3 * np.std(height, dtype=float)
         level = float(max(np.quantile(height, min(0.999, 2 * control.value)), least))
     pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
+    if pressure.max() >= hardness:
+        problem.plastic.set()
     if control.kind == "mean_pressure":
         return Pressure.of_field(pressure, control.value)
     if not pressure.any():

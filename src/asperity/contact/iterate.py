@@ -116,6 +116,8 @@ class Iterate:
         if control.fixes_load:
             nodes, values = with_load(problem, nodes, values, load, start.is_projected)
         elif problem.hardness < math.inf:
+            if values.max(initial=0) >= problem.hardness:
+                problem.plastic.set()
             values = np.minimum(values, values.dtype.type(problem.hardness))
         field = field_of(problem.grid.shape, nodes, values, out)
         displacement = problem.response.displacement(field, field)
@@ -125,7 +127,10 @@ class Iterate:
             energy = float(pressure @ displacement.reshape(-1)[nodes])
             largest = float(values.max(initial=0))
             if work > 0 and energy > 0 and largest < problem.hardness:
-                factor = min(work / energy, problem.hardness / largest)
+                factor = work / energy
+                if factor * largest >= problem.hardness:
+                    factor = problem.hardness / largest
+                    problem.plastic.set()
                 values = values * factor
                 displacement *= factor
         level = np.empty_like(values)
@@ -426,6 +431,8 @@ def with_load(
     factor, largest = wanted / total(added, threads, values), float(values.max())
     if not is_projected and largest < hardness and largest * factor < hardness:
         return nodes, values * values.dtype.type(factor)
+    if not is_projected or largest * max(factor, 1.0) >= hardness:
+        problem.plastic.set()
     least = -1.0 if needed > bearing else 0.0  # nodes up to this pressure stay released
     shift, low, high, before = 0.0, -hardness, largest, -1
     for _ in range(MAX_SHIFTS):

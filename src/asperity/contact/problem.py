@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from threading import Event
 
 import numpy as np
 
@@ -77,10 +78,14 @@ class Problem:
     response : Response
     hardness : float
         Largest pressure, rounded to the precision of the fields.
+    plastic : Event, optional
+        Set once a pressure has met the hardness, on any grid.
     """
 
-    def __init__(self, height: Array, response: Response, hardness: float = math.inf) -> None:
-        self.response = response
+    def __init__(
+        self, height: Array, response: Response, hardness: float = math.inf, plastic: Event | None = None
+    ) -> None:
+        self.response, self.plastic = response, plastic or Event()
         self.fourier = response.fourier
         self.grid = response.grid
         self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
@@ -106,11 +111,13 @@ class Problem:
         response = self.response.coarser(min_points)
         if response is None:
             return None
-        return Problem(self.response.resampled(self.height, response.grid), response, self.hardness)
+        height = self.response.resampled(self.height, response.grid)
+        return Problem(height, response, self.hardness, self.plastic)
 
     def in_single_precision(self) -> Problem:
         """The same problem in single precision."""
-        return Problem(self.height, self.response.in_precision("float32"), self.hardness)
+        response = self.response.in_precision("float32")
+        return Problem(self.height, response, self.hardness, self.plastic)
 
     def full_contact(self) -> State:
         """The least load at which all nodes touch: every mode but the uniform one has û = −ĥ."""

@@ -176,6 +176,7 @@ def solve(
     solid_and_grid = units.solid(solid), units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
     _check_approach(control, response, values)
+    elastic_units = units.for_problem(values, control, math.inf, response)
     units = units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach
         units = replace(units, below=math.inf, above=math.inf)
@@ -196,14 +197,15 @@ def solve(
             # Not in the block above, so that the fields of the first attempt are released.
             if state is None:
                 double = response.in_precision("float64")
-                exact = Problem(units.heights(values), double, limit / units.stress)
+                exact = Problem(units.heights(values), double, limit / units.stress, problem.plastic)
                 state = _state_of(exact, scaled, method, rtol, progress, start)
                 state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
             contact = _contact_of(problem, scaled, state, values, units, rtol)
         except ConvergenceError as error:
             raise error.in_units(units.stress) from None
-    if hardness is not None and contact.max_pressure < contact.hardness:
-        # The solution is elastic, and its rounding that of a solution without a hardness.
+    met_hardness = problem.plastic.is_set() or units != elastic_units
+    if met_hardness and hardness is not None and contact.max_pressure < contact.hardness:
+        # The way to an elastic solution was not that of a solution without a hardness, nor is its rounding.
         settings = {
             "boundary": boundary,
             "rtol": rtol,
