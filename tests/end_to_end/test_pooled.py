@@ -47,6 +47,7 @@ def test_the_folder_holds_means_of_all_maps(folder):
     assert "95 % between" in page
     shown = (folder / "ring_1/report.html").read_text(encoding="utf-8")
     assert shown.count("largest shear stress (Tresca)") == 1  # of two bodies of the same material
+    assert shown.count("times the yield stress of 2 GPa") == 1
     assert "upper body: of the same material" in page.lower()
 
 

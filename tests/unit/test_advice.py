@@ -142,8 +142,13 @@ def test_a_note_is_given(changed, subject):
 
 
 def test_the_body_is_named_if_there_are_two():
-    texts = [a.text for a in advice.advise(an_answer(bodies=2, body={"largest_von_mises": 3e9}))]
-    assert any("of the upper body" in text for text in texts)
+    """The same is not said twice of two bodies of one material."""
+    answer = an_answer(bodies=2, body={"largest_von_mises": 3e9})
+    texts = [a.text for a in advice.advise(answer)]
+    assert any("of the lower body" in text for text in texts)
+    assert not any("of the upper body" in text for text in texts)
+    answer.bodies["upper"] = SimpleNamespace(**vars(answer.bodies["lower"]) | {"body": Body(70e9, 0.33)})
+    assert any("of the upper body" in a.text for a in advice.advise(answer))
     of_one = [a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9}))]
     assert of_one
     assert not any("lower body" in text for text in of_one)

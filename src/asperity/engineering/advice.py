@@ -116,12 +116,16 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
     if any(part.cycles is not None and "dang_van" in part.cycles for part in answer.bodies.values()):
         found.append((False, "fatigue", {}))
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
-    made = []
+    made: dict[str, Advice] = {}
+    bodies = [part.body for part in answer.bodies.values()]
+    alike = bodies[0] == bodies[-1] and not bodies[0].coating
     for warns, key, values in sorted(found, key=lambda advice: not advice[0]):
         text, known = texts[key], {"answer": answer, "numbers": answer.numbers, **values}
         words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}
-        made.append(Advice(WARNING if warns else NOTE, **words, size=values.get("size", 0.0)))
-    return tuple(made)
+        advice = Advice(WARNING if warns else NOTE, **words, size=values.get("size", 0.0))
+        # What holds for both of two bodies of one material is said once.
+        made.setdefault(key if alike and "where" in values else advice.text, advice)
+    return tuple(made.values())
 
 
 class _Units(Formatter):
