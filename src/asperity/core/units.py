@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import re
 from contextlib import suppress
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,7 +85,10 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
             number = _by_pint(value, known.unit)
     if math.isfinite(number):
         return number
-    example = f", such as '{str(value).strip()} {known.examples[1]}'" if _is_number(value) else ""
+    example = ""
+    with suppress(TypeError, ValueError, OverflowError):
+        float(value)
+        example = f", such as '{str(value).strip()} {known.examples[1]}'"
     raise ValueError(
         f"{name} = {shown(value)}: a number with a unit of {dimension} ({', '.join(known.examples)}"
         f"{misread(value, dimension)}) is needed{example}"
@@ -104,13 +106,15 @@ def misread(value: Any, dimension: str) -> str:
 
 def _by_pint(value: Any, unit: str) -> float:
     """Number in a unit, of a text or a quantity of pint."""
+    import pint
+
     if isinstance(value, str):
         plain = value.strip().translate({ord(sign): power for power, sign in _SUPERSCRIPTS.items() if power})
         number, own = _NUMBER_AND_UNIT.fullmatch(plain).groups()  # type: ignore[union-attr]
         magnitude, own = float(number), re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", own)  # mm2 is mm^2
     else:
         magnitude, own = float(value.magnitude), value.units
-    return float(_registry().Quantity(magnitude, own).to(unit).magnitude)
+    return float(pint.get_application_registry().Quantity(magnitude, own).to(unit).magnitude)
 
 
 def shown_si(value: float, unit: str, digits: int = 4) -> str:
@@ -168,18 +172,3 @@ def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
 def _symbol(exponent: int, unit: str) -> str:
     base, _, power = unit.partition("^")
     return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[power]}"
-
-
-def _is_number(value: Any) -> bool:
-    try:
-        float(value)
-    except (TypeError, ValueError, OverflowError):
-        return False
-    return True
-
-
-@cache
-def _registry() -> Any:
-    import pint
-
-    return pint.UnitRegistry()

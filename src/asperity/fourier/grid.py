@@ -90,10 +90,24 @@ class Grid:
     length: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "shape", _pair_of_nodes(self.shape))
-        if isinstance(self.length, Grid) and self.length.shape != self.shape:
-            raise ValueError(f"length = {self.length}: a grid of shape {self.shape} is needed")
-        object.__setattr__(self, "length", _pair_of_edges(self.length))
+        accepted = f"a pair (ny, nx) of whole numbers from 1 to {MOST_NODES}"
+        try:
+            ny, nx = (
+                whole_number("shape", nodes, accepted, lambda n: 1 <= n <= MOST_NODES) for nodes in self.shape
+            )
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"shape = {shown(self.shape)}: {accepted} is needed") from error
+        object.__setattr__(self, "shape", (ny, nx))
+        length: Any = self.length
+        if isinstance(length, Grid):
+            if length.shape != self.shape:
+                raise ValueError(f"length = {length}: a grid of shape {self.shape} is needed")
+            length = length.length
+        edges = real_array("length", length)
+        if edges.shape not in ((), (1,), (2,)):
+            raise ValueError(f"length = {shown(length)}: one number or a pair (length_y, length_x) is needed")
+        pair = tuple(magnitude("length", float(edge)) for edge in np.broadcast_to(edges, (2,)))
+        object.__setattr__(self, "length", pair)
 
     @property
     def size(self) -> int:
@@ -184,25 +198,6 @@ class Grid:
         if array.shape != self.shape:
             raise ValueError(f"{name} has the shape {array.shape}: that of its grid, {self.shape}, is needed")
         return array
-
-
-def _pair_of_nodes(shape: Any) -> tuple[int, int]:
-    accepted = f"a pair (ny, nx) of whole numbers from 1 to {MOST_NODES}"
-    try:
-        ny, nx = (whole_number("shape", nodes, accepted, lambda n: 1 <= n <= MOST_NODES) for nodes in shape)
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"shape = {shown(shape)}: {accepted} is needed") from error
-    return ny, nx
-
-
-def _pair_of_edges(length: Any) -> tuple[float, float]:
-    if isinstance(length, Grid):
-        return length.length
-    edges = real_array("length", length)
-    if edges.shape not in ((), (1,), (2,)):
-        raise ValueError(f"length = {shown(length)}: one number or a pair (length_y, length_x) is needed")
-    length_y, length_x = (magnitude("length", float(edge)) for edge in np.broadcast_to(edges, (2,)))
-    return length_y, length_x
 
 
 @dataclass

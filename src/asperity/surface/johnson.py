@@ -163,29 +163,24 @@ def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
 
 def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], Array], float, float]:
     """The curve with these moments, and its parameters γ and δ."""
+    # Imported here because it takes half a second and other surfaces do not need it.
+    from scipy.optimize import least_squares
+
+    def residual(shape: Array, curve: Callable[[Array], Array]) -> Array:
+        found = moments(curve((_NORMAL_NODES - shape[0]) / np.exp(shape[1])), _NORMAL_WEIGHTS)
+        return np.array(found[1:]) - (skewness, kurtosis)
+
     for curve in (expit, np.sinh):
-        gamma, delta, misfit = _fit(curve, skewness, kurtosis)
-        if misfit < _FIT_TOLERANCE and (curve is np.sinh or delta >= _SMALLEST_FITTED_DELTA):
+        fit = least_squares(residual, (0.0, 0.3), xtol=1e-14, ftol=1e-14, gtol=1e-14, args=(curve,))
+        gamma, delta = fit.x[0], np.exp(fit.x[1])
+        is_met = np.abs(fit.fun).max() < _FIT_TOLERANCE
+        if is_met and (curve is np.sinh or delta >= _SMALLEST_FITTED_DELTA):
             return curve, gamma, delta
     raise ValueError(
         f"skewness = {skewness!r}, kurtosis = {kurtosis!r}: no Johnson curve with these moments was found; "
         f"a kurtosis from about {1.2 + 1.1 * skewness**2:.3g} to {_LARGEST_KURTOSIS:g}, "
         "not close to that of a lognormal distribution, is needed"
     )
-
-
-def _fit(curve: Callable[[Array], Array], skewness: float, kurtosis: float) -> tuple[float, float, float]:
-    """Parameters γ and δ of the curve that comes nearest to the moments, and the largest difference left."""
-
-    def residual(shape: Array) -> Array:
-        found = moments(curve((_NORMAL_NODES - shape[0]) / np.exp(shape[1])), _NORMAL_WEIGHTS)
-        return np.array(found[1:]) - (skewness, kurtosis)
-
-    # Imported here because it takes half a second and other surfaces do not need it.
-    from scipy.optimize import least_squares
-
-    fit = least_squares(residual, (0.0, 0.3), xtol=1e-14, ftol=1e-14, gtol=1e-14)
-    return fit.x[0], np.exp(fit.x[1]), float(np.abs(fit.fun).max())
 
 
 # Gauss-Hermite rule for averages over a normal variable.

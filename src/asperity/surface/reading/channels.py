@@ -58,7 +58,13 @@ def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tup
         if str(wanted).isdecimal() and int(wanted) < len(names):
             return int(wanted), ""
         raise ValueError(f"channel = {shown(wanted)}: one of {_listed(names, range(len(names)))} is needed")
-    ranks = [_rank(channel) for channel in channels]
+    # 2 for a channel that is a height by its name, 1 for one that may be, 0 for one that is not.
+    ranks = [
+        0
+        if channel.kind != "height" or not WORDS["others"].isdisjoint(_words(channel.name))
+        else 2 - WORDS["heights"].isdisjoint(_words(channel.name))
+        for channel in channels
+    ]
     best = [number for number, rank in enumerate(ranks) if rank == max(ranks)]
     if max(ranks) == 0:
         return best[0], f"channel: by name or unit none of {_listed(names, best)} holds heights; set it"
@@ -67,14 +73,6 @@ def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tup
     if len(best) > 1 and not (len(same) == 1 and len(forward) == 1):
         return best[0], f"channel: {_listed(names, best)} may hold the heights; set it"
     return (forward if len(best) > 1 else best)[0], ""
-
-
-def _rank(channel: Channel) -> int:
-    """2 for a channel that is a height by its name, 1 for one that may be, 0 for one that is not."""
-    words = _words(channel.name)
-    if channel.kind != "height" or not WORDS["others"].isdisjoint(words):
-        return 0
-    return 1 if WORDS["heights"].isdisjoint(words) else 2
 
 
 def _words(name: str) -> list[str]:

@@ -184,8 +184,13 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
         raise ValueError(f"{LINE_SCAN} of {content.height.size} points; {DECLARED}")
     if not content.channels:
         choose_channel([Channel(content.channel, None)], options.channel)
-    if content.orientation is None:
-        _require_map(content.height.shape, options)
+    rows, columns = content.height.shape
+    is_list = columns <= FEW_COLUMNS and rows >= ELONGATED * columns
+    if content.orientation is None and is_list and (columns == 3 or options.physical_size is None):
+        raise ValueError(
+            f"a table of {rows} x {columns} numbers is a list of points or a log, not a map; a matrix of "
+            "heights, or text with columns x, y, z on a regular grid, is needed"
+        )
     if options.format is None:
         formats.require_agreement(name, form)
     return content
@@ -434,17 +439,6 @@ def _channel(info: Any, by_rows: bool) -> Channel:
     if info.dim == 2 and points is not None and len(points) == 2:
         shape = (points[0], points[1]) if by_rows else (points[1], points[0])
     return Channel(str(info.name), shape, info.data_kind.value)
-
-
-def _require_map(shape: tuple[int, ...], options: MapOptions) -> None:
-    """Raise `ValueError` for a bare table that looks like a list."""
-    rows, columns = shape
-    narrow = columns <= FEW_COLUMNS and rows >= ELONGATED * columns
-    if narrow and (columns == 3 or options.physical_size is None):
-        raise ValueError(
-            f"a table of {rows} x {columns} numbers is a list of points or a log, not a map; a matrix of "
-            "heights, or text with columns x, y, z on a regular grid, is needed"
-        )
 
 
 def _first_line(error: Exception) -> str:

@@ -103,7 +103,15 @@ def face_to_face(
     shift_y, shift_x = (
         number("shift", value, accepted, np.isfinite) for value in pair("shift", shift, accepted)
     )
-    _require_comparable(lower, upper)
+    for name, surface in (("lower", lower), ("upper", upper)):
+        if surface.missing:
+            raise MapError(surface.name, [f"{name}: {surface.missing} points have no data; fill them first"])
+    if (lower.unit is None) != (upper.unit is None):
+        raise MapError(upper.name, ["the unit of one map is known and that of the other is not; give it"])
+    equal = np.allclose(lower.length, upper.length, rtol=ON_A_NODE, atol=0)
+    if lower.periodic and upper.periodic and not equal:
+        mine, its = (" x ".join(f"{edge:.6g}" for edge in surface.length) for surface in (lower, upper))
+        raise MapError(upper.name, [f"periodic maps of equal edges are needed, not {mine} and {its}"])
     turned = upper.orientation == PEAKS_UP
     face = upper.as_indenter()
     if turned:
@@ -144,18 +152,6 @@ def face_to_face(
     if not all(on_nodes):
         done.append("counter map interpolated to the pixels of the map")
     return FacedMaps(combined, origin, whole, tuple(done), replace(combined, height=found - found.mean()))
-
-
-def _require_comparable(lower: HeightMap, upper: HeightMap) -> None:
-    for name, surface in (("lower", lower), ("upper", upper)):
-        if surface.missing:
-            raise MapError(surface.name, [f"{name}: {surface.missing} points have no data; fill them first"])
-    if (lower.unit is None) != (upper.unit is None):
-        raise MapError(upper.name, ["the unit of one map is known and that of the other is not; give it"])
-    equal = np.allclose(lower.length, upper.length, rtol=ON_A_NODE, atol=0)
-    if lower.periodic and upper.periodic and not equal:
-        mine, its = (" x ".join(f"{edge:.6g}" for edge in surface.length) for surface in (lower, upper))
-        raise MapError(upper.name, [f"periodic maps of equal edges are needed, not {mine} and {its}"])
 
 
 def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -> tuple[slice, Array, bool]:

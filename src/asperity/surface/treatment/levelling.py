@@ -55,11 +55,20 @@ def find_spikes(height: Array, threshold: float) -> Array:
     -------
     spikes : (ny, nx) array of bool
     """
+    from scipy.ndimage import distance_transform_edt
+
     missing = ~np.isfinite(height)
-    smooth = subtract_trend(_nearest(height, missing), "tilt", (1.0, 1.0))[0]
+    smooth = np.array(height, dtype=float)
+    if missing.any():  # until the end they have the heights of the nearest points
+        nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
+        smooth = smooth[tuple(nearest)]
+    smooth = subtract_trend(smooth, "tilt", (1.0, 1.0))[0]
     spikes = np.zeros(height.shape, dtype=bool)
     for _ in range(_MAX_DESPIKE_ITERATIONS):
-        median, mean = _local_median_and_mean(smooth)
+        median = mean = smooth
+        for axis in (0, 1):
+            mean = np.asarray(sum(_neighbours(mean, axis))) / MEDIAN_POINTS
+            median = _median_of_five(*_neighbours(median, axis))
         size = np.abs(smooth - mean)[~missing]
         sigma = 1.4826 * float(np.median(size)) if size.size else 0.0
         if sigma == 0 and size.size:  # more than half of the points equal their mean: coarse quantisation
@@ -71,16 +80,6 @@ def find_spikes(height: Array, threshold: float) -> Array:
         spikes |= found
         smooth[found] = median[found]
     return spikes
-
-
-def _local_median_and_mean(height: Array) -> tuple[Array, Array]:
-    """Median of the row medians, and mean, of a square of points around each point."""
-    median: Array = height
-    mean: Array = height
-    for axis in (0, 1):
-        mean = np.asarray(sum(_neighbours(mean, axis))) / MEDIAN_POINTS
-        median = _median_of_five(*_neighbours(median, axis))
-    return median, mean
 
 
 def _neighbours(height: Array, axis: int) -> list[Array]:
@@ -146,16 +145,6 @@ def _spikes_among(marked: Array, height: Array, known: Array) -> Array:
         is_sharp = change > min(SHARPEST_PEAK, OWN_SHARPNESS * own) * bend
         sharp[number] = is_sharp.any() or corner[around][group].any()
     return sharp[groups]
-
-
-def _nearest(height: Array, missing: Array) -> Array:
-    """The heights with those of the nearest points where data are missing."""
-    if not missing.any():
-        return np.array(height, dtype=float)
-    from scipy.ndimage import distance_transform_edt
-
-    nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
-    return height[tuple(nearest)].astype(float)
 
 
 def fill_harmonic(height: Array, missing: Array) -> Array:

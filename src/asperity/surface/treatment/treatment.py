@@ -252,7 +252,6 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         raise MapError(surface.name, problems)
     images = 2 if options.periodic == "mirrored" else 1
     grid, target = _grids(surface, options, images)
-    _require_memory(surface, options, target, images)
     shortest, radius = _lengths(surface, options, grid, target, images)
     is_lower_face, periodic = surface.orientation == LOWER_FACE, options.periodic
     done = ["turned upside down: the peaks of the map touch first"]
@@ -482,11 +481,7 @@ def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, 
     if min(ny, nx) < 2 // images:
         problem = f"points = {options.points}: more are needed for two on the shorter edge of the cell"
         raise MapError(surface.name, [problem])
-    return grid, Grid((ny, nx), grid.length)
-
-
-def _require_memory(surface: HeightMap, options: MapOptions, target: Grid, images: int) -> None:
-    """Raise `MapError` for a cell whose contact and stress do not fit into the memory of this machine."""
+    target = Grid((ny, nx), grid.length)
     ny, nx = (images * count for count in target.shape)
     need = 1e-6 * BYTES_PER_NODE.get(options.periodic or "", 136.0) * ny * nx
     if need > (available := available_memory()):
@@ -495,6 +490,7 @@ def _require_memory(surface: HeightMap, options: MapOptions, target: Grid, image
             f"has {available / 1e3:.3g} GB; fewer points are needed"
         )
         raise MapError(surface.name, [problem])
+    return grid, target
 
 
 def _two_nodes(grid: Grid, target: Grid) -> float:
