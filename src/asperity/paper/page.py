@@ -38,19 +38,35 @@ def write_page(
     config : mapping
         The configuration of the study.
     """
-    jobs, validation = job_costs(results), ""
+    jobs, costs = job_costs(results), ""
+    if len(jobs):
+        table = cost_table(jobs, "rule")[["job", "jobs", "processor_minutes", "largest_memory_MB"]]
+        table["job"] = table["job"].str.replace("_", " ")
+        table["processor_minutes"] = (60 * table["processor_minutes"]).map(minutes)
+        table["largest_memory_MB"] = table["largest_memory_MB"].map("{:.0f} MB".format)
+        costs = html_table(table.set_axis(["rule", "jobs", "processor time", "largest memory"], axis=1))
+    validation, claims = "", None
     if (errors := results / "validation/table.csv").exists():
         validation = html_table(for_reader(pd.read_csv(errors, keep_default_na=False)))
+    if (interpretations := results / "interpretations.csv").exists():
+        findings = findings_of(pd.read_csv(interpretations), CLAIMS)
+        claims = {
+            "count": len(findings),
+            "counted": counted(findings),
+            "tally": tally(findings),
+            "sections": {head: rows.to_dict("records") for head, rows in tables(findings).items()},
+            "picture": _embedded(results / "claims.png"),
+        }
     page = rendered(
         "asperity.paper",
         "page.html.j2",
         title="Does the paper hold?" if config["claims"] else f"Study: {results.name}",
         config=config,
         groups=_groups(results, figures),
-        claims=_claims(results),
+        claims=claims,
         checks=_verification(results),
         validation=validation,
-        costs=_costs(jobs),
+        costs=costs,
         minutes=float(jobs["processor_minutes"].sum()),
         memory=float(jobs["memory_MB"].max()) if len(jobs) else 0.0,
         jobs=len(jobs),
@@ -88,20 +104,6 @@ def _embedded(file: Path) -> str:
     return "data:image/png;base64," + base64.b64encode(file.read_bytes()).decode()
 
 
-def _claims(results: Path) -> dict[str, Any] | None:
-    """The verdicts: their numbers, the overview picture and the statements of each section of the paper."""
-    if not (results / "interpretations.csv").exists():
-        return None
-    findings = findings_of(pd.read_csv(results / "interpretations.csv"), CLAIMS)
-    return {
-        "count": len(findings),
-        "counted": counted(findings),
-        "tally": tally(findings),
-        "sections": {heading: table.to_dict("records") for heading, table in tables(findings).items()},
-        "picture": _embedded(results / "claims.png"),
-    }
-
-
 def _verification(results: Path) -> dict[str, Any] | None:
     """Number of checks and surfaces, and the table of each law where it was broken most."""
     tables = [pd.read_csv(path) for path in sorted((results / "verification").glob("*.csv"))]
@@ -114,14 +116,3 @@ def _verification(results: Path) -> dict[str, Any] | None:
         columns={"value": "largest value", "of": "seed"}
     )
     return {"count": len(checks), "surfaces": checks["surface"].nunique(), "table": html_table(shown)}
-
-
-def _costs(jobs: pd.DataFrame) -> str:
-    """Table of the costs by rule, as HTML."""
-    if jobs.empty:
-        return ""
-    table = cost_table(jobs, "rule")[["job", "jobs", "processor_minutes", "largest_memory_MB"]]
-    table["job"] = table["job"].str.replace("_", " ")
-    table["processor_minutes"] = (60 * table["processor_minutes"]).map(minutes)
-    table["largest_memory_MB"] = table["largest_memory_MB"].map("{:.0f} MB".format)
-    return html_table(table.set_axis(["rule", "jobs", "processor time", "largest memory"], axis=1))

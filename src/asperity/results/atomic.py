@@ -70,7 +70,12 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
         if problem := _problem_of(target):
             raise DatasetError(f"{path}: {problem}")
         earlier = target.stat().st_mode if target.exists() else None
-        _delete_abandoned(target)
+        abandoned = re.compile(
+            rf"\.{re.escape(target.name[:_LONGEST_STEM])}\.([\w-]+\.\d+\.\d+)\.\w+\.unfinished"
+        )
+        for left in target.parent.iterdir():
+            if (found := abandoned.fullmatch(left.name)) and has_ended(found[1]):
+                left.unlink(missing_ok=True)
         os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield unfinished
         if earlier is not None:
@@ -95,15 +100,6 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     """
     with atomic_write(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _delete_abandoned(path: Path) -> None:
-    """Delete temporary files of `path` whose processes have ended."""
-    pattern = re.compile(rf"\.{re.escape(path.name[:_LONGEST_STEM])}\.([\w-]+\.\d+\.\d+)\.\w+\.unfinished")
-    for left in path.parent.iterdir():
-        found = pattern.fullmatch(left.name)
-        if found and has_ended(found[1]):
-            left.unlink(missing_ok=True)
 
 
 def _cause_and_remedy(error: Exception, path: Path) -> str:

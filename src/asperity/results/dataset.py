@@ -124,7 +124,12 @@ def write(
         **{name: value for name, value in dataset.attrs.items() if name != FORMAT},
     }
     described.attrs[FINGERPRINT] = fingerprint(described)
-    encoding = {str(name): _encoding(str(name), v.dtype) for name, v in described.variables.items() if v.ndim}
+    encoding: dict[str, dict[str, Any]] = {}
+    for name, variable in described.variables.items():
+        if variable.ndim:
+            packed = {} if name in _DENSE else {"zlib": True, "complevel": 1, "shuffle": True}
+            fixed_width = {} if variable.dtype.kind in "fiub" else {"dtype": "S1"}  # texts
+            encoding[str(name)] = {"fletcher32": True, **packed, **fixed_width}
     with atomic_write(path) as unfinished:
         described.to_netcdf(unfinished, format="NETCDF4", engine="netcdf4", encoding=encoding)
 
@@ -137,14 +142,6 @@ def _attributes(name: str, dtype: np.dtype[Any], system: str) -> dict[str, str]:
     if name == "height":
         attributes["orientation"] = ORIENTATION
     return {key: value for key, value in attributes.items() if value}
-
-
-def _encoding(name: str, dtype: np.dtype[Any]) -> dict[str, Any]:
-    """Storage of an array: compressed if that helps, with checksums; texts as characters of a fixed width."""
-    if name in _DENSE:
-        return {"fletcher32": True}
-    packed = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
-    return packed if dtype.kind in "fiub" else packed | {"dtype": "S1"}
 
 
 def height_of(contact: xr.Dataset) -> xr.DataArray:
@@ -266,7 +263,10 @@ def fingerprint(dataset: xr.Dataset) -> str:
         variable = dataset.variables[name]
         found.update(_attribute_bytes({"name": name, "dims": variable.dims, "shape": variable.shape}))
         found.update(_attribute_bytes(variable.attrs))
-        found.update(_value_bytes(variable.values))
+        values = np.asarray(variable.values)
+        is_number = values.dtype.kind in "fiub"
+        texts = "" if is_number else "\0".join([*map(str, values.ravel()), ""])
+        found.update(np.ascontiguousarray(values).data if is_number else texts.encode())
     return found.hexdigest()
 
 
@@ -274,11 +274,3 @@ def _attribute_bytes(attributes: Mapping[Any, Any]) -> bytes:
     """Attributes as JSON; NetCDF gives a list of one back as its item."""
     values = {str(name): np.atleast_1d(np.asarray(value)).tolist() for name, value in attributes.items()}
     return json.dumps(values, sort_keys=True).encode()
-
-
-def _value_bytes(values: Any) -> Any:
-    """Values as bytes."""
-    values = np.asarray(values)
-    if values.dtype.kind in "fiub":
-        return np.ascontiguousarray(values).data
-    return "\0".join([*map(str, values.ravel()), ""]).encode()

@@ -36,7 +36,19 @@ def draw(findings: Sequence[Finding]) -> Figure:
     figure = Figure(figsize=(PAGE, (count * _ROW + 22) * MILLIMETRE))
     axis = figure.add_subplot()
     for row, finding in enumerate(findings):
-        _draw_row(axis, row, finding)
+        low, high = finding.own.region
+        unit = _unit(low, high)
+        left, right = np.clip([low / unit, high / unit], _LOW, _HIGH)
+        axis.barh(row, right - left, left=left, height=0.8, color="C4", alpha=0.25, lw=0)
+        colour, marker = _COLOUR[finding.verdict], _MARKER[finding.verdict]
+        if finding.verdict != NO_DATA:
+            for other in finding.shown:
+                if other is not finding.own:
+                    _draw_judgement(axis, row + _BESIDE, other, unit, colour, marker, alpha=0.4)
+            _draw_judgement(axis, row, finding.own, unit, colour, marker)
+        text = NO_DATA if finding.verdict == NO_DATA else f"{finding.own.value:.3g}"
+        beside = axis.get_yaxis_transform()
+        axis.text(1.01, row, text, transform=beside, va="center", fontsize=5.5, color=colour)
     axis.axvline(1.0, color="k", lw=0.5)
     axis.set(xscale="log", xlim=(_LOW, _HIGH), ylim=(count - 0.4, -0.6))
     axis.set_xticks([0.5, 0.7, 1, 1.5, 2], ["0.5", "0.7", "1", "1.5", "2"])
@@ -53,22 +65,6 @@ def draw(findings: Sequence[Finding]) -> Figure:
             )
     figure.legend(loc="outside upper right", ncols=3)
     return figure
-
-
-def _draw_row(axis: Axes, row: int, finding: Finding) -> None:
-    """Draw one claim: its region as a bar, its intervals as lines, its number as text."""
-    low, high = finding.own.region
-    unit = _unit(low, high)
-    left, right = np.clip([low / unit, high / unit], _LOW, _HIGH)
-    axis.barh(row, right - left, left=left, height=0.8, color="C4", alpha=0.25, lw=0)
-    colour, marker = _COLOUR[finding.verdict], _MARKER[finding.verdict]
-    if finding.verdict != NO_DATA:
-        for other in finding.shown:
-            if other is not finding.own:
-                _draw_judgement(axis, row + _BESIDE, other, unit, colour, marker, alpha=0.4)
-        _draw_judgement(axis, row, finding.own, unit, colour, marker)
-    text = finding.verdict if finding.verdict == NO_DATA else f"{finding.own.value:.3g}"
-    axis.text(1.01, row, text, transform=axis.get_yaxis_transform(), va="center", fontsize=5.5, color=colour)
 
 
 def _draw_judgement(

@@ -123,15 +123,11 @@ def _number(one: Judgement) -> str:
 
 def _in_words(finding: Finding, one: Judgement) -> str:
     """The options of the choices of a verdict, and those that are not the study's own, in words."""
-    own = finding.own.interpretation
-    return ", ".join(
-        _option(choice, option)
-        for choice, option in one.interpretation.items()
-        if choice in finding.choices or option != own[choice]
-    )
-
-
-def _option(choice: str, option: Any) -> str:
-    if choice == "alike":
-        return f"the same up to {100 * option:g} %"
-    return f"δ = {option:g}" if choice == "delta" else WORDS.get(option, str(option))
+    words = []
+    for choice, option in one.interpretation.items():
+        if choice in finding.choices or option != finding.own.interpretation[choice]:
+            if choice == "alike":
+                words.append(f"the same up to {100 * option:g} %")
+            else:
+                words.append(f"δ = {option:g}" if choice == "delta" else WORDS.get(option, str(option)))
+    return ", ".join(words)

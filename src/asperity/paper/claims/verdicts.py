@@ -238,23 +238,16 @@ def judge(claim: Claim, evidence: Evidence) -> Judgement:
 def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
     """The verdict over all interpretations of a claim, and the choices and judgements that show it.
 
-    Interpretations without data are left out, unless the study's own is one of them.
+    Interpretations without data are left out, unless the study's own is one of them. Where two verdicts are
+    told apart, of all pairs of interpretations with the two, those count that differ in the fewest choices,
+    and of these the one nearest to the study's own interpretation, the first one.
     """
     every = tuple(judgements)
     found = {one.verdict for one in every} - {NO_DATA}
     if every[0].verdict == NO_DATA or len(found) == 1:
         return Finding(claim, every[0].verdict, every, shown=every[:1])
     depends = {HOLDS, FAILS} <= found
-    pair = (HOLDS, FAILS) if depends else (*(found - {UNDECIDED}), UNDECIDED)
-    return Finding(claim, DEPENDS if depends else UNDECIDED, every, *_contrast(every, *pair))
-
-
-def _contrast(every: Sequence[Judgement], *verdicts: str) -> tuple[tuple[str, ...], tuple[Judgement, ...]]:
-    """The choices that tell two verdicts apart, and two judgements that show it.
-
-    Of all pairs of interpretations with the two verdicts, those count that differ in the fewest choices, and
-    of these the one nearest to the study's own interpretation, the first one.
-    """
+    verdicts = (HOLDS, FAILS) if depends else (*(found - {UNDECIDED}), UNDECIDED)
 
     def apart(one: Judgement, other: Judgement) -> tuple[str, ...]:
         return tuple(
@@ -266,7 +259,8 @@ def _contrast(every: Sequence[Judgement], *verdicts: str) -> tuple[tuple[str, ..
 
     pairs = product(*([one for one in every if one.verdict == verdict] for verdict in verdicts))
     pair = min(pairs, key=lambda pair: (len(apart(*pair)), sum(map(from_own, pair))))
-    return apart(*pair), tuple(sorted(pair, key=from_own))
+    shown = tuple(sorted(pair, key=from_own))
+    return Finding(claim, DEPENDS if depends else UNDECIDED, every, apart(*pair), shown)
 
 
 def tally(findings: Sequence[Finding]) -> dict[str, int]:
