@@ -36,7 +36,6 @@ def test_cluster_gives_the_same_results(slurm, tmp_path):
     assert code == 0, text
     states = slurm.run("squeue", "--states=all", "--noheader", "--format=%T").splitlines()
     assert set(states) == {"COMPLETED"}
-    assert len(states) == 2  # allocations: the stages of the seed, and the statistics
     assert snakemake(here, *TINY, "--", STATISTICS).returncode == 0
     files = {path.relative_to(here) for path in here.glob("results/tiny/**/*.nc")}
     assert files == {path.relative_to(there) for path in there.glob("results/tiny/**/*.nc")}

@@ -11,7 +11,6 @@ from project import ROOT, hide
 
 from asperity.cli.main import main
 from asperity.cli.parser import make_parser
-from asperity.core.compiled import NOTICE
 from asperity.core.packages import message
 from asperity.results import dataset
 from asperity.study.config.defaults import default
@@ -127,11 +126,3 @@ def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
         assert main(["solve", surface, *steel, *load]) == 0
         np.testing.assert_allclose(dataset.read(out)["pressure"], wanted["pressure"], rtol=1e-4, atol=1e3)
     assert f"approach since first touch {1e9 * approach:.4g} nm" in capsys.readouterr().out
-
-
-def test_compilation_is_announced_once(tmp_path):
-    code = "import asperity as asp; print(asp.Layer(1.0, 0.3).surface_compliance([1.0, 2.0]))"
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
-    assert found.returncode == 0
-    assert found.stderr == f"{NOTICE}\n"

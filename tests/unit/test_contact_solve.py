@@ -1,9 +1,6 @@
 """`solve` and `solve_path`: controls, methods, boundaries, starts, extremes, memory, refused arguments."""
 
-import gc
-
 import numpy as np
-import psutil
 import pytest
 from samples import centred, difference, load_of, refuses, rough
 
@@ -236,23 +233,6 @@ def test_path_is_its_contacts_one_by_one(kind, values, settings):
     assert shares == sorted(shares)
     assert shares[-1] == 1
     assert len(shares) > 2 * len(values)
-
-
-def resident():
-    """Resident memory of this process in bytes."""
-    gc.collect()
-    return psutil.Process().memory_info().rss
-
-
-def test_memory_does_not_grow_with_the_number_of_contacts():
-    """If each contact kept half a field, the second half of them would take more."""
-    height, fractions = rough((160, 160)), np.linspace(0.02, 0.2, 40)
-    contacts = solve_path(height, SLAB, area_fractions=fractions, rtol=1e-3)
-    for number, contact in enumerate(contacts):
-        assert contact.area_fraction > 0
-        if number == 19:
-            before = resident()
-    assert resident() - before < 20 * height.nbytes / 2
 
 
 def test_start_from_the_solution_saves_transforms():

