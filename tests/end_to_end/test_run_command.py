@@ -207,19 +207,13 @@ def test_everything_wrong_is_named_at_once(tmp_path, refused):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (
-            "--fatigue-torsion 3MPa --fatigue-bending 9MPa",
-            "--fatigue-torsion: 0.5 to 1 times",
-        ),
+        ("--fatigue-torsion 3MPa --fatigue-bending 9MPa", "--fatigue-torsion: 0.5 to 1 times"),
         (
             "--counter-young 1GPa --counter-poisson 0.3 --counter-fatigue-torsion 3MPa "
             "--counter-fatigue-bending 9MPa",
             "--counter-fatigue-torsion: 0.5 to 1 times",
         ),
-        (
-            "--counter-fatigue-torsion 3MPa --counter-fatigue-bending 4MPa",
-            "--counter-fatigue-bending: needs",
-        ),
+        ("--counter-fatigue-torsion 3MPa --counter-fatigue-bending 4MPa", "--counter-fatigue-bending: needs"),
         ("--hardness 1MPa", "--hardness = 1 MPa: more than the pressure"),
     ],
 )

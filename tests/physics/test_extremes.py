@@ -69,8 +69,7 @@ def test_check_refuses_a_tampered_solution(points, direct):
 
 
 @pytest.mark.parametrize(
-    "layer",
-    [HALF_SPACE, *(asp.Layer(1.0, nu, 1e-4) for nu in (0.3, 0.5)), asp.Layer(1.0, 0.3, 0.1, "free")],
+    "layer", [HALF_SPACE, *(asp.Layer(1.0, nu, 1e-4) for nu in (0.3, 0.5)), asp.Layer(1.0, 0.3, 0.1, "free")]
 )
 def test_pivoting_fulfils_the_conditions_of_contact(layer):
     """Rounding alone: there is no tolerance."""

@@ -110,8 +110,7 @@ def test_reliefs_reach_from_zero_to_one(family, shape):
 
 
 @pytest.mark.parametrize(
-    "settings",
-    [load(-6), load(-6, hardness=30.0), load(-4, family="rough", relief=1e-3, **FREE)],
+    "settings", [load(-6), load(-6, hardness=30.0), load(-4, family="rough", relief=1e-3, **FREE)]
 )
 def test_check_refuses_a_tampered_solution(settings):
     """Although the certificate of heights that nothing reaches sees no violation."""

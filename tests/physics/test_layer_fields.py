@@ -378,67 +378,48 @@ LAYER, FREE = Layer(1.0, 0.3, 0.2), Layer(1.0, 0.3, 0.2, "free")
 FIELD = np.ones(FACES.shape)
 HELD = dict.fromkeys(DISPLACEMENTS, 0)
 
+
+def faced(top, bottom=None, layer=LAYER):
+    return layer_fields(layer, FACES, top, bottom)
+
+
 test_wrong_argument_is_refused = refuses(
     (lambda: layer_fields(None, FACES, {}), "layer = None, grid = .*: a Layer and a Grid are needed"),
     (lambda: layer_fields(LAYER, (7, 5), {}), "layer = .*, grid = .*: a Layer and a Grid are needed"),
-    (lambda: layer_fields(LAYER, FACES, FIELD), "top = .*: a mapping from displacement_x, .* is needed"),
+    (lambda: faced(FIELD), "top = .*: a mapping from displacement_x, .* is needed"),
+    (lambda: faced({"load": 1}), "a key of top = 'load': one of displacement_x, .* is needed"),
     (
-        lambda: layer_fields(LAYER, FACES, {"load": 1}),
-        "a key of top = 'load': one of displacement_x, .* is needed",
-    ),
-    (
-        lambda: layer_fields(LAYER, FACES, {}, {"traction_x": 0, "displacement_x": 0}),
+        lambda: faced({}, {"traction_x": 0, "displacement_x": 0}),
         "bottom: traction_x and displacement_x are given; only one of them is accepted",
     ),
+    (lambda: faced({"pressure": 0, "traction_z": 0}), "top: pressure and traction_z are given; only one"),
+    (lambda: faced({"pressure": np.nan}), r"top\['pressure'\] = nan: a finite number"),
+    (lambda: faced({"pressure": FIELD * np.nan}), r"top\['pressure'\]: 35 of 35 nodes are not f"),
+    (lambda: faced({"pressure": 1j}), r"top\['pressure'\] = 1j: a finite number or a field"),
+    (lambda: faced({"pressure": FIELD[1:]}), r"top\['pressure'\] has the shape \(6, 5\): .*\(7, 5\)"),
+    (lambda: faced({"pressure": 1j * FIELD}), r"top\['pressure'\] has the shape .*\(7, 3\) is n"),
     (
-        lambda: layer_fields(LAYER, FACES, {"pressure": 0, "traction_z": 0}),
-        "top: pressure and traction_z are given; only one",
-    ),
-    (lambda: layer_fields(LAYER, FACES, {"pressure": np.nan}), r"top\['pressure'\] = nan: a finite number"),
-    (
-        lambda: layer_fields(LAYER, FACES, {"pressure": FIELD * np.nan}),
-        r"top\['pressure'\]: 35 of 35 nodes are not f",
-    ),
-    (
-        lambda: layer_fields(LAYER, FACES, {"pressure": 1j}),
-        r"top\['pressure'\] = 1j: a finite number or a field",
-    ),
-    (
-        lambda: layer_fields(LAYER, FACES, {"pressure": FIELD[1:]}),
-        r"top\['pressure'\] has the shape \(6, 5\): .*\(7, 5\)",
-    ),
-    (
-        lambda: layer_fields(LAYER, FACES, {"pressure": 1j * FIELD}),
-        r"top\['pressure'\] has the shape .*\(7, 3\) is n",
-    ),
-    (
-        lambda: layer_fields(LAYER, FACES, {"pressure": 1j * FIELD[:, :3]}),
+        lambda: faced({"pressure": 1j * FIELD[:, :3]}),
         r"top\['pressure'\]: the coefficients of a real field are needed",
     ),
     (
-        lambda: layer_fields(LAYER, FACES, {"pressure": np.full((7, 3), np.nan + 0j)}),
+        lambda: faced({"pressure": np.full((7, 3), np.nan + 0j)}),
         r"top\['pressure'\]: 21 of 21 nodes are not finite",
     ),
-    (
-        lambda: layer_fields(LAYER, FACES, {"pressure": "high"}),
-        r"top\['pressure'\] = 'high': a finite number",
-    ),
+    (lambda: faced({"pressure": "high"}), r"top\['pressure'\] = 'high': a finite number"),
     (lambda: layer_fields(Layer(1.0, 0.3), FACES, {}, {}), "bottom = {}: None is needed for a half-space"),
     (
         lambda: layer_fields(Layer(1.0, 0.3, 1e-61), FACES, {}),
         "height = 1e-61: 1e-60 of the cell or more is needed",
     ),
+    (lambda: faced({}).planes(0.3), "depth = 0.3: a finite depth from 0 to 0.2 is needed"),
+    (lambda: faced({}).planes([0.1, np.nan]), "depth = nan: a finite depth"),
     (
-        lambda: layer_fields(LAYER, FACES, {}).planes(0.3),
-        "depth = 0.3: a finite depth from 0 to 0.2 is needed",
-    ),
-    (lambda: layer_fields(LAYER, FACES, {}).planes([0.1, np.nan]), "depth = nan: a finite depth"),
-    (
-        lambda: layer_fields(FREE, FACES, {"pressure": 0.1}),
+        lambda: faced({"pressure": 0.1}, layer=FREE),
         "mean σ_zz = -0.1 on top and 0 on the bottom: equal ones are needed for no net force",
     ),
     (
-        lambda: layer_fields(LAYER, FACES, {"traction_y": FIELD}, {"displacement_z": 0}),
+        lambda: faced({"traction_y": FIELD}, {"displacement_z": 0}),
         "mean σ_yz = 1 on top and 0 on the bottom: equal ones are needed for no net force",
     ),
     (
@@ -448,7 +429,7 @@ test_wrong_argument_is_refused = refuses(
         "mean σ_xz, σ_yz = 0.1, 0: 0 is needed, as nothing bears their moment with lateral = 'free'",
     ),
     (
-        lambda: layer_fields(Layer(1.0, 0.5, 0.2), FACES, HELD | {"displacement_z": 0.1}),
+        lambda: faced(HELD | {"displacement_z": 0.1}, layer=Layer(1.0, 0.5, 0.2)),
         "mean displacement_z = 0.1 on top and 0 on the bottom: equal ones are needed for poisson = 0.5",
     ),
 )

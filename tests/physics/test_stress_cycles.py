@@ -212,10 +212,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: hydrostatic_factor(None, 1.0), "fatigue_torsion: missing"),
     (lambda: hydrostatic_factor(0.49, 1.0), "fatigue_torsion: 0.5 to 1 times fatigue_bending .* 0.49 times"),
     (lambda: hydrostatic_factor(1.01, 1.0), "fatigue_torsion: .* got 1.01 times"),
-    (
-        lambda: asp.stress_cycles(rough(32), sliding_direction=30),
-        "sliding_direction = 30: x, y or a mul",
-    ),
+    (lambda: asp.stress_cycles(rough(32), sliding_direction=30), "sliding_direction = 30: x, y or a mul"),
 )
 
 

@@ -80,10 +80,7 @@ CONFIGS = [
     ("", "overlay.yaml: keys with values are needed"),
     ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
-    (
-        "seeds: [1]\ncontact: {}\nseeds: [2]",
-        "'seeds' is given twice, again in line 3",
-    ),
+    ("seeds: [1]\ncontact: {}\nseeds: [2]", "'seeds' is given twice, again in line 3"),
     # renamed keys
     ("body: {poisson: [0.33]}", "body: is called stress now"),
     # names that are too long, and characters that formats give a meaning
@@ -150,19 +147,11 @@ COMMANDS = [
     ),
     (f"{RUN} --pressure 1MPa --pressure=2MPa", 2, "--pressure: given 2 times"),
     ("view {contact} gap --out a.png --out b.png", 2, "--out: given 2 times"),
-    (
-        f"{RUN} --pressure {' '.join(f'{n}MPa' for n in range(1, 102))}",
-        2,
-        "8MPa ... (101 values): a list",
-    ),
+    (f"{RUN} --pressure {' '.join(f'{n}MPa' for n in range(1, 102))}", 2, "8MPa ... (101 values): a list"),
     (f"{RUN} --pressure 3MPa 2MPa", 2, "--pressure = '3MPa 2MPa': a list of rising values is needed"),
     (f"{RUN} --pressure 1,2GPa", 2, "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma) is needed"),
     (f"{RUN} --pressure 1MPa --hardness 700HV", 2, "(kPa, MPa, GPa, N/mm^2; 700 HV is 6.865 GPa) is needed"),
-    (
-        f"{RUN} --pressure 1MPa --counter-map {{folder}}/no.txt",
-        2,
-        "--counter-map {folder}/no.txt: no such",
-    ),
+    (f"{RUN} --pressure 1MPa --counter-map {{folder}}/no.txt", 2, "--counter-map {folder}/no.txt: no such"),
     ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
     ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
     ("solve {surface} --out {surface}/x.nc", 1, "surface.nc is a file, the name of a folder"),

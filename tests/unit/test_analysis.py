@@ -197,10 +197,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: analysed(quantities="von_mises"), "quantities = 'von_mises': a list of names"),
     (lambda: analysed(floor=-1.0), r"floor = -1\.0: a finite number ≥ 0"),
     (lambda: analysed(depths=[0.1, 0.2]), r"depths\[0\] = 0\.1: 0, the surface, is needed"),
-    (
-        lambda: analyse_lateral_conditions(spots(), ("slip",), [0.0]),
-        "lateral = 'slip': one of confined",
-    ),
+    (lambda: analyse_lateral_conditions(spots(), ("slip",), [0.0]), "lateral = 'slip': one of confined"),
 )
 
 

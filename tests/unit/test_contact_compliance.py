@@ -32,11 +32,7 @@ def displacement(response, nodes, pressure):
 
 @pytest.mark.parametrize(
     ("boundary", "solid", "shape"),
-    [
-        ("periodic", THIN, (256, 192)),
-        ("periodic", HALF_SPACE, (256, 192)),
-        ("free", HALF_SPACE, (255, 201)),
-    ],
+    [("periodic", THIN, (256, 192)), ("periodic", HALF_SPACE, (256, 192)), ("free", HALF_SPACE, (255, 201))],
 )
 def test_inner_displacement_is_right_to_few_per_cent(boundary, solid, shape):
     """Error of the division into near and far field, under pressures without any order, the hardest case."""

@@ -337,22 +337,10 @@ test_wrong_argument_is_refused = refuses(
     (lambda: list(solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, "many"])), "mean_pressure = 'many'"),
     # before the first of the loads is solved
     (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, np.nan]), "mean_pressure = nan"),
-    (
-        lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=1e-3),
-        "mean_pressures = 0.001: a list of loads",
-    ),
-    (
-        lambda: solve_path(FLAT, HALF_SPACE, forces=[1e-3, 1], hardness=0.1),
-        "hardness = 0.1: more than",
-    ),
-    (
-        lambda: solve_path(FLAT, HALF_SPACE, forces=[1], hardnes=1),
-        "hardnes: not an argument of solve; did",
-    ),
-    (
-        lambda: pressed(hardness=-np.inf),
-        "hardness = -inf: a number > 0, .* or inf for an elastic contact",
-    ),
+    (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=1e-3), "mean_pressures = 0.001: a list of loads"),
+    (lambda: solve_path(FLAT, HALF_SPACE, forces=[1e-3, 1], hardness=0.1), "hardness = 0.1: more than"),
+    (lambda: solve_path(FLAT, HALF_SPACE, forces=[1], hardnes=1), "hardnes: not an argument of solve; did"),
+    (lambda: pressed(hardness=-np.inf), "hardness = -inf: a number > 0, .* or inf for an elastic contact"),
     (
         lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, 2e-3, 1e-3], hardness=0.1),
         "mean_pressures = .*: rising values are needed with a hardness",

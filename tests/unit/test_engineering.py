@@ -199,10 +199,7 @@ SLIPPING = Body(210e9, 0.3, height=5e-6, bottom="frictionless")
 
 
 test_wrong_load_is_refused = refuses(
-    (
-        lambda: run(a_rough_map(), STEEL, mean_pressure=1e6, fields="xx"),
-        "fields = 'xx': a list of names",
-    ),
+    (lambda: run(a_rough_map(), STEEL, mean_pressure=1e6, fields="xx"), "fields = 'xx': a list of names"),
     (lambda: run(a_rough_map(), STEEL), ".*needed"),
     (lambda: run(a_rough_map(), STEEL, force=1.0, mean_pressure=1e6), ".*needed"),
     (lambda: run(a_rough_map(), STEEL, area_fraction=1.5), ".*needed"),

@@ -9,8 +9,6 @@ from samples import refuses
 import asperity as asp
 from asperity.surface.form import add_cylinder, add_sphere
 
-HALF_SPACE = asp.Layer(1.0, 0.0)
-
 
 def test_the_exact_sphere_is_higher():
     """Tolerance: the next term of the series is r⁶/(16 R⁵)."""
@@ -26,17 +24,6 @@ def test_a_cylinder_does_not_curve_along_its_axis(axis):
     form = add_cylinder(roughness, 3.0, 4.0, centre=(1.0, 1.0), axis=axis) - roughness
     across = form if axis == "y" else form.T
     np.testing.assert_allclose(across, np.tile((0.5 * np.arange(6) - 1) ** 2 / 8, (6, 1)), atol=1e-15)
-
-
-def test_a_smooth_cylinder_gives_the_line_contact_of_hertz():
-    """Half-width b = √(4 F R/(π E* L)) and p0 = 2 F/(π b L); the periodic images change them by (b/L)²."""
-    radius, load = 5.0, 1e-3
-    half_width = np.sqrt(4 * load * radius / np.pi)
-    cylinder = add_cylinder(np.zeros((4, 512)), (1 / 128, 1.0), radius)
-    contact = asp.solve(cylinder, HALF_SPACE, (1 / 128, 1.0), mean_pressure=load)
-    assert contact.area_fraction == pytest.approx(2 * half_width, rel=0.02)
-    assert contact.max_pressure == pytest.approx(2 * load / (np.pi * half_width), rel=0.02)
-    assert np.ptp(contact.pressure, axis=0).max() < 1e-4 * contact.max_pressure
 
 
 FLAT = np.zeros((4, 4))

@@ -30,8 +30,7 @@ def signalling(number, genuine):
 
 
 @pytest.mark.parametrize(
-    ("command", "number"),
-    [*((command, signal.SIGINT) for command in COMMANDS), ("stress", signal.SIGTERM)],
+    ("command", "number"), [*((command, signal.SIGINT) for command in COMMANDS), ("stress", signal.SIGTERM)]
 )
 def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypatch):
     """When everything is computed, before a file gets its name or the answer is printed."""

@@ -76,10 +76,7 @@ def pressures(*values, **settings):
 test_wrong_loads_are_refused = refuses(
     (lambda: pressures("5 MPa", "1 MPa"), "pressure = '5 MPa 1 MPa': a list of rising values is needed"),
     (lambda: pressures("5 MPa", steps=3), "pressure = '5 MPa': two values, the first and the last"),
-    (
-        lambda: loads_of("area_fraction", {"area_fraction": [0.1, 0.1]}),
-        "area_fraction = '0.1 0.1': a list",
-    ),
+    (lambda: loads_of("area_fraction", {"area_fraction": [0.1, 0.1]}), "area_fraction = '0.1 0.1': a list"),
     (lambda: run(a_rough_map(), STEEL, mean_pressure=[2e6, 1e6]), ".*rising"),
     (lambda: run(a_rough_map(), Body(1.0, 0.3, conductivity=50.0), force=1.0), "conductivity = 50: a second"),
     (lambda: asp.load_curve([]), ".*at least one is needed"),

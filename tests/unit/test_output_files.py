@@ -71,10 +71,7 @@ RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
         ([*RUN, "--counter-map", ""], "--counter-map = '': a name is needed"),
         (["run", "mine.txt", *STEEL, "--out", ""], "--out = '': a name is needed"),
         (["run", "mine.txt", *STEEL, "--out", "mine.txt/b"], "mine.txt is a file"),
-        (
-            ["run", "mine.txt", *STEEL, "--out", "used"],
-            "holds section.png, which asperity run has",
-        ),
+        (["run", "mine.txt", *STEEL, "--out", "used"], "holds section.png, which asperity run has"),
         ([*SOLVE, "mine.txt"], "--out mine.txt: is read too"),
         ([*SOLVE, "study.yaml"], "--out study.yaml: asperity has not written this file"),
         ([*SOLVE, "mine.txt/b.nc"], "mine.txt is a file, the name of a folder is needed there"),
@@ -105,10 +102,7 @@ def test_a_file_that_would_be_lost_is_refused_before_computing(folder, capsys, w
         ("--approach 1e6m --boundary free", "--approach = 1000000 m: a length from"),
         ("--approach 1e-60m --layer-height 1um", "--approach = 1e-45 fm: a length from"),
         ("--pressure 1MPa --points 32768", "--points: a cell of 65536 × 65536 nodes needs about 584 GB of m"),
-        (
-            "--pressure 1MPa --points 32768 --boundary free",
-            "of 32768 × 32768 nodes needs about 440 GB",
-        ),
+        ("--pressure 1MPa --points 32768 --boundary free", "of 32768 × 32768 nodes needs about 440 GB"),
     ],
 )
 def test_a_load_or_grid_out_of_range_is_refused_before_computing(folder, capsys, words, line):
@@ -142,10 +136,7 @@ def test_the_files_of_an_export_and_of_pictures_are_distinct_and_own(folder, cha
     Path("foreign.csv").write_text("1,2\n3,4\n")
     contact = chain["contact"]
     for words, line in (
-        (
-            ["export", contact, "--surface", "q.csv", "--profile", "y=0.5", "./q.csv"],
-            "./q.csv: named",
-        ),
+        (["export", contact, "--surface", "q.csv", "--profile", "y=0.5", "./q.csv"], "./q.csv: named"),
         (["export", contact, "--surface", "foreign.csv"], "--surface foreign.csv: asperity has not written"),
         (["export", contact, "--surface", contact], f"--surface {contact}: is read too"),
         (["view", contact, "gap", "--out", "v.png", "v.png"], "--out v.png: named twice"),

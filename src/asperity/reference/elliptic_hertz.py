@@ -106,7 +106,24 @@ class EllipticHertz:
         """
         require_positive(load=load, effective_modulus=effective_modulus)
         require_positive(curvature_radius_x=curvature_radius_x, curvature_radius_y=curvature_radius_y)
-        ratio = _axis_ratio(curvature_radius_x, curvature_radius_y)
+        wanted = curvature_radius_x / curvature_radius_y
+        if wanted < 1:
+            raise ValueError(
+                f"curvature_radius_y = {curvature_radius_y!r}: "
+                f"at most curvature_radius_x = {curvature_radius_x!r} is needed"
+            )
+
+        def excess(logarithm: float) -> float:
+            along_x, along_y = _curvature_integrals(np.exp(logarithm))
+            return float(np.log(along_y / along_x / wanted))
+
+        lowest = np.log(SMALLEST_AXIS_RATIO)
+        if excess(lowest) < 0:
+            raise ValueError(
+                f"curvature_radius_x = {curvature_radius_x!r}: "
+                f"{wanted:.3g} times curvature_radius_y is too much for b/a ≥ {SMALLEST_AXIS_RATIO:g}"
+            )
+        ratio = float(np.exp(brentq(excess, lowest, 0.0, xtol=1e-15)))
         # p0 of `curvature_radii` inserted into F = 2/3 π a b p0.
         integral, _ = _curvature_integrals(ratio)
         semi_major = float(np.cbrt(3 * load * curvature_radius_x * integral / (np.pi * effective_modulus)))
@@ -210,25 +227,3 @@ class EllipticHertz:
 def _curvature_integrals(ratio: float) -> tuple[float, float]:
     """Integrals D and D' (a/b)² of `EllipticHertz.curvature_radii` for an axis ratio b/a."""
     return float(elliprd(0.0, ratio**2, 1.0)) / 3, float(elliprd(0.0, 1.0, ratio**2)) / 3
-
-
-def _axis_ratio(curvature_radius_x: float, curvature_radius_y: float) -> float:
-    """Axis ratio b/a of the ellipse for principal radii R_x ≥ R_y."""
-    wanted = curvature_radius_x / curvature_radius_y
-    if wanted < 1:
-        raise ValueError(
-            f"curvature_radius_y = {curvature_radius_y!r}: "
-            f"at most curvature_radius_x = {curvature_radius_x!r} is needed"
-        )
-
-    def excess(logarithm: float) -> float:
-        along_x, along_y = _curvature_integrals(np.exp(logarithm))
-        return float(np.log(along_y / along_x / wanted))
-
-    lowest = np.log(SMALLEST_AXIS_RATIO)
-    if excess(lowest) < 0:
-        raise ValueError(
-            f"curvature_radius_x = {curvature_radius_x!r}: "
-            f"{wanted:.3g} times curvature_radius_y is too much for b/a ≥ {SMALLEST_AXIS_RATIO:g}"
-        )
-    return float(np.exp(brentq(excess, lowest, 0.0, xtol=1e-15)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -187,7 +186,17 @@ def map_warnings(
     elif surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
         warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")
     if edges_known and not repeated:
-        warnings += _doubtful_edges(surface, found)
+        aspect, slope = max(surface.spacing) / min(surface.spacing), rms_step(found.level, surface.spacing)
+        if surface.unit is not None and max(surface.length) >= LARGEST_EDGE:
+            warnings.append(f"physical_size: an edge of {length(max(surface.length))}; is this right?")
+        if aspect >= LARGEST_ASPECT:
+            pixel = length(*surface.spacing)
+            warnings.append(f"physical_size: pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?")
+        if slope and not SLOPES[0] <= slope <= SLOPES[1]:
+            warnings.append(
+                f"physical_size: an rms gradient of {slope:.2g} between neighbouring points; are the units "
+                "of edges and heights right?"
+            )
     if found.spike_count and options.despike is None:
         warnings.append(
             f"despike: {found.spike_count} spikes of up to {length(found.highest_spike)}; set it to "
@@ -199,22 +208,6 @@ def map_warnings(
             f"without it {length(rms)}, a change larger than the error of a sample; set it to curvature"
         )
     return warnings
-
-
-def _doubtful_edges(surface: HeightMap, measures: MapMeasures) -> Iterator[str]:
-    """Doubts about the edges and pixels of a map."""
-    aspect = max(surface.spacing) / min(surface.spacing)
-    if surface.unit is not None and max(surface.length) >= LARGEST_EDGE:
-        yield f"physical_size: an edge of {surface.shown_length(max(surface.length))}; is this right?"
-    if aspect >= LARGEST_ASPECT:
-        pixel = surface.shown_length(*surface.spacing)
-        yield f"physical_size: pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?"
-    slope = rms_step(measures.level, surface.spacing)
-    if slope and not SLOPES[0] <= slope <= SLOPES[1]:
-        yield (
-            f"physical_size: an rms gradient of {slope:.2g} between neighbouring points; are the units of "
-            "edges and heights right?"
-        )
 
 
 def _of_file(found: MapFile) -> dict[str, str]:

@@ -178,8 +178,13 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
         form, content = _table_map(NumberTable(_text(file.read()), dialect), options)
     else:
         form, content = _first_readable(possible, file, name, options)
-    if is_profile:
-        content = _as_map(content)
+    if is_profile:  # equal lines with square pixels
+        height, length = content.height, content.length
+        if min(height.shape) > 1:
+            raise ValueError(f"format = 'profile': a line scan is needed, not a map of {height.shape} points")
+        if length is not None:
+            length = PROFILE_LINES * max(length) / height.size, max(length)
+        content = content._replace(height=np.tile(content.height.ravel(), (PROFILE_LINES, 1)), length=length)
     elif min(content.height.shape) < 2:
         raise ValueError(f"{LINE_SCAN} of {content.height.size} points; {DECLARED}")
     if not content.channels:
@@ -290,17 +295,6 @@ def _profile(table: NumberTable) -> FileContent:
         factor = metres(units[0]) / metres(units[-1]) if len(units) == 2 else 1.0
         length = spacing * factor, count * spacing * factor
     return FileContent(line[None, :], "z", length=length, unit=units[-1] if units else None)
-
-
-def _as_map(content: FileContent) -> FileContent:
-    """A line scan as a map of `PROFILE_LINES` equal lines with square pixels."""
-    height = content.height
-    if min(height.shape) > 1:
-        raise ValueError(f"format = 'profile': a line scan is needed, not a map of {height.shape} points")
-    length = content.length
-    if length is not None:
-        length = PROFILE_LINES * max(length) / height.size, max(length)
-    return content._replace(height=np.tile(height.ravel(), (PROFILE_LINES, 1)), length=length)
 
 
 def _array(file: BinaryIO, options: MapOptions) -> FileContent:

@@ -68,7 +68,11 @@ def find_spikes(height: Array, threshold: float) -> Array:
         median = mean = smooth
         for axis in (0, 1):
             mean = np.asarray(sum(_neighbours(mean, axis))) / MEDIAN_POINTS
-            median = _median_of_five(*_neighbours(median, axis))
+            a, b, c, d, e = _neighbours(median, axis)
+            low = np.maximum(np.minimum(a, b), np.minimum(c, d))
+            high = np.minimum(np.maximum(a, b), np.maximum(c, d))
+            # The median is that of e and of the two middle values of the other four.
+            median = np.maximum(np.minimum(low, high), np.minimum(e, np.maximum(low, high)))
         size = np.abs(smooth - mean)[~missing]
         sigma = 1.4826 * float(np.median(size)) if size.size else 0.0
         if sigma == 0 and size.size:  # more than half of the points equal their mean: coarse quantisation
@@ -101,14 +105,6 @@ def _neighbours(height: Array, axis: int) -> list[Array]:
             ends.append(2 * edge - side[half:0:-1])
         padded = np.concatenate([ends[0], rows, ends[1][::-1]])
     return [np.moveaxis(padded[start : start + n], 0, axis) for start in range(MEDIAN_POINTS)]
-
-
-def _median_of_five(a: Array, b: Array, c: Array, d: Array, e: Array) -> Array:
-    """Elementwise median of five arrays."""
-    low = np.maximum(np.minimum(a, b), np.minimum(c, d))
-    high = np.minimum(np.maximum(a, b), np.maximum(c, d))
-    # The median is that of e and of the two middle values of the other four.
-    return np.maximum(np.minimum(low, high), np.minimum(e, np.maximum(low, high)))
 
 
 def _spikes_among(marked: Array, height: Array, known: Array) -> Array:
