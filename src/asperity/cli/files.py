@@ -113,15 +113,11 @@ def check_out(outs: Iterable[tuple[str, str]], inputs: Iterable[str] = ()) -> No
         if is_file(path):
             if any(path.samefile(each) for each in read):
                 raise ValueError(f"{option} {out}: is read too, another name is needed")
-            if not _is_own(path):
+            with open(path, "rb") as file:
+                begin = file.read(100)
+            own = OWN_BEGIN.get(path.suffix)
+            # An empty file may be replaced, and one that a command has written under this name.
+            if begin and not (is_result(path) if own is None else re.match(own, begin, re.DOTALL)):
                 raise ValueError(
                     f"{option} {out}: asperity has not written this file; another name is needed"
                 )
-
-
-def _is_own(path: Path) -> bool:
-    """True for an empty file, and one that looks like a file which a command has written under this name."""
-    with open(path, "rb") as file:
-        begin = file.read(100)
-    own = OWN_BEGIN.get(path.suffix)
-    return not begin or (is_result(path) if own is None else bool(re.match(own, begin, re.DOTALL)))

@@ -146,7 +146,11 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
     entry = setting(key)
     items = entry.get("items", entry)
     value = None if without or as_text else default(key)
-    made: dict[str, Any] = {"dest": key, "default": value, "metavar": _placeholder(items)}
+    if "enum" in items:
+        placeholder = f"{{{','.join(items['enum'])}}}"
+    else:
+        placeholder = _PLACEHOLDERS.get(items.get("format", "")) or _PLACEHOLDERS[items["type"]]
+    made: dict[str, Any] = {"dest": key, "default": value, "metavar": placeholder}
     is_list = "items" in entry
     if is_list:
         fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
@@ -160,12 +164,6 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
         facts.append(f"default: {without}")
     text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
     return made | {"help": text.replace("`", "").replace("%", "%%")}
-
-
-def _placeholder(entry: Entry) -> str:
-    if "enum" in entry:
-        return f"{{{','.join(entry['enum'])}}}"
-    return _PLACEHOLDERS.get(entry.get("format", "")) or _PLACEHOLDERS[entry["type"]]
 
 
 class _StoreList(argparse.Action):

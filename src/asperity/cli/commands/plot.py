@@ -30,7 +30,17 @@ def run(options: argparse.Namespace) -> None:
     stages = description.stages
     if "validation" in stages:
         raise ValueError(f"{figure} is drawn from the validation of the study only")
-    given = _by_stage(options.results)
+    given: dict[str, dict[str, xr.Dataset]] = {}
+    for path in options.results:
+        stage, data = read_result(path, MAKERS)
+        if (system := dataset.unit_system(data)) != STUDY_UNITS:
+            raise ValueError(
+                f"{path}: in {system} units; a result in cell lengths, as of the study, is needed"
+            )
+        results = given.setdefault(stage, {})
+        name = dataset.settings_of(data)["name"]
+        numbered = (f"{name} {number}" for number in range(2, len(results) + 3))
+        results[next(free for free in (name, *numbered) if free not in results)] = data
     for stage in stages:
         if list(required(given, stage, figure)) != list(given[stages[0]]):
             raise ValueError(f"{figure}: the same surfaces are needed from each stage")
@@ -42,22 +52,6 @@ def run(options: argparse.Namespace) -> None:
         shown = {stage: {"given": results} for stage, results in shown.items()}
     with style():
         save(draw(description, shown), *options.out)
-
-
-def _by_stage(paths: list[str]) -> dict[str, dict[str, xr.Dataset]]:
-    """Results by stage and name of the surface; a name that is given twice is numbered."""
-    given: dict[str, dict[str, xr.Dataset]] = {}
-    for path in paths:
-        stage, data = read_result(path, MAKERS)
-        if (system := dataset.unit_system(data)) != STUDY_UNITS:
-            raise ValueError(
-                f"{path}: in {system} units; a result in cell lengths, as of the study, is needed"
-            )
-        results = given.setdefault(stage, {})
-        name = dataset.settings_of(data)["name"]
-        numbered = (f"{name} {number}" for number in range(2, len(results) + 3))
-        results[next(free for free in (name, *numbered) if free not in results)] = data
-    return given
 
 
 def _ratio(figure: str, name: str, data: xr.Dataset, chosen: Mapping[str, float]) -> float:

@@ -85,7 +85,12 @@ def _draw(
         _refuse(view, "section, plane and peaks", field=options.field, poisson=poisson)
     if view not in ("section", "plane"):
         _refuse(view, "section and plane", body=None if options.body == "lower" else options.body, **friction)
-    places = {name: _position(view, name, text, si) for name, text in given.items()}
+    places: dict[str, Any] = {}
+    for name, text in given.items():
+        if name == "depth":
+            places[name] = text if text == "max" and view == "plane" else length("depth", text, si)
+        else:
+            places[name] = (length_or_span if view == "section" else span)(name, text, si)
     if view in MAPS:
         return MAPS[view](results, **places)
     field = options.field or "von_mises"
@@ -105,10 +110,3 @@ def _refuse(view: str, views: str, **given: Any) -> None:
     for name, value in given.items():
         if value is not None:
             raise ValueError(f"{flag(name)}: not for {view}, only for {views}")
-
-
-def _position(view: str, name: str, text: str, si: bool) -> Any:
-    """Position or part of the cell that a view shows."""
-    if name == "depth":
-        return text if text == "max" and view == "plane" else length("depth", text, si)
-    return length_or_span(name, text, si) if view == "section" else span(name, text, si)

@@ -82,7 +82,11 @@ def with_settings(text: str) -> str:
 def _table(title: str, description: str, rows: Iterable[tuple[str, Entry]]) -> str:
     lines = []
     for key, entry in rows:
-        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), _default(entry), entry["description"])
+        left_out = entry.get("left_out", "")
+        if "default" in entry:
+            value = entry["default"]
+            left_out = f"`{str(value).lower() if isinstance(value, bool) else value}`"
+        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), left_out, entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([f"### {title}", "", description, "", *_HEAD, *lines])
 
@@ -101,13 +105,6 @@ def _rows(section: str, entry: Entry) -> Iterator[tuple[str, Entry]]:
                 below = {**below, "description": f"{below['description']} Settings as in `{twin}`."}
             groups[key] = below["properties"]
         yield key, below
-
-
-def _default(entry: Entry) -> str:
-    if "default" not in entry:
-        return entry.get("left_out", "")
-    value = entry["default"]
-    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
 
 
 if __name__ == "__main__":

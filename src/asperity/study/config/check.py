@@ -158,8 +158,20 @@ def _check_schema(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for the error nearest to the top of the configuration."""
     errors = _Validator(schema(), format_checker=_FORMATS).iter_errors(config)
     error = min(errors, key=lambda error: (len(error.path), str(error.path)), default=None)
-    if error is not None:
-        raise ConfigError(_one_line(error))
+    if error is None:
+        return
+    path = [_part(part) for part in error.absolute_path]
+    if error.validator == "required":
+        missing = next(key for key in error.schema["required"] if key not in error.instance)
+        needed = accepted(error.schema["properties"][missing])
+        raise ConfigError(f"{'.'.join([*path, missing])}: missing; {needed} is needed")
+    if error.validator == "additionalProperties":
+        raise ConfigError(_unknown_key(path, error.instance, error.schema))
+    if "propertyNames" in error.absolute_schema_path:
+        name = ".".join([*path, shown(error.instance)])
+        raise ConfigError(f"{name}: {accepted(error.schema)} is needed")
+    key = ".".join(path) or "the configuration"
+    raise ConfigError(f"{key} = {shown(error.instance)}: {_needed(error)} is needed")
 
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
@@ -224,20 +236,6 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         )
     if layer["poisson"] not in (listed := config["stress"]["poisson"]):
         yield f"stress.poisson = {shown(listed)}: layer.poisson = {layer['poisson']!r} must be one of them"
-
-
-def _one_line(error: ValidationError) -> str:
-    """Message of an error: key, value and what is accepted."""
-    path = [_part(part) for part in error.absolute_path]
-    if error.validator == "required":
-        missing = next(key for key in error.schema["required"] if key not in error.instance)
-        needed = accepted(error.schema["properties"][missing])
-        return f"{'.'.join([*path, missing])}: missing; {needed} is needed"
-    if error.validator == "additionalProperties":
-        return _unknown_key(path, error.instance, error.schema)
-    if "propertyNames" in error.absolute_schema_path:
-        return f"{'.'.join([*path, shown(error.instance)])}: {accepted(error.schema)} is needed"
-    return f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {_needed(error)} is needed"
 
 
 def _needed(error: ValidationError) -> str:

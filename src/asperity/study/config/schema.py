@@ -70,26 +70,17 @@ def accepted(entry: Entry) -> str:
     if "enum" in entry:
         return " or ".join(map(str, entry["enum"]))
     if entry["type"] == "array":
-        return f"a list of {_count(entry)}, each {accepted(entry['items'])}"
-    return f"{_TYPES[entry['type']]} {_limits(entry)}".strip()
+        fewest, most = entry.get("minItems", 0), entry.get("maxItems")
+        count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
+        items = f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items" if most != 1 else "1 item"
+        return f"a list of {items}, each {accepted(entry['items'])}"
+    if "maxLength" in entry:
+        return f"{_TYPES[entry['type']]} of {entry['minLength']} to {entry['maxLength']} characters"
+    signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+    limits = " and ".join(f"{sign} {number(entry[limit])}" for limit, sign in signs.items() if limit in entry)
+    return f"{_TYPES[entry['type']]} {limits}".strip()
 
 
 def number(value: float) -> str:
     """A number in few characters: no needless zeros, exponents for large and small ones."""
     return f"{value:.10g}"
-
-
-def _limits(entry: Entry) -> str:
-    if "maxLength" in entry:
-        return f"of {entry['minLength']} to {entry['maxLength']} characters"
-    signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
-    return " and ".join(f"{sign} {number(entry[limit])}" for limit, sign in signs.items() if limit in entry)
-
-
-def _count(entry: Entry) -> str:
-    """Accepted number of items of a list."""
-    fewest, most = entry.get("minItems", 0), entry.get("maxItems")
-    if most == 1:
-        return "1 item"
-    count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
-    return f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items"

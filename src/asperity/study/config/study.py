@@ -56,12 +56,23 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
         config["results"] = layers[-1]["results"]
     elif "results" not in given:
-        config["results"] = _folder_named_after(files[-1])
+        config["results"] = f"results/{Path(files[-1]).stem}"
+        if not re.match(setting("results")["pattern"], config["results"]):
+            raise ConfigError(
+                f"results: missing; {shown(Path(files[-1]).name)} cannot name the folder, "
+                f"one such as results/mine is needed"
+            )
     config = check(config)
     if missing := absent([config["fft_engine"]]):
         raise ConfigError(f"fft_engine = {shown(config['fft_engine'])}: {message(missing)}")
     if "results" in given:
-        config["results"] = _folder_given(given["results"])
+        folder = given["results"]
+        if not isinstance(folder, str) or not _ANY_FOLDER.match(folder):
+            raise ConfigError(
+                f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
+            )
+        # With slashes as in a Snakefile, also on Windows.
+        config["results"] = Path(os.path.normpath(os.path.expanduser(folder))).as_posix()
     elif config["results"] == "results" and os.path.realpath(files[-1]) != os.path.realpath(PAPER):
         raise ConfigError(
             f"results = 'results': {files[-1]} needs a folder below it, such as results/mine; "
@@ -155,26 +166,6 @@ def _most_surfaces(study: str) -> int:
     """Largest number of surfaces of a study."""
     studies = schema()["properties"]["studies"]
     return studies["properties"].get(study, studies["additionalProperties"])["maxItems"]
-
-
-def _folder_named_after(path: str | Path) -> str:
-    """Folder of the results of a configuration that names none: results/NAME for NAME.yaml."""
-    folder = f"results/{Path(path).stem}"
-    if not re.match(setting("results")["pattern"], folder):
-        raise ConfigError(
-            f"results: missing; {shown(Path(path).name)} cannot name the folder, "
-            f"one such as results/mine is needed"
-        )
-    return folder
-
-
-def _folder_given(folder: Any) -> str:
-    """Folder of results that the user has typed, without ``~`` and needless slashes."""
-    if not isinstance(folder, str) or not _ANY_FOLDER.match(folder):
-        raise ConfigError(
-            f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
-        )
-    return Path(os.path.normpath(os.path.expanduser(folder))).as_posix()  # as in a Snakefile, also on Windows
 
 
 def _study_of_all(config: Mapping[str, Any]) -> dict[str, list[str]]:

@@ -12,7 +12,7 @@ of the preset of the paper, whose errors are far smaller.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -82,7 +82,15 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     """
     config: dict[str, Any] = {}
     for text in given:
-        config = merged(config, _tree(text))
+        try:
+            found = load(text) if is_file(text) else parse(text, shown(text))
+        except ConfigError as error:
+            if is_file(text) or ":" in text:
+                raise
+            raise ConfigError(
+                f"{shown(text)}: a file, or keys and values such as '{{hurst: 0.8, ...}}', is needed"
+            ) from error
+        config = merged(config, found)
     if not config.keys() & {*schema()["properties"], *schema()["renamed"]}:
         config = {"surfaces": {"surface": config}}
     config = with_base(config)
@@ -135,20 +143,6 @@ def scenes(
         )
     settings = min((accuracy_of(config, name) for name in names), key=lambda each: each.points_per_wavelength)
     return found, settings
-
-
-def _tree(text: str) -> dict[str, Any]:
-    """Settings in a file, or in the text itself if there is no such file."""
-    if is_file(text):
-        return load(text)
-    try:
-        return parse(text, shown(text))
-    except ConfigError as error:
-        if ":" in text:
-            raise
-        raise ConfigError(
-            f"{shown(text)}: a file, or keys and values such as '{{hurst: 0.8, ...}}', is needed"
-        ) from error
 
 
 PEAKS = ("pressure_p90", "pressure_p99", "von_mises_p90", "von_mises_p99")
@@ -421,6 +415,12 @@ def report(
     bounds = proposal.of(outputs)
     bounds = bounds.drop(columns="seeds") if one_surface else bounds
     bounds["together"] = bounds.sum(axis=1)
+    warnings = {
+        name: f"# {name} = {getattr(scene, name):g} is outside what was measured, {low:g} to {high:g}"
+        for scene in scenes.values()
+        for name, (low, high) in MEASURED_RANGES.items()
+        if not low <= getattr(scene, name) <= high
+    }
     lines = [
         f"{len(scenes)} {'surface' if len(scenes) == 1 else 'surfaces'}, {accuracy.seeds} "
         f"{'seed' if accuracy.seeds == 1 else 'seeds'}, at most {largest} x {largest} nodes",
@@ -430,7 +430,7 @@ def report(
         bounds.map(percent).rename_axis(columns="error at most").to_string(),
         "",
         "settings, to lay over a configuration:",
-        *_range_warnings(scenes.values()),
+        *warnings.values(),
         yaml.safe_dump(
             overlay(accuracy, {name: scene.wavelength_short for name, scene in scenes.items()}),
             default_flow_style=None,
@@ -445,14 +445,3 @@ def percent(value: float) -> str:
     if not math.isfinite(value):
         return "not measured"
     return "0" if value == 0 else f"{float(f'{100 * value:.2g}'):g} %"
-
-
-def _range_warnings(scenes: Iterable[Scene]) -> list[str]:
-    """YAML comments on properties of the scenes outside the measured range, where bounds are not reliable."""
-    warnings = {
-        name: f"# {name} = {getattr(scene, name):g} is outside what was measured, {low:g} to {high:g}"
-        for scene in scenes
-        for name, (low, high) in MEASURED_RANGES.items()
-        if not low <= getattr(scene, name) <= high
-    }
-    return list(warnings.values())

@@ -92,7 +92,11 @@ def displacement_and_stress(
     displacement: list[Array] = []
     stress: list[Array] = []
     for depth in np.atleast_1d(depths):
-        modes = _modes_that_reach(grid, depth)
+        # The modes that have not decayed at this depth: at most one node more than `grid` along each axis,
+        # and no mode of `grid` is at the Nyquist wavevector.
+        reach = [LARGEST_DECAY * edge / (2 * np.pi * depth) if depth > 0 else np.inf for edge in grid.length]
+        ny, nx = (int(min(n + 1, 2 * np.ceil(most) + 1)) for n, most in zip(grid.shape, reach, strict=True))
+        modes = Grid((ny, nx), grid.length)
         coefficients = resample(spectrum, grid, modes) * modes.multiplicity
         wave_y = np.exp(1j * np.outer(rows, modes.qy))
         wave_x = np.exp(1j * np.outer(x, modes.qx))
@@ -105,14 +109,3 @@ def displacement_and_stress(
             lines = (wave_y @ flat).reshape(len(rows), len(modes.qx), -1)
             out.append(np.einsum("px,pxc->pc", wave_x, lines[row_of_point]).real)
     return np.array(displacement), np.array(stress)
-
-
-def _modes_that_reach(grid: Grid, depth: float) -> Grid:
-    """Grid whose modes are those of `grid` that have not decayed at `depth`.
-
-    It has at most one node more than `grid` along each axis, and no mode of `grid` is at its Nyquist
-    wavevector.
-    """
-    reach = [LARGEST_DECAY * edge / (2 * np.pi * depth) if depth > 0 else np.inf for edge in grid.length]
-    ny, nx = (int(min(n + 1, 2 * np.ceil(modes) + 1)) for n, modes in zip(grid.shape, reach, strict=True))
-    return Grid((ny, nx), grid.length)
