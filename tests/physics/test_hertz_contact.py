@@ -79,7 +79,7 @@ def test_radii_and_loads():
     assert depth / 0.05 == pytest.approx(0.786, abs=2e-3)
 
 
-def test_a_cell_of_a_wavy_ball_has_the_stress_of_the_whole_ball():
+def test_cell_has_the_stress_of_the_wavy_ball():
     """A wave of a sixth of the radius in complete contact, resolved with the ball, and as one periodic cell.
 
     Scale separation neglects (λ/a)² = 0.03 times the curvature of the pressure; found is 0.4 %. Without the

@@ -154,7 +154,7 @@ def test_the_body_is_named_if_there_are_two():
     assert not any("lower body" in text for text in of_one)
 
 
-def test_friction_on_a_thin_layer_is_warned_of_with_the_wave_it_changes_most():
+def test_friction_on_a_thin_layer_is_warned_of():
     (found,) = (f for f in advice.advise(an_answer(friction=0.3)) if f.subject == "friction in the contact")
     assert found.level == "warning"
     assert "waves of 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height

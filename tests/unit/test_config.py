@@ -159,7 +159,7 @@ def test_the_paper_has_the_settings_its_figures_were_made_with():
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_every_preset_gives_a_configuration_that_is_accepted_and_stays_as_it_is(name):
+def test_configuration_of_every_preset_is_accepted(name):
     before = FREE | {"accuracy": name}
     whole = complete(before)
     check(whole)

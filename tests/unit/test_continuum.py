@@ -150,7 +150,7 @@ def test_half_of_the_nodes_of_a_mirrored_map_are_mirror_images(shape):
         np.testing.assert_allclose(found[: shape[0] // 2, : shape[1] // 2], expected, atol=1e-15)
 
 
-def test_a_contact_of_one_node_of_a_mirrored_map_grows_with_its_pixel():
+def test_one_mirrored_node_grows_with_its_pixel():
     """A quarter of the pressure on four times the area."""
     height = np.random.default_rng(1).normal(size=(16, 16))
     height[5, 7] = -50.0

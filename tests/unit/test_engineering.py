@@ -398,7 +398,7 @@ def test_close_ups_lie_along_a_ridge_and_across_it():
     assert {row for part in rows for row in range(part.start, part.stop)} == set(range(96))
 
 
-def test_sections_are_across_the_lay_where_a_close_up_holds_several_ridges():
+def test_sections_cross_the_ridges_of_a_close_up():
     """Ridges along y, broken off halfway: along y one changes once, along x all of them change."""
     y, x = np.meshgrid(*asp.Grid((96, 96), 96e-6).coordinates(), indexing="ij")
     height = 2e-7 * np.cos(2 * np.pi * x / 8e-6) * (1 + 0.3 * np.cos(2 * np.pi * y / 96e-6))

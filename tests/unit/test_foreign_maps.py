@@ -492,7 +492,7 @@ def test_doubts_about_edges_are_named():
         assert all(text.startswith("physical_size: ") for text in found)
 
 
-def test_options_of_several_maps_count_for_files_that_do_not_say_it(tmp_path):
+def test_shared_options_fill_what_files_omit(tmp_path):
     """Also those of a map and its counter map, and a channel that only one of the files has."""
     own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
     foreign_files.write_x3p(own, RAW)

@@ -143,7 +143,7 @@ def test_any_bytes_are_no_map_unless_a_format_is_asked_for(tmp_path):
     ],
     ids=range(6),
 )
-def test_a_file_that_is_no_map_is_refused_by_its_first_block(content, look, tmp_path, monkeypatch):
+def test_first_block_tells_what_is_no_map(content, look, tmp_path, monkeypatch):
     path = tmp_path / "map.gz"
     path.write_bytes(gzip.compress(content))
     genuine, taken = gzip.GzipFile.read, []
@@ -328,7 +328,7 @@ def test_doubts_about_a_map_name_their_option():
     assert doubt.startswith("unit: an rms height of")
 
 
-def test_true_peaks_are_no_spikes_and_roughness_is_that_of_the_map_as_it_is_pressed(tmp_path):
+def test_smooth_high_peaks_are_no_spikes(tmp_path):
     """A smooth skewed surface, with eight nodes on its shortest wave."""
     wave = self_affine((256, 256), 0.8, 1 / 4, 1 / 32, rms_height=1.0, seed=2)
     high = 1e-7 * np.exp(0.45 * wave)
@@ -351,7 +351,7 @@ def test_true_peaks_are_no_spikes_and_roughness_is_that_of_the_map_as_it_is_pres
     assert without == pytest.approx(1e9 * np.ptp(level), rel=1e-3)
 
 
-def test_a_bow_that_moves_the_roughness_by_more_than_its_error_is_told():
+def test_bow_that_changes_the_roughness_is_named():
     """Less than half of the height, and yet it sets the lay and the length of the texture."""
     rough = self_affine((128, 128), 0.8, 1e-5, 2e-6, rms_height=1e-7, seed=1, length=1e-4)
     x = np.linspace(-1, 1, 128)

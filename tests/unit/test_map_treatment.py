@@ -249,7 +249,7 @@ def test_a_windowed_map_is_level_at_its_edges_and_itself_inside():
 
 @pytest.mark.parametrize("periodic", ["mirrored", "windowed", "none"])
 @pytest.mark.parametrize("shape", [(40, 40), (31, 46)])
-def test_a_map_turned_by_half_a_turn_is_treated_as_it_is(shape, periodic):
+def test_treatment_commutes_with_half_a_turn(shape, periodic):
     """The bound is that of rounding."""
     height = rough((64, 64))[: shape[0], : shape[1]]
     one, turned = (

@@ -132,7 +132,7 @@ def test_pictures_are_drawn_whatever_backend_a_notebook_names(folder, chain):
     assert Path("v.png").exists()
 
 
-def test_the_files_of_an_export_and_of_pictures_are_distinct_and_own(folder, chain, capsys):
+def test_exports_and_pictures_replace_only_own_files(folder, chain, capsys):
     Path("foreign.csv").write_text("1,2\n3,4\n")
     contact = chain["contact"]
     for words, line in (
@@ -173,7 +173,7 @@ def test_a_case_is_not_saved_as_its_map(folder):
         assert Path(name).read_bytes() == before
 
 
-def test_a_map_that_has_changed_is_not_taken_for_that_of_a_case(folder, capsys, without_pictures):
+def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
     assert status(*RUN, "--counter-map", "other.txt", "--save", "saved.yaml") == 0
     Path("other.txt").write_text(Path("other.txt").read_text().replace("0.1", "0.2"))
     for case in ("saved.yaml", "out/case.yaml"):

@@ -17,7 +17,7 @@ ROUGH = make_surface(SURFACE, 1)
 UNLOADED = {name: value for name, value in CONTACT.items() if name != "area_fraction"}
 
 
-def test_a_half_space_replaces_a_tall_layer_but_not_a_thin_one():
+def test_half_space_replaces_only_a_tall_layer():
     tall, record = solid(LAYER)
     assert tall.height is None
     assert record["solid"] == "half-space"
@@ -48,7 +48,7 @@ def test_the_load_may_be_a_pressure_or_an_approach():
             np.testing.assert_allclose(found[name], wanted[name], rtol=1e-4, atol=1e-6, err_msg=name)
 
 
-def test_a_layer_is_analysed_for_the_poissons_ratio_of_its_contact_alone():
+def test_layer_has_only_the_ratio_of_its_contact():
     half_space = results_of(1).stress
     assert half_space.poisson.values.tolist() == [0.0, 0.33]
     layer = results_of(1, LAYER | {"height": 0.2}).stress

@@ -54,7 +54,7 @@ def test_extras_are_those_that_the_project_declares():
         assert alone == set(modules.values())
 
 
-def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monkeypatch):
+def test_job_larger_than_the_memory_is_refused(monkeypatch):
     require_memory({})
     monkeypatch.setattr(run, "available_memory", lambda: 2000.0)
     with pytest.raises(PreflightError, match="needs about 4 GB of memory, this machine has 2 GB; choose"):

@@ -45,7 +45,7 @@ def test_anything_else_is_refused_with_the_units(value):
         ("200 HB", "200 HB is 1.961 GPa"),
     ],
 )
-def test_a_comma_and_a_number_of_hardness_are_answered_with_what_is_meant(value, hint):
+def test_comma_and_hardness_number_get_a_hint(value, hint):
     with pytest.raises(ValueError, match=r"N/mm\^2(; )?") as error:
         to_si(value, "pressure")
     assert hint in str(error.value)

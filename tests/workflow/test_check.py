@@ -64,7 +64,7 @@ def test_one_percent_in_a_kernel_is_caught(quick_study, folder, monkeypatch):
     assert "cutoff_64/seed1/contact" not in drifted
 
 
-def test_a_number_that_moved_or_is_missing_or_new_is_drift_and_an_update_takes_it(quick_study, folder):
+def test_changed_missing_and_new_numbers_are_drift(quick_study, folder):
     results = quick_study.results / "statistics"
     shutil.copytree(results, folder / "results/quick/statistics")
     place = folder / "results/quick/statistics/hurst_08.nc"

@@ -57,7 +57,7 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
     assert figures == expected
 
 
-def test_a_study_of_measured_maps_alone_reads_them_before_its_first_job(project):
+def test_measured_maps_are_read_before_the_first_job(project):
     shutil.copy(ROOT / "tests/data/steel.npy", project)
     config = {"measured": {"steel": {"label": "steel", "file": "steel.npy"}}}
     found = snakemake(project, *config_in(project, "maps.yaml", config))
@@ -162,7 +162,7 @@ def test_a_study_is_based_on_another(tmp_path, monkeypatch):
         read_study(["up.yaml"])
 
 
-def test_a_file_whose_name_cannot_be_that_of_a_folder_has_to_name_one(tmp_path):
+def test_file_with_an_unsuitable_name_names_its_folder(tmp_path):
     path = tmp_path / "my study.yaml"
     path.write_text(yaml.safe_dump({"surfaces": TWO}), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"results: missing; 'my study.yaml' cannot name the folder"):
@@ -170,7 +170,7 @@ def test_a_file_whose_name_cannot_be_that_of_a_folder_has_to_name_one(tmp_path):
     assert read_study([path], {"results": "~//x/"})["results"].endswith("/x")
 
 
-def test_the_results_of_an_overlay_are_not_those_of_the_file_beneath(tmp_path):
+def test_overlay_has_results_of_its_own(tmp_path):
     beneath, above = tmp_path / "beneath.yaml", tmp_path / "above.yaml"
     beneath.write_text(yaml.safe_dump({"results": "results/one", "surfaces": TWO}), encoding="utf-8")
     above.write_text("seeds: [3]", encoding="utf-8")

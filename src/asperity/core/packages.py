@@ -30,7 +30,7 @@ PACKAGES = {
 """Extra → module that is imported → package that provides it. Each extra holds those before it."""
 
 ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}, "flow": {"reynoldsflow": "reynoldsflow"}}
-"""The same for extras by themselves, which nobody needs who does not choose them."""
+"""Extras outside that chain, in the same form; each is needed only for the choice that names it."""
 
 NAMES = {
     module: name for names in (*PACKAGES.values(), *ALTERNATIVES.values()) for module, name in names.items()

@@ -28,7 +28,7 @@ def process_name() -> str:
 def has_ended(name: str) -> bool:
     """True if a name of `process_name` is that of a process of this host that does not run any more.
 
-    A number that another process has now, as after a restart, is told apart by the start.
+    If another process has the number now, as after a restart, its start time differs.
     """
     import psutil
 

@@ -250,7 +250,7 @@ def layer_fields(
 
 
 def _prescribed(face: str, given: Any, grid: Grid) -> tuple[Array, Array]:
-    """Whether displacements are prescribed on a face, (3,), and the coefficients, (3, ny, nx // 2 + 1).
+    """Flags of prescribed displacements on a face, (3,), and the coefficients, (3, ny, nx // 2 + 1).
 
     Tractions become the components of the stress σ_xz, σ_yz and σ_zz.
     """

@@ -48,7 +48,7 @@ LARGEST_EDGE, LARGEST_ASPECT, SLOPES = 1.0, 1.9, (1e-5, 3.0)
 instrument scans a metre, and a superpolished mirror has gradients of 1e-5."""
 
 CHOSEN = MapOptions(periodic="mirrored", undefined="harmonic")
-"""What asperity run does to a map that is not periodic and lacks points."""
+"""Treatment by asperity run of a map that is not periodic and lacks points."""
 
 NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
@@ -211,7 +211,7 @@ def map_warnings(
 
 
 def _of_file(found: MapFile) -> dict[str, str]:
-    """What the file holds."""
+    """Properties that the file states."""
     surface, size, pixel = found.map, NOT_IN_FILE, NOT_IN_FILE
     if found.edges_known:
         size = f"{surface.shown_length(*surface.length, digits=4)} (y, x)"

@@ -42,7 +42,7 @@ _METRES = {"~m": 1e-6, **dict.fromkeys(("A", "Å", "\u212b"), 1e-10)}
 
 
 class FileContent(NamedTuple):
-    """Contents of a file; None where it says nothing.
+    """Contents of a file; None for what it does not state.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ class MapFile:
         return 1.0
 
     def _unit(self, content: FileContent, options: MapOptions) -> tuple[str | None, float | None]:
-        """Unit of the heights and its size in metres, None if nobody says it."""
+        """Unit of the heights and its size in metres, None if neither file nor options state it."""
         known, own, given = {}, content.unit, options.unit
         for name, unit in (("unit of the file", own), ("unit", given)):
             try:
@@ -185,7 +185,7 @@ class MapFile:
     def _length(
         self, content: FileContent, options: MapOptions, metre: float | None
     ) -> tuple[float, float] | None:
-        """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
+        """Edges in metres, or in the unknown unit of the file; None if neither states them."""
         scale, own, size = metre or 1.0, content.length, options.physical_size
         if own is not None and content.length_unit is not None:
             if metre is None:  # the unit of the heights is asked for

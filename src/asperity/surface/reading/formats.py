@@ -104,7 +104,7 @@ def extension_of(name: str) -> str:
 
 
 def look_of(begin: bytes) -> str:
-    """What the first bytes of a file that is no map look like, in words."""
+    """Description in words of the first bytes of a file that is not a map."""
     looks = packaged_yaml("asperity.surface.reading", "formats.yaml")["looks"]
     if found := next((words for words, begins in looks.items() if _match(begins, begin)), ""):
         return found

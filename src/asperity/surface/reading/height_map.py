@@ -80,7 +80,7 @@ class MapError(InputError):
 
 @dataclass(frozen=True)
 class MapOptions:
-    """What is known of a height map besides its file, and how it is treated.
+    """Properties of a height map that its file does not state, and options of its treatment.
 
     Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
     as ``"8 um"``.

@@ -61,7 +61,7 @@ _CHANNEL_NAME = re.compile(r"#?\s*(?:channel|kan[aá]l|canale?|канал)\s*[:=
 
 
 class Dialect(NamedTuple):
-    """How a table of numbers is written.
+    """Separators and decimal mark of a table of numbers.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ point has 3, and any step, too; a wave of n points has 4 sin²(π/n), 0.6 for ei
 with eight points on the shortest wave and a kurtosis of 5 to 11 have up to 1.7."""
 
 OWN_SHARPNESS = 8.0
-"""The same over the median of the map; peaks of such surfaces have up to 5."""
+"""Ratio of `SHARPEST_PEAK` relative to its median over the map; peaks of such surfaces have up to 5."""
 
 _MAX_DESPIKE_ITERATIONS = 10
 

@@ -51,7 +51,7 @@ ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class MapTreatment:
-    """What the treatment of a map changed, in numbers; lengths are in the unit of the map.
+    """Changes to a map by its treatment, in numbers; lengths are in the unit of the map.
 
     Parameters
     ----------
@@ -404,7 +404,7 @@ def cell_edge(surface: HeightMap, options: MapOptions) -> float:
 
 
 def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
-    """What the map does not say, and no option either."""
+    """Properties that neither the map nor an option states."""
     problems = []
     if surface.orientation is None:
         problems.append(ORIENTATION_NEEDED)
