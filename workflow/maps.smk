@@ -5,8 +5,8 @@ import subprocess
 import sys
 
 try:
-    from asperity.cli.commands.run import names_of_maps, pool_of
     from asperity.core.errors import ConfigError
+    from asperity.study.config.reader import names_of_maps, pool_of
 except ImportError as error:
     sys.exit(f"maps: {error}")
 

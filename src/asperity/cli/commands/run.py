@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -16,7 +15,7 @@ from asperity.cli.parser import COMMANDS, arguments, converted, flag, with_flags
 from asperity.core.errors import ConfigError, InputError, did_you_mean, fail, one_line, shown
 from asperity.core.packages import require
 from asperity.study.config.check import needed_instead
-from asperity.study.config.reader import load
+from asperity.study.config.reader import CASE_SUFFIXES, CHECKSUMS, PATHS, load, names_of_maps, pool_of
 from asperity.study.config.schema import accepted, setting
 
 WRONG_USAGE = 2
@@ -30,17 +29,8 @@ OPTIONS = {
 }
 """Name of a setting that is an option → its dotted key."""
 
-PATHS = ("map", "counter_map", "out")
-"""Settings that are names of files, relative to the folder of the case file that gives them."""
-
-CHECKSUMS = {f"{name}_sha256": name for name in PATHS[:2]}
-"""Key of a case file with the checksum of a map → setting that names the map."""
-
 POOLING = ("pooled", "resume", "only")
 """Options of pooled maps."""
-
-CASE_SUFFIXES = (".yaml", ".yml")
-"""Ends of the names of case files."""
 
 
 class Job(NamedTuple):
@@ -146,44 +136,6 @@ def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
             check_area(to_si(area, "area"), sum(face.map_area for face in faces.values()))
     except ValueError as error:
         yield with_flags(str(error), "run")
-
-
-def pool_of(paths: Sequence[str]) -> dict[str, Any]:
-    """Settings of one case file that names several maps, or pools them; empty of other files.
-
-    Raises
-    ------
-    ConfigError
-        If the file cannot be read, or lists of its maps are not alike in length.
-    """
-    if len(paths) > 1 or Path(paths[0]).suffix not in CASE_SUFFIXES:
-        return {}
-    path, content = Path(paths[0]), load(Path(paths[0]))
-    pool = content.get("engineering", content)
-    if not isinstance(pool, Mapping) or not (isinstance(pool.get("map"), list) or "pooled" in pool):
-        return {}
-    named = pool.get("map")
-    maps: list[Any] = named if isinstance(named, list) else [named]
-    for name in (*PATHS[:2], *CHECKSUMS):
-        given = pool.get(name, maps)
-        if isinstance(given, list) and not (
-            0 < len(given) == len(maps) and all(isinstance(each, str) and each for each in given)
-        ):
-            raise ConfigError(f"{path}: {name} = {shown(given)}: a list of {len(maps)} names is needed")
-    if not isinstance(pool.get("pooled", False), bool):
-        raise ConfigError(f"{path}: pooled = {shown(pool['pooled'])}: true or false is needed")
-    found = {"map": [str(path.parent / each) for each in maps], "pooled": pool.get("pooled", False)}
-    return found | ({"out": str(path.parent / pool["out"])} if "out" in pool else {})
-
-
-def names_of_maps(paths: Sequence[str]) -> list[str]:
-    """Names of the folders of several answers: those of the files, alike ones after their folders' names."""
-    stems = [Path(path).stem for path in paths]
-    count = Counter(stems)
-    return [
-        stem if count[stem] == 1 else f"{Path(path).resolve().parent.name}_{stem}"
-        for path, stem in zip(paths, stems, strict=True)
-    ]
 
 
 def _answered(job: Job, save: str | None) -> Any:

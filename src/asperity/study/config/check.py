@@ -34,14 +34,12 @@ def _is_whole(_: Any, value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _is_finite(_: Any, value: object) -> bool:
-    return _is_whole(_, value) or (isinstance(value, float) and math.isfinite(value))
-
-
 _STANDARD = jsonschema.Draft202012Validator
 _Validator = jsonschema.validators.extend(
     _STANDARD,
-    type_checker=_STANDARD.TYPE_CHECKER.redefine_many({"integer": _is_whole, "number": _is_finite}),
+    type_checker=_STANDARD.TYPE_CHECKER.redefine("integer", _is_whole).redefine(
+        "number", lambda _, value: _is_whole(_, value) or (isinstance(value, float) and math.isfinite(value))
+    ),
 )
 
 

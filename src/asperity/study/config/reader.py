@@ -3,13 +3,14 @@
 Stricter than a usual YAML reader: no tags that make objects, no key given twice, limits on size, depth and
 content, so that a file from someone else does no harm. Plain scalars are those of the core schema of YAML 1.2
 (https://yaml.org/spec/1.2.2/#103-core-schema): PyYAML follows YAML 1.1, where ``010`` is 8, ``1:20`` is 80,
-``no`` is false and ``1e-6`` is text.
+``no`` is false and ``1e-6`` is text. The end of the module reads the maps of a case file of ``asperity run``.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -159,3 +160,51 @@ def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, A
         else:
             both[key] = merged(below, value)
     return both
+
+
+PATHS = ("map", "counter_map", "out")
+"""Settings that are names of files, relative to the folder of the case file that gives them."""
+
+CHECKSUMS = {f"{name}_sha256": name for name in PATHS[:2]}
+"""Key of a case file with the checksum of a map → setting that names the map."""
+
+CASE_SUFFIXES = (".yaml", ".yml")
+"""Ends of the names of case files."""
+
+
+def pool_of(paths: Sequence[str]) -> dict[str, Any]:
+    """Settings of one case file that names several maps, or pools them; empty of other files.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or lists of its maps are not alike in length.
+    """
+    if len(paths) > 1 or Path(paths[0]).suffix not in CASE_SUFFIXES:
+        return {}
+    path, content = Path(paths[0]), load(Path(paths[0]))
+    pool = content.get("engineering", content)
+    if not isinstance(pool, Mapping) or not (isinstance(pool.get("map"), list) or "pooled" in pool):
+        return {}
+    named = pool.get("map")
+    maps: list[Any] = named if isinstance(named, list) else [named]
+    for name in (*PATHS[:2], *CHECKSUMS):
+        given = pool.get(name, maps)
+        if isinstance(given, list) and not (
+            0 < len(given) == len(maps) and all(isinstance(each, str) and each for each in given)
+        ):
+            raise ConfigError(f"{path}: {name} = {shown(given)}: a list of {len(maps)} names is needed")
+    if not isinstance(pool.get("pooled", False), bool):
+        raise ConfigError(f"{path}: pooled = {shown(pool['pooled'])}: true or false is needed")
+    found = {"map": [str(path.parent / each) for each in maps], "pooled": pool.get("pooled", False)}
+    return found | ({"out": str(path.parent / pool["out"])} if "out" in pool else {})
+
+
+def names_of_maps(paths: Sequence[str]) -> list[str]:
+    """Names of the folders of several answers: those of the files, alike ones after their folders' names."""
+    stems = [Path(path).stem for path in paths]
+    count = Counter(stems)
+    return [
+        stem if count[stem] == 1 else f"{Path(path).resolve().parent.name}_{stem}"
+        for path, stem in zip(paths, stems, strict=True)
+    ]
