@@ -57,8 +57,9 @@ def test_answer_tells_the_materials_apart(answer):
     assert any("of the coating of the upper body" in text for text in texts)
 
 
-def test_results_describe_the_coatings(answer, tmp_path):
+def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
     """The section from the file is that of the answer, the bodies and the case are the same."""
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     write_answer(answer, tmp_path / "answer")
     dataset = asp.read_result(tmp_path / "answer" / "contact.nc")
     own, read = (
