@@ -68,23 +68,18 @@ def make_study_folder(folder: str | os.PathLike[str]) -> Path:
     packaged = package / PACKAGED
     source = packaged if packaged.is_dir() else package.parents[1]  # the project around the package
     try:
-        with TemporaryDirectory(dir=path) as unfinished:
-            for part in PARTS:
-                _copy(source, part, Path(unfinished))
-            for entry in list(Path(unfinished).iterdir()):
+        with TemporaryDirectory(dir=path) as temporary:
+            unfinished = Path(temporary)
+            # Without permissions and times: an installed package may be read-only.
+            for file in (each for part in PARTS for each in (source / part, *(source / part).rglob("*"))):
+                if file.is_file() and file.parent.name != "__pycache__":
+                    target = unfinished / file.relative_to(source)
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copyfile(file, target)
+            for entry in list(unfinished.iterdir()):
                 entry.rename(path / entry.name)
     except OSError:
         if is_new:
             path.rmdir()
         raise
     return path
-
-
-def _copy(project: Path, part: str, folder: Path) -> None:
-    """Copy a part of the project, without permissions and times: an installed package may be read-only."""
-    origin = project / part
-    for file in origin.rglob("*") if origin.is_dir() else [origin]:
-        if file.is_file() and file.parent.name != "__pycache__":
-            target = folder / file.relative_to(project)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(file, target)

@@ -12,7 +12,7 @@ from asperity.core.errors import one_line, shown
 from asperity.core.units import shown_si, to_si
 from asperity.results import write_result
 from asperity.results.variables import in_si
-from asperity.study.config.check import needed_instead
+from asperity.study.config.check import ROUNDING, needed_instead
 from asperity.study.config.defaults import PRESETS, default
 from asperity.study.config.schema import setting
 from asperity.study.stages.surface import make_surface
@@ -20,9 +20,6 @@ from asperity.surface.reading.height_map import MapError
 
 LENGTHS = ("wavelength_long", "wavelength_short", "rms_height")
 """Settings that are lengths."""
-
-_ROUNDING = 1e-9
-"""Two nodes on the shortest wavelength may be missed by this much."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -37,7 +34,7 @@ def run(options: argparse.Namespace) -> None:
     )
     if needed := needed_instead(points, setting("surfaces.NAME.points")):
         raise ValueError(f"--points = {points}, the default: {needed} is needed")
-    if points * parameters["wavelength_short"] < 2 - _ROUNDING:
+    if points * parameters["wavelength_short"] < 2 - ROUNDING:
         fewest = round(2 / parameters["wavelength_short"])
         raise ValueError(
             f"--points = {points}: at least {fewest} are needed, two on --wavelength-short = "

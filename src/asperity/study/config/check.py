@@ -20,7 +20,7 @@ from asperity.study.config.schema import Entry, accepted, number, schema, settin
 _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
 
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 """Two nodes on the shortest wavelength may be missed by this much, as 1/3 in decimal digits misses them."""
 
 _FEWEST_PLANES = 4
@@ -188,7 +188,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         short, long = surface["wavelength_short"], surface["wavelength_long"]
         if short > long:
             yield f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed"
-        if short * points < 2 - _ROUNDING:
+        if short * points < 2 - ROUNDING:
             yield (
                 f"{key}.points = {points!r}: at least {round(2 / short)} are needed, "
                 f"two on wavelength_short = {short!r}"

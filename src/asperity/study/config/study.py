@@ -79,7 +79,13 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
             f"this one holds the results of the paper"
         )
     if "studies" not in config:
-        config["studies"] = _study_of_all(config)
+        names = [*config.get("surfaces", {}), *config.get("measured", {})]
+        if len(names) > (most := _most_surfaces(ALL_SURFACES)):
+            raise ConfigError(
+                f"studies: missing; with {len(names)} surfaces, studies of at most {most} of them are "
+                f"needed, such as {{first: [{', '.join(names[:2])}]}}"
+            )
+        config["studies"] = {ALL_SURFACES: names}
     check_files(config)
     return config
 
@@ -166,14 +172,3 @@ def _most_surfaces(study: str) -> int:
     """Largest number of surfaces of a study."""
     studies = schema()["properties"]["studies"]
     return studies["properties"].get(study, studies["additionalProperties"])["maxItems"]
-
-
-def _study_of_all(config: Mapping[str, Any]) -> dict[str, list[str]]:
-    """One study of all surfaces, in place of a missing section ``studies``."""
-    names = [*config.get("surfaces", {}), *config.get("measured", {})]
-    if len(names) > (most := _most_surfaces(ALL_SURFACES)):
-        raise ConfigError(
-            f"studies: missing; with {len(names)} surfaces, studies of at most {most} of them are needed, "
-            f"such as {{first: [{', '.join(names[:2])}]}}"
-        )
-    return {ALL_SURFACES: names}
