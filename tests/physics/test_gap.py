@@ -108,16 +108,19 @@ def test_flow_through_waves(direction, boundary):
 
 
 @flows
-def test_channel_and_oblong_maps():
+@pytest.mark.parametrize("columns", [32, 24])
+def test_channel_and_oblong_maps(columns):
     """A straight channel in a closed map carries w g³ Δp / (12 η L); twice as long, half of it."""
-    gap = np.zeros((16, 32))
+    gap, length = np.zeros((16, columns)), (1.0, columns / 16)
     gap[4:10] = 3.0
-    flow = asp.film_flow(with_gap(gap, length=(1.0, 2.0)), 1.0, 1.0, "x")
-    assert flow.flow_rate == pytest.approx(6 / 16 * 27 / 12 / 2, rel=1e-6)
+    flow = asp.film_flow(with_gap(gap, length=length), 1.0, 1.0, "x")
+    assert flow.flow_rate == pytest.approx(6 / 16 * 27 / 12 / length[1], rel=1e-6)
     assert np.isnan(flow.pressure[gap == 0]).all()
-    np.testing.assert_allclose(np.diff(flow.pressure[5]), -1 / 32, rtol=1e-6)
+    np.testing.assert_allclose(np.diff(flow.pressure[5]), -1 / columns, rtol=1e-6)
     with pytest.raises(ValueError, match="flow_direction = 'y': x, along which it is open"):
-        asp.film_flow(with_gap(gap, length=(1.0, 2.0)), 1.0, 1.0, "y")
+        asp.film_flow(with_gap(gap, length=length), 1.0, 1.0, "y")
+    with pytest.raises(ValueError, match=r"map: 61 × 97 nodes.* common multiple of at most 4096"):
+        asp.film_flow(with_gap(np.ones((61, 97)), length=(61.0, 97.0)), 1.0, 1.0, "x")
 
 
 @flows

@@ -11,6 +11,7 @@ the film is laminar and fills the gap, and its pressure does not open it.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from dataclasses import dataclass
 from functools import cache
@@ -25,6 +26,9 @@ from asperity.core.errors import shown
 from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
+
+MAX_MULTIPLE = 4096
+"""Most nodes on the edge of the square of maps that repeats, on which the flow is solved."""
 
 FLOW_TOLERANCE = 1e-10
 """Residual of the flow, relative to that of an even pressure: a flow of a thousandth of that between plates
@@ -147,7 +151,7 @@ def film_flow(
     Parameters
     ----------
     contact : Contact
-        On square pixels, and as many along one edge as a whole multiple of those along the other.
+        On square pixels, whose numbers along the edges have a common multiple of at most 4096.
     viscosity : float
         Dynamic viscosity η, in stress times time.
     pressure_difference : float
@@ -188,7 +192,7 @@ def film_flow(
     cell = np.where(gap < CLOSED * mean, 0.0, gap / mean).astype(float)
     if contact.boundary == "free":  # mirror images make reservoirs of two edges and walls of the others
         cell = np.pad(cell, [(0, ny), (0, nx)], "symmetric")
-    longest = max(cell.shape)
+    longest = math.lcm(*cell.shape)
     cell = np.tile(cell, (longest // cell.shape[0], longest // cell.shape[1]))
     settings = {"solver": "scipy.amg-rs", "boundary_mode": "periodic", "rtol": FLOW_TOLERANCE}
     try:
@@ -216,10 +220,10 @@ def film_flow(
 def check_film_grid(grid: Grid) -> None:
     """Raise `ValueError` for a grid on which reynoldsflow does not solve the flow."""
     (ny, nx), (step_y, step_x) = grid.shape, grid.spacing
-    if max(ny, nx) % min(ny, nx) or abs(step_y / step_x - 1) > 1e-6:
+    if math.lcm(ny, nx) > max(ny, nx, MAX_MULTIPLE) or abs(step_y / step_x - 1) > 1e-6:
         raise ValueError(
             f"map: {ny} × {nx} nodes, {step_y:.6g} × {step_x:.6g} apart; the flow needs square pixels, whose "
-            "number along one edge is a whole multiple of that along the other"
+            f"numbers along the edges have a common multiple of at most {MAX_MULTIPLE}"
         )
 
 
