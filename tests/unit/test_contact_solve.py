@@ -125,7 +125,7 @@ def test_free_sheet_is_solved():
 
 
 def test_exact_steps_find_the_contact_of_a_sheet_with_plateaus():
-    """In 840 pairs of transforms; steps to the least energy take 11,000."""
+    """In 730 pairs of transforms; steps to the least energy take 10,900."""
     plateaus = np.maximum(asp.self_affine((64, 64), 0.8, 0.4, 0.1, 1e-2, seed=1), 0)
     sheet = asp.Layer(1.0, 0.3, height=0.03, bottom="free")
     certificate = solve(plateaus, sheet, mean_pressure=1e-3).certificate

@@ -172,12 +172,11 @@ def solve(
     limit = math.inf if hardness is None else _checked_hardness(hardness, control)
     hardness = None if limit == math.inf else limit
     _check_method(method, boundary, hardness)
-    units = Units.of_solid(solid, grid)
-    solid_and_grid = units.solid(solid), units.grid(grid)
+    solid_units = Units.of_solid(solid, grid)
+    solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
     _check_approach(control, response, values)
-    elastic_units = units.for_problem(values, control, math.inf, response)
-    units = units.for_problem(values, control, limit, response)
+    units = solid_units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach
         units = replace(units, below=math.inf, above=math.inf)
     scaled = units.control(control)
@@ -203,8 +202,10 @@ def solve(
             contact = _contact_of(problem, scaled, state, values, units, rtol)
         except ConvergenceError as error:
             raise error.in_units(units.stress) from None
-    met_hardness = problem.plastic.is_set() or units != elastic_units
-    if met_hardness and hardness is not None and contact.max_pressure < contact.hardness:
+    met_hardness = hardness is not None and (
+        problem.plastic.is_set() or units != solid_units.for_problem(values, control, math.inf, response)
+    )
+    if met_hardness and contact.max_pressure < contact.hardness:
         # The way to an elastic solution was not that of a solution without a hardness, nor is its rounding.
         settings = {
             "boundary": boundary,
