@@ -268,3 +268,25 @@ def test_missing_and_too_large_files_are_named(path, monkeypatch):
     monkeypatch.setenv("ASPERITY_MAX_MEMORY", "1e-9")
     with pytest.raises(DatasetError, match=r"ASPERITY_MAX_MEMORY = 1e-09 GiB: the file holds .* set that"):
         dataset.read(path)
+
+
+def test_arguments_win_over_inherited_attributes(surface, path):
+    other = {"title": "Other", "settings": '{"seed": 4}', "settings_digest": "0", "comment": "none"}
+    dataset.write(surface.assign_attrs(other), path, "A surface", SETTINGS)
+    found = dataset.read(path)
+    assert (found.attrs["title"], dataset.settings_of(found)) == ("A surface", SETTINGS)
+    assert found.attrs["settings_digest"] == dataset.digest(SETTINGS)
+    assert "cell" in found.attrs["comment"]
+
+
+def test_files_are_on_the_disk_before_they_replace(surface, path, monkeypatch):
+    """A power failure then leaves the old or the new file: content, name, and the entry of the folder."""
+    order = []
+    replace, fsync = os.replace, os.fsync
+    monkeypatch.setattr(os, "replace", lambda *names: order.append("replace") or replace(*names))
+    monkeypatch.setattr(
+        os, "fsync", lambda file: order.append(os.readlink(f"/proc/self/fd/{file}")) or fsync(file)
+    )
+    dataset.write(surface, path, "Title", SETTINGS)
+    assert order[0].endswith(".unfinished")
+    assert order[1:] == ["replace", str(path.parent)]

@@ -5,9 +5,11 @@ psutil is imported when it is needed: without it the command line still says wha
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import socket
+from contextlib import suppress
 from pathlib import Path
 
 GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
@@ -48,6 +50,26 @@ def has_ended(name: str) -> bool:
 def _host() -> str:
     """Name of this host in letters that a file name may have."""
     return re.sub(r"[^A-Za-z0-9-]", "_", socket.gethostname())[:40]
+
+
+def sha256_of(path: str | os.PathLike[str]) -> str:
+    """SHA-256 checksum of a file."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def flush(path: Path) -> None:
+    """Let the system write a file, or the names in a folder where it can, to the disk before it goes on."""
+    if path.is_dir():
+        with suppress(OSError):  # of systems that open no folders
+            folder = os.open(path, os.O_RDONLY)
+            try:
+                os.fsync(folder)
+            finally:
+                os.close(folder)
+    else:
+        with open(path, "rb+") as file:
+            os.fsync(file.fileno())
 
 
 def available_memory() -> float:

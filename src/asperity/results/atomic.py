@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from asperity.core.errors import DatasetError
-from asperity.core.system import has_ended, process_name
+from asperity.core.system import flush, has_ended, process_name
 
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
@@ -54,6 +54,7 @@ def _problem_of(target: Path) -> str:
 def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     """A temporary file beside `path`: renamed to it when the block succeeds, deleted when it fails.
 
+    It is on the disk before it has the name of an earlier file, which a power failure therefore keeps.
     Only regular files are replaced; the new one has the permissions of the earlier one. A symbolic link is
     followed. Temporary files of the same name that killed processes have left are deleted too.
 
@@ -80,7 +81,9 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield unfinished
         if earlier is not None:
             unfinished.chmod(stat.S_IMODE(earlier))
+        flush(unfinished)
         os.replace(unfinished, target)
+        flush(target.parent)
     except (OSError, RuntimeError) as error:
         if isinstance(error, DatasetError):
             raise

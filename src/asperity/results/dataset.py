@@ -68,7 +68,8 @@ def write(
     ----------
     dataset : xarray.Dataset
         With variables of `VARIABLES`; their units and descriptions are added here. Its own global attributes
-        are kept; ``unit_system`` is one of `UNIT_SYSTEMS`, by default that of the study.
+        are kept, except for those that follow from the arguments and its variables; ``unit_system`` is one of
+        `UNIT_SYSTEMS`, by default that of the study.
     path : path
     title : str
         Says in one line what the file holds.
@@ -109,20 +110,22 @@ def write(
     stage = stage_of(dataset)
     if settings is None:
         settings = settings_of(dataset) if "settings" in dataset.attrs else {}
-    described.attrs = {
+    made = {
         "Conventions": CONVENTIONS,
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
-        "source": f"asperity {__version__}",
         FORMAT: FORMAT_VERSION,
         UNIT_SYSTEM: system,
         "comment": UNIT_SYSTEMS[system],
-        "references": PAPER,
-        FFT_ENGINE: current_engine().description,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
-        **{name: value for name, value in dataset.attrs.items() if name != FORMAT},
     }
+    kept = {
+        "source": f"asperity {__version__}",
+        "references": PAPER,
+        FFT_ENGINE: current_engine().description,
+    }
+    described.attrs = made | kept | dataset.attrs | made
     described.attrs[FINGERPRINT] = fingerprint(described)
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in described.variables.items():
