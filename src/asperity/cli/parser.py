@@ -37,7 +37,8 @@ cell, stresses in units of the effective modulus E/(1 - poisson^2)."""
 
 EPILOG = """\
 From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, plot. Its cost and
-error beforehand: plan. Pictures and tables of its results: view, export. The study of the paper: study."""
+error beforehand: plan. Pictures and tables of its results: view, export. Whether they
+hold: verify. The study of the paper: study."""
 
 _PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"} | {
     quantity: quantity.upper() for quantity in ("pressure", "force", "length", "area", "volume")

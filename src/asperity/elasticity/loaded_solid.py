@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.fourier.grid import Grid, grid_of
 
 if TYPE_CHECKING:
@@ -211,6 +212,17 @@ def layer_of(contact: xr.Dataset) -> Layer:
         return Layer(young, poisson, height, lateral=lateral, base=below)
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
     return Layer(young, poisson, height, bottom, lateral)
+
+
+def solid_of(contact: xr.Dataset) -> Solid:
+    """The solid of a dataset of stage contact with its moduli: one body, or two."""
+    lower, modulus = layer_of(contact), float(contact.attrs.get("effective_modulus", 1.0))
+    upper = json.loads(contact.attrs["settings"]).get("upper")
+    if upper:
+        modulus = float(contact.attrs["young"]) / lower.young
+    base = lower.base and replace(lower.base, young=lower.base.young * modulus)
+    lower = replace(lower, young=lower.young * modulus, base=base)
+    return TwoBodies(lower, layer_from(upper)) if upper else lower
 
 
 @dataclass(frozen=True)

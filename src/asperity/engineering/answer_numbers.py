@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from asperity.contact import Contact
+from asperity.contact import Certificate, Contact
 from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.engineering.face import RoughFace
@@ -81,6 +81,14 @@ class ContactNumbers:
     load_on_small_patches: float
     load_on_edges: float
     violation: float
+
+
+def certificate_in_words(certificate: Certificate) -> str:
+    """The certificate of a contact: the largest violation of its conditions, and the bound of the error."""
+    return (
+        f"its conditions are violated by at most {certificate.worst:.1e}; the energy of the error of the "
+        f"pressure is at most {certificate.error_bound:.1e} of load times rms height"
+    )
 
 
 def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:

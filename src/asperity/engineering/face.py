@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -12,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.core.errors import one_line
+from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.surface.description import MapMeasures, map_warnings
@@ -166,9 +166,7 @@ def _read_file(source: Source) -> tuple[ReadFile, ...]:
     """The file of a map, none of a map that is given as an array."""
     if isinstance(source, HeightMap):
         return ()
-    with open(source, "rb") as file:
-        checksum = hashlib.file_digest(file, "sha256").hexdigest()
-    return (ReadFile(os.path.abspath(source), os.path.getsize(source), checksum),)
+    return (ReadFile(os.path.abspath(source), os.path.getsize(source), sha256_of(source)),)
 
 
 def _read(

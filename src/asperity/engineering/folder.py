@@ -18,13 +18,13 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from asperity.core.errors import DatasetError
-from asperity.core.system import has_ended, process_name
+from asperity.core.system import flush, has_ended, process_name, sha256_of
 
 if TYPE_CHECKING:
     from asperity.engineering.case import Case
 
 MANIFEST = ".asperity-run.json"
-"""File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
+"""File with the names and checksums of all files of an answer in its folder; no other file is replaced."""
 
 UNFINISHED = ".unfinished-"
 """Begin of the name of the folder in which files are written before they are moved to their places."""
@@ -175,8 +175,13 @@ def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
             raise ValueError(f"{folder}: {problem}")
         from asperity.results.atomic import write_text  # the check of a folder does not wait for xarray
 
-        write_text(unfinished / MANIFEST, json.dumps(sorted(kept | names)))
+        checksums = {name: found for name, found in checksums_in(folder).items() if name in kept}
+        for name in names:
+            flush(unfinished / name)
+            checksums[name] = sha256_of(unfinished / name)
+        write_text(unfinished / MANIFEST, json.dumps(checksums, sort_keys=True))
         unfinished.rename(folder / COMPLETE)
+        flush(folder)
     move_complete(folder)
 
 
@@ -200,14 +205,24 @@ def move_complete(folder: Path) -> None:
     for name in sorted(new, key=MANIFEST.__eq__):
         os.replace(complete / name, folder / name)
     complete.rmdir()
+    flush(folder)
 
 
 def names_in(folder: Path) -> set[str]:
     """Names of the files of the answer in a folder."""
+    return set(checksums_in(folder))
+
+
+def checksums_in(folder: Path) -> dict[str, str]:
+    """Name → SHA-256 checksum of the files of the answer in a folder; empty if there is none.
+
+    A checksum is empty in a folder that was written when only names were kept.
+    """
     for manifest in (folder / MANIFEST, folder / COMPLETE / MANIFEST):
         try:
             found = json.loads(manifest.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            named = found if isinstance(found, dict) else dict.fromkeys(found, "")
+            return {name: text for name, text in named.items() if Path(name).name == name}
+        except (OSError, ValueError, TypeError):
             continue
-        return {name for name in found if isinstance(name, str) and Path(name).name == name}
-    return set()
+    return {}

@@ -23,6 +23,7 @@ from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
 from asperity.engineering.answer import REPEATS, Answer, Row, body_title, case_in_words, without_repeats
+from asperity.engineering.answer_numbers import certificate_in_words
 from asperity.engineering.case import Body, Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
@@ -159,6 +160,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         title=f"{answer.face.name}: contact and stress",
         answer=answer,
         case=case_in_words(answer.case),
+        certificate=certificate_in_words(answer.contact.certificate),
         headline=headline(
             rows, len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
         ),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import shutil
@@ -10,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from asperity.core.errors import PreflightError
-from asperity.core.system import available_memory
+from asperity.core.system import available_memory, sha256_of
 from asperity.results.atomic import write_text
 
 MANIFEST = "SHA256SUMS"
@@ -77,7 +76,6 @@ def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> N
         if not file.is_file():
             continue
         if name not in known or file.stat().st_mtime >= written:
-            with open(file, "rb") as content:
-                known[name] = hashlib.file_digest(content, "sha256").hexdigest()
+            known[name] = sha256_of(file)
         lines.append(f"{known[name]}  {name}\n")
     write_text(path, "".join(lines))

@@ -1,0 +1,166 @@
+"""``asperity verify``: whether results are unchanged, and their contacts fulfil the conditions of contact."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact.certificate import MAX_ROUNDINGS, Certificate, rms_deviation, verify_contact
+from asperity.core.errors import DatasetError, fail, one_line
+from asperity.core.system import sha256_of
+from asperity.core.types import Array
+from asperity.core.version import __version__
+from asperity.elasticity.loaded_solid import solid_of
+from asperity.engineering.answer_numbers import certificate_in_words
+from asperity.engineering.folder import CASE_FILE, checksums_in
+from asperity.results import dataset
+from asperity.results.dataset import grid_of
+from asperity.study.config.reader import CHECKSUMS, load
+
+
+class Check(NamedTuple):
+    """Text of one check, and whether it holds."""
+
+    text: str
+    holds: bool = True
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print what holds, and end with a line for each failure."""
+    status = 0
+    for path in map(Path, options.results):
+        try:
+            for check in _of_folder(path) if path.is_dir() else _of_file(path, dataset.read(path)):
+                if check.holds:
+                    print(one_line(check.text), flush=True)
+                else:
+                    status = fail(check.text)
+        except DatasetError as error:
+            status = fail(str(error))
+    if status:
+        sys.exit(status)
+
+
+def _of_folder(path: Path) -> Iterator[Check]:
+    """Checks of the folder of an answer, or of a folder that holds those of several."""
+    folders = [folder for folder in (path, *sorted(path.iterdir())) if checksums_in(folder)]
+    if not folders:
+        text = f"{path}: no answer of asperity run; a result file or the folder of an answer is needed"
+        yield Check(text, False)
+    for folder in folders:
+        yield from _of_answer(folder)
+
+
+def _of_answer(folder: Path) -> Iterator[Check]:
+    """Checks of the folder of an answer, or of the tables and pages of several."""
+    results: dict[str, xr.Dataset] = {}
+    checksums = checksums_in(folder)
+    unchanged = []
+    for name, checksum in sorted(checksums.items()):
+        path = folder / name
+        if not path.is_file():
+            yield Check(f"{path}: missing; run again", False)
+        elif not checksum:
+            yield Check(f"{path}: no checksum was kept when it was written; run again", False)
+        elif sha256_of(path) != checksum:
+            yield Check(f"{path}: changed since it was written; run again", False)
+        else:
+            unchanged.append(name)
+            if path.suffix == ".nc":
+                results[name] = dataset.read(path)
+    if len(unchanged) == len(checksums):
+        yield Check(f"{folder}: {len(unchanged)} files unchanged")
+    for name, values in {"version": "source", "settings": "settings_digest"}.items():
+        if len(found := {result.attrs[values] for result in results.values()}) > 1:
+            yield Check(
+                f"{folder}: results of one {name} are needed, found {', '.join(sorted(found))}", False
+            )
+    if "contact.nc" not in checksums:
+        return
+    if "report.html" not in checksums:
+        yield Check(f"{folder}: no report, the run was interrupted; run again", False)
+    if {"contact.nc", "surface.nc"} <= results.keys():
+        height = results["surface.nc"]["height"].transpose("y", "x").values
+        yield from _of_file(folder / "contact.nc", results["contact.nc"], height)
+    if (folder / CASE_FILE).is_file():
+        yield from _of_maps(folder / CASE_FILE)
+
+
+def _of_maps(path: Path) -> Iterator[Check]:
+    """Whether the maps of a case file are those that were read."""
+    case = load(path)
+    for key, name in CHECKSUMS.items():
+        if key in case:
+            file = Path(os.path.normpath(path.parent / case[name]))
+            if not file.is_file():
+                yield Check(f"{file}: no such file; the map of {path} is needed to compare it", False)
+            elif sha256_of(file) != case[key]:
+                yield Check(f"{file}: changed since {path.parent} was computed from it; run again", False)
+            else:
+                yield Check(f"{file}: unchanged since {path.parent} was computed from it")
+
+
+def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Iterator[Check]:
+    """Version of a result that was read, and the certificate of a contact from its height."""
+    other = f"; this is asperity {__version__}" if result.attrs["source"] != f"asperity {__version__}" else ""
+    yield Check(
+        f"{path}: unchanged, written by {result.attrs['source']}, {result.attrs['fft_engine']}{other}"
+    )
+    if dataset.stage_of(result) != "contact":
+        return
+    found, allowed = certificates(result, height)
+    yield Check(f"{path}: certificate computed anew: {certificate_in_words(found)}")
+    for name, value in found.violations.items():
+        if not value <= allowed[name]:
+            yield Check(
+                f"{path}: {name.replace('_', ' ')} = {value:.2g}: at most {allowed[name]:.2g} is needed, "
+                "that of its own certificate and rounding; the pressure is not the solution",
+                False,
+            )
+
+
+def certificates(contact: xr.Dataset, height: Array | None = None) -> tuple[Certificate, dict[str, float]]:
+    """Certificate of a stored contact, computed anew, and the largest violations that are accepted.
+
+    These are the violations that the solver found, with the rounding of the fields in the file.
+
+    Parameters
+    ----------
+    contact : dataset
+        Result of stage contact.
+    height : (ny, nx) array, optional
+        By default that which follows from gap, displacement and approach.
+    """
+    grid, solid = grid_of(contact), solid_of(contact)
+    pressure, displacement = (
+        contact[name].transpose("y", "x").values for name in ("pressure", "displacement")
+    )
+    if height is None:
+        height = dataset.height_of(contact).transpose("y", "x").values
+    approach = float(contact["approach"])
+    found = verify_contact(
+        height,
+        pressure,
+        solid,
+        grid.length,
+        approach=approach,
+        mean_pressure=float(contact["mean_pressure"]),
+        hardness=float(contact["hardness"]) if "hardness" in contact else None,
+        boundary=str(contact.attrs.get("boundary", "periodic")),
+    )
+    rounding = MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps)
+    nodal = float(pressure.max()) * min(grid.spacing) / solid.effective_modulus
+    largest = abs(approach) + float(np.abs(height).max()) + float(np.abs(displacement).max())
+    lengths = rounding * largest / (rms_deviation(height) or nodal or 1.0)
+    return found, {
+        name: float(contact.attrs[f"certificate_{name}"])
+        + (rounding if name in ("tension", "load_imbalance") else lengths)
+        for name in found.violations
+    }
