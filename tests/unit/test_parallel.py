@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asperity.contact.contact_nodes import dot
-from asperity.core.parallel import SUMMED_PART, apply, in_parts, in_strips, results, results_of, total
+from asperity.core.parallel import SUMMED_PART, apply, in_parts, in_strips, map_parts, run_tasks, sum_parts
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -26,13 +26,13 @@ def test_parts_cover_all_elements_in_order(threads):
 
 def test_sums_do_not_depend_on_threads():
     values = np.random.default_rng(0).random(300_000)
-    sums = [total(dot, threads, values, values) for threads in (1, 2, 3)]
+    sums = [sum_parts(dot, threads, values, values) for threads in (1, 2, 3)]
     assert sums[0] == sums[1] == sums[2] == pytest.approx(values @ values, rel=1e-13)
 
 
 def test_parts_of_arrays_hold_every_element_once():
     values, out = np.arange(7.0 * SUMMED_PART + 1), np.empty(7 * SUMMED_PART + 1)
-    np.testing.assert_array_equal(np.concatenate(results(lambda part: part, 2, values)), values)
+    np.testing.assert_array_equal(np.concatenate(map_parts(lambda part: part, 2, values)), values)
     apply(lambda source, factor, target: np.multiply(source, factor, out=target), 3, values, 2.0, out)
     np.testing.assert_array_equal(out, 2 * values)
 
@@ -43,10 +43,10 @@ def test_results_are_in_the_order_of_tasks(threads):
 
     def task(number, depth=3):
         time.sleep(0.0005 * (number % 3))
-        inner = results_of([partial(task, n, depth - 1) for n in range(2)], threads) if depth else []
+        inner = run_tasks([partial(task, n, depth - 1) for n in range(2)], threads) if depth else []
         return [number, inner]
 
-    found = results_of([partial(task, number) for number in range(10)], threads)
+    found = run_tasks([partial(task, number) for number in range(10)], threads)
     assert [number for number, _ in found] == list(range(10))
     assert all([number for number, _ in inner] == [0, 1] for _, inner in found)
 
@@ -60,7 +60,7 @@ def test_tasks_run_together_in_the_callers_context():
         return np.float32(np.array(1e300))
 
     with np.errstate(over="ignore"):
-        assert results_of([task] * 3, 3) == [np.inf] * 3
+        assert run_tasks([task] * 3, 3) == [np.inf] * 3
 
 
 @pytest.mark.parametrize("failing", [0, 5])
@@ -76,6 +76,6 @@ def test_error_is_raised_after_all_threads_stop(failing):
         ended.append(number)
 
     with pytest.raises(ValueError, match=f"task {failing}"):
-        results_of([partial(task, number) for number in range(200)], 3)
+        run_tasks([partial(task, number) for number in range(200)], 3)
     assert set(begun) - set(ended) == {failing}
     assert len(begun) < 200

@@ -17,10 +17,10 @@ from asperity.contact.contact_nodes import added, dot
 from asperity.contact.problem import Problem, State
 from asperity.contact.response import response_on
 from asperity.core.arguments import number, real_array
-from asperity.core.compiled import compiled, sums
+from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.errors import ConvergenceError
 from asperity.core.markup import table
-from asperity.core.parallel import results, total
+from asperity.core.parallel import map_parts, sum_parts
 from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
@@ -227,7 +227,7 @@ def checked_certificate(
     found = certificate_of_fields(
         pressure, gap, rms_height, problem.unit, load, problem.fourier.threads, problem.hardness
     )
-    norm = math.sqrt(total(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
+    norm = math.sqrt(sum_parts(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
     caused = norm * math.sqrt(response.own_compliance * float(response.half_compliance.max()))
     scale = rms_height or float(pressure.max()) * problem.unit or 1.0
     lengths = (MAX_UNDERESTIMATE * rtol * caused + rounding * largest) / scale
@@ -272,7 +272,7 @@ def certificate_of_fields(
     hardness : float
     """
     fields = pressure.reshape(-1), gap.reshape(-1)
-    found = np.array(results(_measures_of_contact, threads, *fields, hardness))
+    found = np.array(map_parts(_measures_of_contact, threads, *fields, hardness))
     least, least_gap = found[:, :2].min(axis=0).tolist()
     largest, contact_gap = found[:, 2:4].max(axis=0).tolist()
     total_pressure, total_gap, work, support = found[:, 4:].sum(axis=0).tolist()
@@ -296,8 +296,8 @@ def certificate_of_fields(
 def rms_deviation(values: Array, threads: int = 1) -> float:
     """Root mean square of the deviations from the mean."""
     flat = values.reshape(-1).astype(float, copy=False)
-    mean = total(added, threads, flat) / flat.size
-    return math.sqrt(total(_squared_deviation, threads, flat, mean) / flat.size)
+    mean = sum_parts(added, threads, flat) / flat.size
+    return math.sqrt(sum_parts(_squared_deviation, threads, flat, mean) / flat.size)
 
 
 def field_in_double(name: str, array: Array) -> Array:
@@ -307,7 +307,7 @@ def field_in_double(name: str, array: Array) -> Array:
     return array.astype(float, copy=False)
 
 
-@sums
+@vectorised_sums
 def _squared_deviation(values: Any, mean: float) -> float:
     """Σ (value − mean)²."""
     total = 0.0

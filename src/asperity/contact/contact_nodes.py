@@ -23,7 +23,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from asperity.core.compiled import compiled, makes_arrays, sums
+from asperity.core.compiled import compiled, compiled_with_arrays, vectorised_sums
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
@@ -49,7 +49,7 @@ def field_of(shape: tuple[int, int], nodes: Array, values: Array, out: Array | N
     return out
 
 
-@makes_arrays
+@compiled_with_arrays
 def inserted(values: Any, at: Any, others: Any) -> Any:
     """Values with others inserted before the sorted places `at`, in a third of the time of `numpy.insert`."""
     out = np.empty(values.size + others.size, values.dtype)
@@ -64,7 +64,7 @@ def inserted(values: Any, at: Any, others: Any) -> Any:
     return out
 
 
-@sums
+@vectorised_sums
 def added(a: Any) -> float:
     """Σ a."""
     total = 0.0
@@ -73,7 +73,7 @@ def added(a: Any) -> float:
     return total
 
 
-@sums
+@vectorised_sums
 def dot(a: Any, b: Any) -> float:
     """Σ a b."""
     total = 0.0

@@ -26,8 +26,8 @@ import numpy as np
 from asperity.contact.contact_nodes import StencilProduct, add_multiple, dot
 from asperity.contact.operators import InnerResponse, Operators, Preconditioner
 from asperity.contact.response import Response
-from asperity.core.compiled import compiled, sums
-from asperity.core.parallel import apply, total
+from asperity.core.compiled import compiled, vectorised_sums
+from asperity.core.parallel import apply, sum_parts
 from asperity.core.types import Array
 
 # An inner solve ends when the preconditioned norm of its residual has dropped by this factor, or after so
@@ -142,7 +142,7 @@ class InnerSolver:
         while iterations < max_iterations:
             if iterations:
                 z = operators.precondition(residual)
-            sums = total(_sums_of_iteration, threads, z, weight, residual, response)
+            sums = sum_parts(_sums_of_iteration, threads, z, weight, residual, response)
             z_sum, product, uniform, change, uniform_change = sums
             shift = np.float32(z_sum / operators.uniform_sum if free else 0)
             uniform_part = float(shift) * uniform
@@ -163,7 +163,7 @@ class InnerSolver:
             length, previous = np.float32(0), product
             response = operators.displacement(direction)
             iterations += 1
-            curvature = total(dot, threads, direction, response)
+            curvature = sum_parts(dot, threads, direction, response)
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
@@ -174,7 +174,7 @@ class InnerSolver:
             # The last step, which no next direction has followed.
             apply(add_multiple, threads, x, direction, length)
         # The part of the residual that is left which a change of the approach removes.
-        excess = level + total(dot, threads, weight, residual) / operators.uniform_sum if free else 0.0
+        excess = level + sum_parts(dot, threads, weight, residual) / operators.uniform_sum if free else 0.0
         displacement = system.residual - residual
         displacement -= np.float32(level)
         return Correction(x, displacement, -(self._unit * excess), iterations)
@@ -196,7 +196,7 @@ def _layer_stiffness(response: Response) -> Array | None:
 # that at a given load the corrections sum to zero.
 
 
-@sums
+@vectorised_sums
 def _sums_of_iteration(z: Any, weight: Any, residual: Any, response: Any) -> tuple[float, ...]:
     """Σ z, Σ z × residual, Σ weight × residual, Σ z × response and Σ weight × response."""
     total, product, uniform, change, uniform_change = 0.0, 0.0, 0.0, 0.0, 0.0

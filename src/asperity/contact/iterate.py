@@ -17,8 +17,8 @@ from asperity.contact.contact_nodes import added, dot, field_of, inserted
 from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.operators import Operators
 from asperity.contact.problem import Control, Problem
-from asperity.core.compiled import compiled, sums
-from asperity.core.parallel import STRIP, apply, results_of, total
+from asperity.core.compiled import compiled, vectorised_sums
+from asperity.core.parallel import STRIP, apply, run_tasks, sum_parts
 from asperity.core.types import Array
 
 # The amount by which the pressures change together is found by Newton's method, which is exact once the same
@@ -180,7 +180,7 @@ class Iterate:
             return found.astype(np.uint32) + edges[0], level[found]
 
         tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
-        nodes, levels = zip(*results_of(tasks, self.problem.fourier.threads), strict=True)
+        nodes, levels = zip(*run_tasks(tasks, self.problem.fourier.threads), strict=True)
         return np.concatenate(nodes), np.concatenate(levels)
 
     def pressure_field(self) -> Array:
@@ -261,7 +261,9 @@ class ContactSystem:
         if control.fixes_load:
             approach = float(level[0]) if level.size else math.nan  # a pressure that has overflowed
             if operators.uniform_sum:
-                weighted = total(_weighted_sum, problem.fourier.threads, operators.uniform, level, approach)
+                weighted = sum_parts(
+                    _weighted_sum, problem.fourier.threads, operators.uniform, level, approach
+                )
                 approach += weighted / operators.uniform_sum
         residual = overlap_of(level, approach, problem.unit)
         system = System(operators, residual, operators.precondition(residual), control.fixes_load)
@@ -390,7 +392,7 @@ class Step:
         if after.nodes.size != self.nodes.size:
             return 0.0, 0.0  # no pressure was left
         arrays = after.pressure, self.pressure, after.level, self.level
-        slope, curvature = total(_energy_along, after.problem.fourier.threads, *arrays, self.approach)
+        slope, curvature = sum_parts(_energy_along, after.problem.fourier.threads, *arrays, self.approach)
         fraction = min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
         return fraction, fraction * (slope - 0.5 * fraction * curvature)
 
@@ -428,7 +430,7 @@ def with_load(
         lowest = np.sort(np.argpartition(heights, missing - 1)[:missing]).astype(np.uint32)
         at = np.searchsorted(nodes, lowest)
         nodes, values = np.insert(nodes, at, lowest), np.insert(values, at, wanted / missing)
-    factor, largest = wanted / total(added, threads, values), float(values.max())
+    factor, largest = wanted / sum_parts(added, threads, values), float(values.max())
     if not is_projected and largest < hardness and largest * factor < hardness:
         return nodes, values * values.dtype.type(factor)
     if not is_projected or largest * max(factor, 1.0) >= hardness:
@@ -436,7 +438,7 @@ def with_load(
     least = -1.0 if needed > bearing else 0.0  # nodes up to this pressure stay released
     shift, low, high, before = 0.0, -hardness, largest, -1
     for _ in range(MAX_SHIFTS):
-        borne, elastic = total(_shifted_sums, threads, values, shift, least, hardness)
+        borne, elastic = sum_parts(_shifted_sums, threads, values, shift, least, hardness)
         if abs(borne - wanted) <= LOAD_ROUNDING * wanted and elastic == before:
             break
         before = elastic
@@ -467,11 +469,11 @@ def _error(
     - The gap is known only to its rounding, which stands for a pressure of its own.
     """
     problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads
-    norm = math.sqrt(total(dot, threads, iterate.pressure, iterate.pressure))
+    norm = math.sqrt(sum_parts(dot, threads, iterate.pressure, iterate.pressure))
     shift = 0.0
     if system.has_free_approach:
-        shift = total(added, threads, system.preconditioned) / operators.uniform_sum
-    corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
+        shift = sum_parts(added, threads, system.preconditioned) / operators.uniform_sum
+    corrected = sum_parts(_projected_square, threads, system.preconditioned, operators.uniform, shift)
     penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0)
     penetration /= problem.own_compliance
     error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
@@ -530,7 +532,7 @@ def _write_shifted(values: Any, shift: float, least: float, hardness: Any, out: 
         out[k] = min(max(pressure, 0.0), hardness) if values[k] > least else 0.0
 
 
-@sums
+@vectorised_sums
 def _weighted_sum(weight: Any, level: Any, origin: float) -> float:
     """Σ weight × (level − origin)."""
     total = 0.0
@@ -539,7 +541,7 @@ def _weighted_sum(weight: Any, level: Any, origin: float) -> float:
     return total
 
 
-@sums
+@vectorised_sums
 def _projected_square(z: Any, weight: Any, shift: float) -> float:
     """Σ (z − shift × weight)²."""
     total = 0.0
@@ -548,7 +550,7 @@ def _projected_square(z: Any, weight: Any, shift: float) -> float:
     return total
 
 
-@sums
+@vectorised_sums
 def _energy_along(
     pressure: Any, pressure_before: Any, level: Any, level_before: Any, approach: float
 ) -> tuple[float, float]:

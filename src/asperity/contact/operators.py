@@ -56,8 +56,8 @@ from asperity.contact.contact_nodes import (
     whole_stencil,
 )
 from asperity.contact.response import Response, multiply, multiply_rows
-from asperity.core.compiled import compiled, sums
-from asperity.core.parallel import in_parts, in_strips, total
+from asperity.core.compiled import compiled, vectorised_sums
+from asperity.core.parallel import in_parts, in_strips, sum_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid
 
@@ -116,7 +116,7 @@ class Operators:
         self._indices = response.indices(nodes)
         self.precondition = NodePreconditioner(whole, nodes)
         self.uniform = self.precondition.uniform
-        self.uniform_sum = total(added, whole.threads, self.uniform)
+        self.uniform_sum = sum_parts(added, whole.threads, self.uniform)
 
     def displacement(self, pressure: Array, at: Array | None = None) -> Array:
         """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
@@ -462,7 +462,7 @@ def _subtract_in_cells(cell: Any, weight: Any, displacement: Any, out: Any) -> N
         out[k] -= weight[k] * displacement[cell[k]]
 
 
-@sums
+@vectorised_sums
 def _next_direction(
     ratio: Any, mean_sigma: Any, residual: Any, z: Any, sigma: Any, direction: Any, image: Any, response: Any
 ) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from asperity.core.arguments import choice
-from asperity.core.compiled import compiled, makes_arrays
+from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import (
@@ -285,7 +285,7 @@ def multiply_rows(coefficients: Array, factors: Array) -> None:
     _multiply(coefficients.view(coefficients.real.dtype), factors)
 
 
-@makes_arrays
+@compiled_with_arrays
 def _interpolate(
     field: Any, above: Any, below: Any, down: Any, left: Any, right: Any, across: Any, out: Any
 ) -> None:

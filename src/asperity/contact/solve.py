@@ -30,7 +30,7 @@ from asperity.core.arguments import (
 )
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, did_you_mean, shown
-from asperity.core.parallel import results
+from asperity.core.parallel import map_parts
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
@@ -419,7 +419,7 @@ def _contact_of(
         displacement = response.displacement(state.pressure)
     response.release()
     fields = (field.reshape(-1) for field in (state.pressure, problem.height, displacement))
-    parts = results(_levels_of_contact, threads, *fields, problem.fourier.real.type(hardness))
+    parts = map_parts(_levels_of_contact, threads, *fields, problem.fourier.real.type(hardness))
     total_level, elastic, nodes, total_pressure = (sum(part[i] for part in parts) for i in range(4))
     mean_pressure, approach = total_pressure / problem.grid.size, state.approach
     if control.kind != "approach" and elastic:

@@ -40,7 +40,7 @@ _kept = partial(njit, cache=True, error_model="numpy", nogil=True)
 _loop = partial(_kept, _nrt=False)
 
 compiled = _loop()
-makes_arrays = _kept()
+compiled_with_arrays = _kept()
 
 # Inlined into the calling loop, which can then be turned into operations on vectors.
 inlined = _loop(forceinline=True)
@@ -51,7 +51,7 @@ fused_inlined = _loop(fastmath={"contract"}, forceinline=True)
 
 # Numbers may be added in any order, as operations on vectors need: it depends on the processor, but not on
 # the number of threads.
-sums = _loop(fastmath={"reassoc", "contract", "nsz"})
+vectorised_sums = _loop(fastmath={"reassoc", "contract", "nsz"})
 
 # None of the numbers is NaN: only then some loops that sum or compare are turned into operations on vectors.
-sums_without_nan = _loop(fastmath={"reassoc", "nnan", "nsz", "contract"})
+vectorised_sums_without_nan = _loop(fastmath={"reassoc", "nnan", "nsz", "contract"})

@@ -54,7 +54,7 @@ def aligned_memory(size: int) -> Any:
     return memory[start : start + size]
 
 
-def results_of(tasks: Sequence[Callable[[], Any]], threads: int) -> list[Any]:
+def run_tasks(tasks: Sequence[Callable[[], Any]], threads: int) -> list[Any]:
     """Call functions without arguments on several threads, and return their results in order.
 
     They are begun in their order, and see the caller's context variables, such as `numpy.errstate`. The
@@ -115,7 +115,7 @@ def in_parts(
     parts = max(1, min(threads * PARTS_OF_THREAD, size // smallest)) if threads > 1 else 1
     edges = [size * part // parts // multiple * multiple for part in range(parts)] + [size]
     tasks = first + [partial(work, slice(start, stop)) for start, stop in pairwise(edges)]
-    return results_of(tasks, threads)[len(first) :]
+    return run_tasks(tasks, threads)[len(first) :]
 
 
 def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: int) -> None:
@@ -126,7 +126,7 @@ def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: 
     rows, columns = shape
     strip = max(1, STRIP // columns)
     starts = range(0, rows, strip)
-    results_of([partial(work, slice(start, min(start + strip, rows))) for start in starts], threads)
+    run_tasks([partial(work, slice(start, min(start + strip, rows))) for start in starts], threads)
 
 
 def apply(function: Callable[..., object], threads: int, *arguments: Any) -> None:
@@ -144,7 +144,7 @@ def apply(function: Callable[..., object], threads: int, *arguments: Any) -> Non
     in_parts(lambda part: function(*_parts_of(arguments, part)), size, threads)
 
 
-def results(function: Callable[..., Any], threads: int, *arguments: Any) -> list[Any]:
+def map_parts(function: Callable[..., Any], threads: int, *arguments: Any) -> list[Any]:
     """Results of a function for consecutive parts of arrays, in order.
 
     The parts, and so the rounding of sums over them, are the same for any number of threads, and two or four
@@ -156,14 +156,14 @@ def results(function: Callable[..., Any], threads: int, *arguments: Any) -> list
         return [function(*arguments)]
     count -= count % 4 if count > 4 else count % 2
     edges = [size * part // count for part in range(count + 1)]
-    return results_of(
+    return run_tasks(
         [partial(function, *_parts_of(arguments, slice(*edge))) for edge in pairwise(edges)], threads
     )
 
 
-def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
-    """Sum of the `results`, of a number or of several."""
-    found = results(function, threads, *arguments)
+def sum_parts(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
+    """Sum of the results of `map_parts`, which are numbers or tuples of numbers."""
+    found = map_parts(function, threads, *arguments)
     return tuple(map(sum, zip(*found, strict=True))) if isinstance(found[0], tuple) else sum(found)
 
 

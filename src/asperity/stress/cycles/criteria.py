@@ -29,7 +29,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.arguments import magnitude, number, require_finite
-from asperity.core.compiled import compiled, makes_arrays
+from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
@@ -209,7 +209,7 @@ class CycleMaps:
         return xr.Dataset(maps | volume, coordinates, worst)
 
 
-@makes_arrays
+@compiled_with_arrays
 def reduce_rows(states: Any, unloaded: bool, fatigue: bool, shakedown: bool, alpha: float, out: Any) -> None:
     """Fill `out`, (5, rows), from stresses (6, rows, nodes): range of σ_xz, Dang Van, squared radii."""
     nodes = states.shape[2]
@@ -243,7 +243,7 @@ def fill_points(states: Any, row: int, unloaded: bool, points: Any) -> float:
     return high - low
 
 
-@makes_arrays
+@compiled_with_arrays
 def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> float:
     """Largest τ_a + α σ_H of a row.
 

@@ -26,8 +26,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.core.compiled import makes_arrays
-from asperity.core.parallel import results_of
+from asperity.core.compiled import compiled_with_arrays
+from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -181,7 +181,7 @@ class Histories(CycleMaps):
             partial(self._strip, states[:, :, start : start + strip], nx)
             for start in range(0, states.shape[2], strip)
         ]
-        found, along, halves, dang_van = zip(*results_of(tasks, self._threads), strict=True)
+        found, along, halves, dang_van = zip(*run_tasks(tasks, self._threads), strict=True)
         self._halves = np.max([self._halves, *halves], axis=0)
         above = self.criteria.above(np.concatenate(dang_van))
         return np.concatenate(found, axis=1), np.concatenate(along, axis=1), above
@@ -245,7 +245,7 @@ class Histories(CycleMaps):
         return found.assign_attrs(few_shifts_error=ERROR_OVER_CHANGE * max(changes))
 
 
-@makes_arrays
+@compiled_with_arrays
 def fill_row_radii(states: Any, unloaded: bool, out: Any) -> None:
     """Fill `out`, (rows,), with squared radii of all histories of a row together, the centre along xx."""
     count = states.shape[2]
@@ -255,7 +255,7 @@ def fill_row_radii(states: Any, unloaded: bool, out: Any) -> None:
         out[row] = smallest_sphere(points, 1, centre)
 
 
-@makes_arrays
+@compiled_with_arrays
 def fill_bounds(states: Any, unloaded: bool, alpha: float, out: Any) -> None:
     """Fill `out`, (2, points), with upper bounds of the Dang Van stress and the squared radius."""
     count = states.shape[2]

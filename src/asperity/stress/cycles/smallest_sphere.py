@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.core.compiled import compiled, makes_arrays
+from asperity.core.compiled import compiled, compiled_with_arrays
 
 DIMENSIONS = 5
 """Dimensions of the space, that of the stress deviators."""
@@ -26,7 +26,7 @@ MAX_EXCHANGES = 1000
 """Most points that are added; about ten are."""
 
 
-@makes_arrays
+@compiled_with_arrays
 def smallest_sphere(points: Any, free: int, centre: Any) -> float:
     """Squared radius of the smallest sphere around points, exact to rounding.
 
@@ -85,7 +85,7 @@ def _fill_distances(points: Any, centre: Any, squared: Any) -> None:
             squared[n] += (points[k, n] - centre[k]) ** 2
 
 
-@makes_arrays
+@compiled_with_arrays
 def _wanted_weights(points: Any, free: int, support: Any, count: int, wanted: Any) -> bool:
     """Weights of the points in the centre equally far from all; False if there is none, as one depends.
 

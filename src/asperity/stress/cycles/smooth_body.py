@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from asperity.core.errors import shown
-from asperity.core.parallel import results_of
+from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -81,5 +81,5 @@ class Cycles(CycleMaps):
             states = fields.rows(first, last)[:, :, MARGIN : MARGIN + nx]
             return self.criteria.reduced(states, self._is_unloaded)
 
-        strips = results_of([partial(reduced, first) for first in range(0, ny, rows)], self._threads)
+        strips = run_tasks([partial(reduced, first) for first in range(0, ny, rows)], self._threads)
         self.take(plane.depth, np.concatenate(list(strips), axis=1))

@@ -26,7 +26,7 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.special import erfc
 
-from asperity.core.parallel import results_of
+from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import padded_grid
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -133,12 +133,12 @@ class FreePlanes:
             out[...] = total
 
         tasks = [partial(transform, field, out) for field, out in zip(fields, values, strict=True)]
-        results_of(tasks, self._threads)
+        run_tasks(tasks, self._threads)
         self._work.nodes += 2 * len(fields) * len(modes) * cell.size
 
         if visit is not None:
             bands = [partial(visit, number, *band) for number, band in enumerate(bands_of(ny))]
-            results_of(bands, self._threads)
+            run_tasks(bands, self._threads)
 
     def _cell(self, grid: Grid) -> tuple[Grid, list[Array], Array | float]:
         """Cell of the convolution, coefficients of the pressures in it, and the taper of the influence."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from asperity.core.compiled import compiled, fused, fused_inlined
-from asperity.core.parallel import KeptArrays, results_of
+from asperity.core.parallel import KeptArrays, run_tasks
 from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -189,8 +189,8 @@ class PeriodicPlanes:
             bands_of(ny),
             max(4, NODES_AT_ONCE // nx),
         )
-        results_of([partial(transform_columns, start) for start in starts], self._threads)
-        results_of([partial(transform_rows, band) for band in range(len(bands))], self._threads)
+        run_tasks([partial(transform_columns, start) for start in starts], self._threads)
+        run_tasks([partial(transform_rows, band) for band in range(len(bands))], self._threads)
         columns = len(along_y) * own.columns / grid.half_shape[1]
         self._work.nodes += round(grid.size * (len(along_x) + columns) / 2)
 

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.arguments import require_finite
-from asperity.core.compiled import compiled, sums_without_nan
-from asperity.core.parallel import results_of
+from asperity.core.compiled import compiled, vectorised_sums_without_nan
+from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, Work, resample
 from asperity.stress.planes.fields import MARGIN, NODES_AT_ONCE, Fields
@@ -174,7 +174,7 @@ class References:
             return sums
 
         tasks = [partial(fill, first) for first in range(0, packed.shape[1], strip)]
-        sums = np.sum(results_of(tasks, self._threads), axis=0)
+        sums = np.sum(run_tasks(tasks, self._threads), axis=0)
         self._steps[places], self._means[places] = steps, steps * sums / packed[0].size
 
     def _empty(self, grid: Grid) -> Array:
@@ -243,7 +243,7 @@ def _rows_of(field: Array, first: int, last: int) -> Array:
     return field[None, first:last]
 
 
-@sums_without_nan
+@vectorised_sums_without_nan
 def sum_rows(
     values: Any, start: int, stop: int, columns: int, first: int, references: Any, shared: Any, out: Any
 ) -> None:
@@ -308,7 +308,7 @@ def _pack(values: Any, margin: int, per_step: Any, which: Any, first: int, out: 
             sums[n] += total
 
 
-@sums_without_nan
+@vectorised_sums_without_nan
 def _mean_product(one: Any, two: Any) -> float:
     """Mean of the product of two fields of whole numbers."""
     total = 0.0
