@@ -30,6 +30,11 @@ def pytest_addoption(parser):
     parser.addoption("--fft-engine", choices=ENGINES, help="engine of the Fourier transforms in all tests")
 
 
+def pytest_make_parametrize_id(val):
+    """Begin of a long text, in place of all of it, in the name of a test."""
+    return ascii(val)[:60] if isinstance(val, (str, bytes)) and len(val) > 40 else None
+
+
 def pytest_configure(config):
     if engine := config.getoption("--fft-engine"):
         os.environ[VARIABLE] = engine

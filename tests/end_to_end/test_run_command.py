@@ -285,8 +285,3 @@ def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):
     said = refused(*command[:-1], tmp_path / "mine", "--save", "case.yaml")
     assert "holds comparison.csv, which asperity run has not written" in said
     assert "--save: one MAP is needed" in said
-
-
-def test_single_stages_refuse_results_of_a_run(folder, tmp_path, capsys):
-    assert main(["stress", str(folder / "contact.nc"), "--out", str(tmp_path / "stress.nc")]) == 1
-    assert "a result of asperity run, which makes those of all stages itself" in capsys.readouterr().err

@@ -1,15 +1,12 @@
-"""Whole runs of ``asperity run``: options of every kind, files that must survive, two processes in a folder.
+"""Whole runs of ``asperity run``: options of every kind, and files that must survive.
 
 The pictures are left out: they take most of the time of a small run, and the folder of an answer is the same
 without them but for their files.
 """
 
 import contextlib
-import functools
-import multiprocessing
 import shutil
 import tempfile
-import time
 from pathlib import Path
 from unittest import mock
 
@@ -19,9 +16,7 @@ from hypothesis import strategies as st
 from inputs import LONGEST_MESSAGE, PromiseError, require
 
 import asperity as asp
-from asperity import engineering
 from asperity.cli import main as cli
-from asperity.core.errors import DatasetError
 from asperity.results import dataset
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-answers-"))
@@ -173,72 +168,5 @@ def require_whole(folder):
     require(all(each == settings[0] for each in settings), "the folder holds files of two answers")
 
 
-@functools.cache
-def answers():
-    """Answers of one map under two loads."""
-    height = 1e-8 * np.random.default_rng(1).normal(size=(POINTS, POINTS))
-    surface = asp.HeightMap(height, (EDGE, EDGE), name="small", periodic=True, unit="m")
-    return [
-        engineering.run(surface, engineering.Body(210e9, 0.3), mean_pressure=load) for load in (50e6, 60e6)
-    ]
-
-
-races = st.fixed_dictionaries(
-    {
-        "earlier": st.booleans(),
-        "delays": st.tuples(st.floats(0, 0.05), st.floats(0, 0.05)),
-        "times": st.integers(1, 3),
-    }
-)
-
-
-def write_often(answer, folder, delay, times, outcomes):
-    """Write an answer several times; report what became of it."""
-    for _ in range(times):
-        time.sleep(delay)
-        try:
-            engineering.write_answer(answer, folder)
-            outcomes.put("written")
-        except DatasetError:
-            outcomes.put("refused")
-        except Exception as error:
-            outcomes.put(repr(error))
-
-
-def try_race(case):
-    """Two processes write into one folder: each answer is written or refused, and the folder holds one."""
-    folder = Path(tempfile.mkdtemp(dir=FOLDER)) / "out"
-    context = multiprocessing.get_context("fork")
-    outcomes = context.Queue()
-    with NO_PICTURES:
-        if case["earlier"]:
-            engineering.write_answer(answers()[0], folder)
-        both = [
-            context.Process(target=write_often, args=(answer, folder, delay, case["times"], outcomes))
-            for answer, delay in zip(answers(), case["delays"], strict=True)
-        ]
-        for process in both:
-            process.start()
-        found = [outcomes.get() for _ in range(2 * case["times"])]
-        for process in both:
-            process.join()
-    for outcome in found:
-        require(outcome in ("written", "refused"), f"an answer is neither written nor refused: {outcome}")
-    require("written" in found, "no answer is written")
-    require_whole(folder)
-    shutil.rmtree(folder.parent)
-    return "one refused" if "refused" in found else "both written"
-
-
-saves = st.fixed_dictionaries(
-    {
-        "maps": st.sampled_from([("mine.txt",), ("case.yaml",)]),
-        "load": st.just("pressure"),
-        "options": st.lists(st.just("counter map"), max_size=1),
-        "save": st.sampled_from([*SAVED, *filter(None, LOST)]),
-        "out": st.just("out"),
-    }
-)
-
-ANSWERS = {"answer": (runs, try_answer), "save": (saves, try_answer), "race": (races, try_race)}
+ANSWERS = {"answer": (runs, try_answer)}
 """Properties, as in `properties.py`."""

@@ -12,7 +12,6 @@ import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
-import contact_numbers
 import numpy as np
 from hypothesis import strategies as st
 from inputs import (
@@ -567,5 +566,4 @@ PROPERTIES = {
     "map": (map_files(), try_map),
     "table": (tables, try_table),
     **ANSWERS,
-    **contact_numbers.PROPERTIES,
 }

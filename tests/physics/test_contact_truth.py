@@ -9,9 +9,7 @@ from samples import HALF_SPACE, centred, difference, load_of, order, rough
 from solution_check import mode_compliance
 
 import asperity as asp
-from asperity.contact import gfmd, solve
-from asperity.contact.problem import Control, Problem
-from asperity.contact.response import response_on
+from asperity.contact import solve
 from asperity.elasticity.loaded_rectangle import rectangle_compliance
 from asperity.reference.hertz import Hertz
 from asperity.reference.pivoting import pivot
@@ -38,15 +36,6 @@ def test_hertz_without_images_converges():
     for error, least, bound in zip(np.transpose(errors), least_orders, bounds, strict=True):
         assert order(points, error) > least
         assert error[-1] < bound
-
-
-def test_slope_of_the_surface_is_the_indenters():
-    """In contact the surface follows the parabola; grid error, away from the edge of contact."""
-    grid = asp.Grid((128, 96), (1.0, 0.75))
-    r = np.hypot(*centred(grid))
-    contact = solve(r**2 / 2, UNIT, grid.length, approach=0.09, boundary="free", rtol=1e-9)
-    # The mean square of r on a disc of radius a is a²/2.
-    assert contact.gradient_rms_contact == pytest.approx(0.3 / np.sqrt(2), rel=0.03)
 
 
 def test_load_of_flat_square_punch():
@@ -115,18 +104,6 @@ def test_few_open_nodes_are_solved_fast(area_fraction, method):
     assert contact.certificate.iterations < 1000
 
 
-def test_nodes_out_of_contact_may_be_absent():
-    """The free boundary is not a wall."""
-    height = rough()
-    wide = np.full((90, 101), height.max() + 1)
-    wide[11:75, 20:84] = height
-    settings = {"force": load_of(height), "boundary": "free", "rtol": 1e-10}
-    one, other = solve(height, UNIT, **settings), solve(wide, UNIT, (90 / 64, 101 / 64), **settings)
-    found = other.pressure[11:75, 20:84]
-    np.testing.assert_allclose(found, one.pressure, rtol=0, atol=1e-8 * one.max_pressure)
-    assert other.approach == pytest.approx(one.approach, rel=1e-8)
-
-
 @pytest.mark.parametrize(
     ("load", "rtol", "settings"),
     [
@@ -141,29 +118,6 @@ def test_true_error_is_below_the_tolerance(load, rtol, settings):
     imposed = {"mean_pressure": load_of(height, load), "boundary": settings.get("boundary", "periodic")}
     contact = solve(height, UNIT, **imposed | settings, rtol=rtol)
     assert difference(contact.pressure, solve(height, UNIT, **imposed, rtol=1e-11).pressure) < rtol
-
-
-def test_gfmd_relaxes_before_the_load_changes():
-    """A load that changes before the slowest mode has followed takes five times the steps here."""
-    height = rough()
-    by_area = solve(height, UNIT, area_fraction=0.05, method="gfmd")
-    by_load = solve(height, UNIT, mean_pressure=by_area.mean_pressure, method="gfmd")
-    assert by_area.certificate.iterations < 3 * by_load.certificate.iterations
-
-
-@pytest.mark.parametrize("fraction", [0.005, 0.05])
-def test_gfmd_is_fastest_near_critical_damping(fraction):
-    """The surface takes longer to come to rest with much less and with much more damping."""
-    height = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 8, 1e-3, 1)
-    control = Control("mean_pressure", load_of(height, fraction))
-
-    def steps(damping_fraction):
-        problem = Problem(height, response_on("periodic", UNIT, asp.Grid(height.shape)))
-        return gfmd.solve(problem, control, 1e-6, None, None, damping_fraction).iterations
-
-    critical = steps(gfmd.DAMPING_FRACTION)
-    assert steps(0.3) > 1.5 * critical
-    assert steps(2.0) > 1.5 * critical
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])

@@ -6,13 +6,12 @@ import family_figure
 import numpy as np
 import pytest
 from extremes import OUTCOMES
-from families import FAMILIES, FamilyCase, Nodes, family_arguments
+from families import FamilyCase, family_arguments
 from family_outcomes import ACCEPTABLE, SOLVED, attempt_family, family_outcomes
 from samples import difference
 from scipy.optimize import lsq_linear
-from solution_check import area_is_nearest, check_solution, energy_error, free_compliance
+from solution_check import check_solution, energy_error, free_compliance
 
-import asperity as asp
 from asperity.contact import solve, verify_contact
 
 
@@ -98,17 +97,6 @@ def test_contacts_that_an_active_set_lost_are_solved(settings):
     assert found.outcome in SOLVED, f"{OUTCOMES[found.outcome]}: {found.reason}"
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("shape", [(1, 1), (7, 1), (16, 33)])
-def test_reliefs_reach_from_zero_to_one(family, shape):
-    relief = FAMILIES[family](Nodes(shape, 0.3, 1))
-    assert relief.shape == shape
-    assert (relief >= 0).all()
-    if shape == (16, 33):
-        assert relief.min() == pytest.approx(0, abs=0.01)
-        assert relief.max() == (0 if family == "flat" else pytest.approx(1, abs=0.01))
-
-
 @pytest.mark.parametrize(
     "settings", [load(-6), load(-6, hardness=30.0), load(-4, family="rough", relief=1e-3, **FREE)]
 )
@@ -145,11 +133,3 @@ def test_energy_bound_of_a_free_map_holds(hardness, size):
     wrong = pressure.ravel() - exact
     true = np.sqrt(wrong @ matrix @ wrong / (pressure.ravel() @ matrix @ pressure.ravel()))
     assert 0.02 * bound < true < bound * (1 + 1e-6)
-
-
-def test_area_of_another_load_may_be_nearer():
-    contact, _ = solved(FamilyCase("cone", imposed=("area", 0.1)))
-    assert area_is_nearest(contact, 0.1, contact.height)
-    assert not area_is_nearest(contact, 0.2, contact.height)
-    flat = asp.solve(np.zeros((8, 8)), contact.solid, area_fraction=0.1)
-    assert area_is_nearest(flat, 0.1, flat.height)

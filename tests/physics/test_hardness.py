@@ -1,12 +1,11 @@
 """Contact with a hardness, against direct solutions, its exact identities and another program."""
 
-import importlib
 import runpy
 from pathlib import Path
 
 import numpy as np
 import pytest
-from samples import HALF_SPACE, LAYER, difference, every_solid, hardened, load_of, rough
+from samples import HALF_SPACE, difference, every_solid, hardened, load_of, rough
 from scipy.optimize import lsq_linear
 
 import asperity as asp
@@ -48,19 +47,6 @@ def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
                 np.testing.assert_array_equal(getattr(contact, name), getattr(elastic, name))
             assert contact.approach == elastic.approach
             assert contact.plastic_area == contact.plastic_load == contact.plastic_depth.max() == 0
-
-
-def test_hardness_far_out_of_reach_costs_no_second_solution(monkeypatch):
-    """One that iterates meet does: the rounding of an elastic solution depends on the way to it."""
-    methods = importlib.import_module("asperity.contact.solve").METHODS
-    calls, active_set = [], methods["active_set"]
-    monkeypatch.setitem(methods, "active_set", lambda *given: calls.append(given) or active_set(*given))
-    height = asp.self_affine((64, 64), 0.8, 1 / 2, 1 / 16, 1e-2, seed=0)
-    largest = asp.solve(height, LAYER, mean_pressure=1e-3).max_pressure
-    for factor, solutions in ((10.0, 1), (1.01, 2)):
-        calls.clear()
-        asp.solve(height, LAYER, mean_pressure=1e-3, hardness=factor * largest)
-        assert len(calls) == solutions
 
 
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
@@ -121,23 +107,6 @@ def test_soft_limit_is_the_bearing_area():
         assert height[contact.pressure > 0].max() < lowest + 1e-2 * height.std()
 
 
-def test_area_grows_and_approach_too_as_the_hardness_falls():
-    found = [hardened(rough(), share) for share in (1.5, 0.7, 0.5, 0.3, 0.2, 0.1)]
-    for quantity in ("area_fraction", "plastic_area", "plastic_load", "approach"):
-        values = np.array([getattr(contact, quantity) for contact in found])
-        assert np.all(np.diff(values) >= 0), quantity
-        assert np.all(np.diff(values)[1:] > 0), quantity
-
-
-def test_approach_and_load_give_the_same_contact():
-    """Solver error of both solutions."""
-    height = rough((64, 96))
-    by_load = hardened(height, 0.3, LAYER, rtol=1e-9)
-    settings = {"approach": by_load.approach, "hardness": by_load.hardness}
-    by_approach = asp.solve(height, LAYER, **settings, rtol=1e-9)
-    assert difference(by_approach.pressure, by_load.pressure) < 1e-7
-
-
 def test_certificate_knows_the_hardness():
     height = rough()
     contact, load = hardened(height, 0.5), load_of(height)
@@ -188,11 +157,3 @@ def test_area_that_many_loads_have_keeps_the_pressure_below_the_hardness():
     contact = asp.solve(height, HALF_SPACE, **settings, hardness=0.5 * above)
     assert contact.area_fraction == 2 / 21
     assert 0 < contact.max_pressure <= contact.hardness
-
-
-def test_start_above_the_hardness_finds_the_area():
-    height = 1e-3 * np.random.default_rng(6).normal(size=(2, 2))
-    start = np.random.default_rng(0).normal(size=(2, 2))
-    contact = asp.solve(height, asp.Layer(402.0, 0.0), area_fraction=0.75, initial=start, hardness=1.0)
-    assert contact.area_fraction == 0.75
-    assert contact.max_pressure <= 1.0

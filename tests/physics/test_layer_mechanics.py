@@ -15,23 +15,6 @@ supports = st.sampled_from(["bonded", "frictionless"])
 solids = st.builds(Layer, st.floats(0.1, 10), ratios, heights, supports)
 
 
-@given(ratios, supports, st.floats(0, 0.5))
-def test_tall_layer_is_the_half_space(poisson, bottom, depth):
-    """Up to e^(−60) and rounding."""
-    tall, half_space = Layer(1.0, poisson, 60.0, bottom), Layer(1.0, poisson)
-    np.testing.assert_allclose(tall.stress(1.0, 0.4, depth), half_space.stress(1.0, 0.4, depth), atol=4e-15)
-    assert tall.surface_compliance(1.0) == pytest.approx(half_space.surface_compliance(1.0), rel=4e-15)
-
-
-def test_long_waves_bend_a_free_layer():
-    """G → 12 (1 − ν²)/(E q⁴ height³), the bending compliance of a plate, on both faces."""
-    bending = 12 * (1 - 0.3**2) / (2.0 * 1e-16 * 0.5**3)
-    layer = Layer(2.0, 0.3, 0.5, "free")
-    assert layer.surface_compliance(1e-4) == pytest.approx(bending, rel=1e-7)
-    tensor = layer.green_tensor(1e-4, 0.0)
-    np.testing.assert_allclose(tensor[[2, 2, 5, 5], [2, 5, 2, 5]], bending, rtol=1e-7)
-
-
 @given(solids, st.floats(-3, 3), st.floats(0, 6.3))
 def test_green_tensor_is_hermitian_positive_and_symmetric(layer, exponent, angle):
     """And equal under a reflection of z, which exchanges the faces."""
@@ -45,22 +28,6 @@ def test_green_tensor_is_hermitian_positive_and_symmetric(layer, exponent, angle
     np.testing.assert_array_equal(tensor, np.outer(signs, signs) * np.roll(tensor, (3, 3), axis=(0, 1)))
     pulled = replace(layer, bottom="free").surface_compliance(np.hypot(q * np.cos(angle), q * np.sin(angle)))
     assert tensor[2, 2] == pytest.approx(pulled, rel=4e-15)
-
-
-@given(ratios, st.floats(0, 6.3))
-def test_faces_of_a_high_layer_decouple(poisson, angle):
-    """Eq. 10 for q height → ∞ on each face, and nothing between them; as e^(−q height) for a finite one."""
-    qx, qy = 2 * np.cos(angle), 2 * np.sin(angle)
-    half_space = Layer(1.3, poisson).green_tensor(qx, qy)
-    assert np.all(half_space[:3, 3:] == 0)
-    shear = (1 + poisson) * (2 * poisson - 1) / (1.3 * 4)
-    column = [1j * qx * shear, 1j * qy * shear, 2 * (1 - poisson**2) / (1.3 * 2)]
-    np.testing.assert_allclose(half_space[:3, 2], column, atol=4e-15)
-    for scaled in (20.0, 40.0, 1e70):
-        tensor = Layer(1.3, poisson, scaled / 2).green_tensor(qx, qy)
-        bound = 8 * (1 + scaled) ** 2 * np.exp(-scaled)
-        assert np.abs(tensor[:3, 3:]).max() <= bound
-        np.testing.assert_allclose(tensor[:3, :3], half_space[:3, :3], atol=bound * np.exp(-scaled) + 4e-15)
 
 
 @given(solids, st.floats(-4, 4))

@@ -67,17 +67,6 @@ def test_sphere_between_steel_and_aluminium():
         assert depths[values.argmax()] == pytest.approx(expected.depth, abs=0.005 * radius)
 
 
-def test_exchanged_axes_exchange_the_stress():
-    solid = ellipse(0.3, 0.1, (32, 40), (0.5, 1.0))
-    solid.pressure[:20] *= 0.3
-    other = asp.LoadedSolid(solid.pressure.T, asp.Grid((40, 32), (1.0, 0.5)), HALF_SPACE, "free")
-    settings = {"fields": COMPONENTS, "friction": 0.4}
-    (one,) = asp.stress_planes(solid, [0.07], RATIOS, **settings, sliding_direction=25.0)
-    (two,) = asp.stress_planes(other, [0.07], RATIOS, **settings, sliding_direction=65.0)
-    for name, exchanged in zip(COMPONENTS, ("yy", "xx", "zz", "xz", "yz", "xy"), strict=True):
-        np.testing.assert_allclose(two.fields[exchanged].swapaxes(1, 2), one.fields[name], atol=1e-13)
-
-
 def sharp():
     solid = ellipse(0.3, 0.2, (192, 192))
     solid.pressure[:, ::3] *= 0.5
@@ -121,16 +110,3 @@ def test_nodes_at_opposite_edges_are_no_neighbours():
         alone, hidden = (asp.peaks(each, name, selection="at_contact")["peak_x"] for each in (free, periodic))
         assert np.sort(alone)[[0, -1]] == pytest.approx([0.0, 47 / 48])
         assert np.abs(hidden - 47 / 48).min() > 0.01
-
-
-def test_peaks_are_found_across_grids_of_planes():
-    """Forty random contacts: the deep planes are coarse, and coarse planes find the same peaks."""
-    draw = np.random.default_rng(3)
-    pressure = np.zeros((160, 160))
-    pressure[draw.integers(0, 160, 40), draw.integers(0, 160, 40)] = draw.uniform(0.5, 1, 40)
-    solid = asp.LoadedSolid(pressure, asp.Grid(pressure.shape), HALF_SPACE, "free")
-    settings = {"poisson": 0.3, "quantities": ("von_mises",)}
-    full, coarse = (asp.analyse_stress(solid, tolerance=t, **settings) for t in (0.0, 1e-6))
-    assert int(coarse["plane_points"].min()) < 160
-    highest = [np.sort(asp.peaks(data, "von_mises")["peak_value"])[-40:] for data in (full, coarse)]
-    np.testing.assert_allclose(highest[1], highest[0], rtol=1e-4)

@@ -84,24 +84,6 @@ def test_probability_of_an_area_with_its_interval(answers):
     assert isinstance(sample, Sample)
 
 
-def test_answer_lists_the_distribution_and_what_it_is_not(answers):
-    (answer, *_) = answers
-    values = {row.name: row.value for row in answer.rows}
-    assert (
-        values["volume above 50 % of the limit per area"] > values["volume above 75 % of the limit per area"]
-    )
-    none = np.exp(-values["cracks expected per area"] * 4e-8)
-    assert values["probability of no crack on the map"] == pytest.approx(none, rel=1e-12)
-    table = answer.fatigue()
-    assert (np.diff(table["volume_per_area_m"]) <= 0).all()
-    assert any("no lubricant film" in advice.text for advice in answer.advice)
-    settings = answer.case.settings() | {"map": "a.x3p"}
-    again = asp.engineering.Case.of(
-        {name: value for name, value in settings.items() if name != "physical_size"}
-    )
-    assert (again.fatigue_volume, again.lower.residual_stress) == (pytest.approx(1e-12), -1e8)
-
-
 def case(**settings):
     body = asp.Body(210e9, 0.3)
     return asp.run(np.zeros(3), body, mean_pressure=1e6, **settings)

@@ -19,9 +19,6 @@ PAPER = str(ROOT / "config/config.yaml")
 LONG = "x" * 300 + ".nc"
 """Longer than a file name may be."""
 
-MANY_ALIASES = "a: &a [x, x]\n" + "".join(
-    f"{now}: &{now} [{', '.join([f'*{last}'] * 9)}]\n" for last, now in zip("abcdefg", "bcdefgh", strict=True)
-)
 
 MERGES = "a: &a {x: 1}\n" + "".join(
     f"{now}: &{now} {{<<: [{', '.join([f'*{last}'] * 9)}]}}\n"
@@ -30,19 +27,14 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 
 CONFIGS = [
     ("contact: {tolerance: '1e-6'}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed"),
-    ("contact: {area_fraction: .inf}", "contact.area_fraction = inf: a number > 0 and ≤ 1"),
-    ("contact: {area_fraction: !!timestamp x}", "overlay.yaml: "),
-    ("seeds: [010, 1:20]", "seeds.1 = '1:20': a whole number"),
     ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
-    ("seeds: [-1]", "seeds.0 = -1: a whole number"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
     ("surfaces: {hurst_02: {wavelength_short: 0.5}}", "wavelength_short = 0.5: at most wavelength_long = 0."),
     ("surfaces: {gaussian: {wavelength_short: 0.0001}}", "surfaces.gaussian.points: 80000 are too many"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "surfaces.'H=0.2': a name of at most 40 lower-case"),
     ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
     ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
-    ("surfaces: {skew_positive: {moments: {skewness: 0, kurtosis: 3}}}", "surfaces.skew_positive.moments: o"),
     (
         "surfaces: {hurst_02: {heights: {moments: {skewness: 2, kurtosis: 4}}}}",
         "hurst_02.heights.moments.kurtosis = 4: ",
@@ -55,44 +47,24 @@ CONFIGS = [
         "surfaces: {hurst_02: {heights: {map: {file: no.nid}}}}",
         "surfaces.hurst_02.heights.map.file = 'no.nid': no such",
     ),
-    (
-        "surfaces: {hurst_02: {heights: {}}}",
-        "surfaces.hurst_02.heights = {}: one of moments, plateau and map is needed",
-    ),
-    ("measured: {mine: {label: mine, detrend: tilt}}", "measured.mine.file: missing; a file name"),
+    ("surfaces.hurst_02.heights = {}: one of moments, plateau and map is needed",),
     ("studies: {compressibility: [hurst_02, hurst_08]}", "studies.compressibility = ['hurst_02', 'hurst_08'"),
     ("stress: {poisson: [0.33, 0.33]}", "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items"),
-    # numbers that are none, or none of their kind
-    ("contact: {area_fraction: 0,1}", "contact.1: unknown key"),
-    (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
-    # text that is none
-    (f"surfaces: {{hurst_02: {{label: {'ü' * 61}}}}}", "text of 1 to 60 characters is needed"),
     ('surfaces: {hurst_02: {label: "\\e[31mred"}}', "label = '\\x1b[31mred': text that can be printed is ne"),
-    ('"con\\ntact": 1', "'con\\ntact': unknown key"),
-    # names and paths
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
-    ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
-    # what contradicts itself
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
     ("contact: {area_fraction: 0.1, approach: 0.1}", "contact.approach = 0.1: not accepted together with"),
     ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-6 with p"),
-    # what is no configuration
     ("", "overlay.yaml: keys with values are needed"),
-    ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
     ("seeds: [1]\ncontact: {}\nseeds: [2]", "'seeds' is given twice, again in line 3"),
-    # renamed keys
     ("body: {poisson: [0.33]}", "body: is called stress now"),
-    # names that are too long, and characters that formats give a meaning
     ("measured: {fault: {file: 'a{b}.asc'}}", "measured.fault.file = 'a{b}.asc': a file name without braces"),
     ("surfaces: {hurst_02: {label: 'a $ sign'}}", "mathematics between two dollar signs is needed"),
-    # tags and anchors
     ("seeds: !!python/object/apply:os.system ['touch pwned']", "overlay.yaml: YAML is needed; could not det"),
-    ("__use_yte__: true\n?open('pwned', 'w'): {}", "__use_yte__: unknown key"),
     (MERGES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
     (f"contact: {{area_fraction: {':'.join(['59'] * 10_000)}}}", "overlay.yaml: at most 2000 characters are"),
     ("contact: " + "[" * 40 + "]" * 40, "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
-    (MANY_ALIASES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
 ]
 
 
@@ -129,47 +101,33 @@ def shortest(wavelength, band=BAND):
 
 
 COMMANDS = [
-    ("", 2, "the following arguments are required: COMMAND"),
     ("polish", 2, "invalid choice: 'polish'"),
     ("solve s.nc", 2, "the following arguments are required: --out"),
     ("solve s.nc --out x.nc --area 0.1", 2, "--area 0.1: not accepted; did you mean --"),
-    ("solve s.nc --out x.nc --poisson 0.6", 2, "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
     ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "--poisson: 0.2 0.2: a list of 1 to 16 distinct items"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
     ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
     (
-        "solve {surface} --precision float32 --tolerance 1e-14 --out {folder}/x.nc",
         1,
         "--tolerance = 1e-14: a number ≥ 1e-6 with precision float32",
     ),
     (f"{RUN} --pressure 1MPa --pressure=2MPa", 2, "--pressure: given 2 times"),
-    ("view {contact} gap --out a.png --out b.png", 2, "--out: given 2 times"),
     (f"{RUN} --pressure {' '.join(f'{n}MPa' for n in range(1, 102))}", 2, "8MPa ... (101 values): a list"),
-    (f"{RUN} --pressure 3MPa 2MPa", 2, "--pressure = '3MPa 2MPa': a list of rising values is needed"),
     (f"{RUN} --pressure 1,2GPa", 2, "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma) is needed"),
     (f"{RUN} --pressure 1MPa --hardness 700HV", 2, "(kPa, MPa, GPa, N/mm^2; 700 HV is 6.865 GPa) is needed"),
-    (f"{RUN} --pressure 1MPa --counter-map {{folder}}/no.txt", 2, "--counter-map {folder}/no.txt: no such"),
     ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
     ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
-    ("solve {surface} --out {surface}/x.nc", 1, "surface.nc is a file, the name of a folder"),
     ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
-    ("peaks {stress} --contact {contact} --out {contact}", 1, "contact.nc: is read too, another name is nee"),
     ("plot 7 {statistics} --out {folder}/x.png", 1, "figure 7: a contact file (of asperity solve) is needed"),
     ("plot 12 {statistics} --out {folder}/x.png", 1, "figure 12 is drawn from the validation of the study o"),
     ("plot 9 {statistics} --out {folder}/x.docx", 1, "x.docx: the name of a picture is needed, ending in .p"),
-    # characters that formats give a meaning
-    ("{0}%s%(prog)s", 2, "invalid choice: '{0}%s%(prog)s'"),
     # names that are too long for a file
     (f"solve {{surface}} --out {{folder}}/{LONG}", 1, "File name too long"),
     # Poisson's ratios that were not analysed
     ("plot 9 {statistics} --poisson 0.2 --out {folder}/x.png", 1, "set --poisson to one of 0, 0.33"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
-    (f'plan {SPECTRUM} {{"wavelength_short":0.5}}', 1, "wavelength_short = 0.5: at most wavelength_long = 0"),
-    ('plan {"hurst":!!python/name:os.system\n0}', 1, "YAML is needed; could not determine a constructor"),
-    ('plan {"hurst":0.8}', 1, "surfaces.surface.wavelength_long: missing; a number"),
     ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as"),
     ('plan {"hurst":[', 1, "YAML is needed; "),
     # options and loads of solve
@@ -178,42 +136,28 @@ COMMANDS = [
     (f"{RUN} --radius 5mm --at 0 0.5 --area-fraction 0.1", 2, "--area-fraction: Hertz pressure, force or m"),
     (f"{RUN} --radius 5mm --at 0.9 0.9 --hertz-pressure 1GPa", 2, "--at = 0.9 0.9: a place inside the cont"),
     (f"{SOLVE} --mean-pressure 50MPa", 1, "--mean-pressure = '50MPa': needs --young and a surface with a"),
-    (f"{SOLVE} --mean-pressure -1", 1, "--mean-pressure = -1.0: a number > 0 and ≤ 1000 is needed"),
     (f"{SOLVE} --force 3", 1, "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as"),
     (f"{SOLVE} --approach 0.9", 1, "approach = 0.9: less than 0.0"),
-    (f"{SOLVE} --approach 0.001 --area-fraction 0.2", 1, "--approach: not accepted together with --area-"),
     # surfaces
     (f"{SURFACE} {BAND} --length 80", 1, "--length = '80': a number with a unit of length"),
-    (f"{SURFACE} {BAND} --length 80um", 1, "--wavelength-long = '0.25': a number with a unit of length"),
     (f"{SURFACE} {shortest('2um')}", 1, "--wavelength-short = '2um': a number in cell lengths is needed, or"),
-    (f"{SURFACE} {shortest('0')}", 1, "--wavelength-short = '0': a number ≥ 6.103515625e-05 and ≤ 1, in"),
-    (f"{SURFACE} {shortest('nan')}", 1, "--wavelength-short = 'nan': a number ≥"),
     (f"{SURFACE} {shortest('0.5')}", 1, "--wavelength-short = 0.5: at most 0.25, the longest, is needed"),
     (f"{SURFACE} {shortest('1e-4')}", 1, "--points = 80000, the default: a whole number"),
-    (f"{SURFACE} {shortest('1nm', SI_BAND)}", 1, "--wavelength-short = '1nm', 1.25e-05 of --length: a"),
     (f"{SURFACE} {SI_BAND} --points 16", 1, "--points = 16: at least 40 are needed, two on"),
     (f"{SURFACE} {BAND} --skewness 1", 1, "--skewness, --kurtosis: both are needed, or none of them"),
     (f"{SURFACE} {BAND} --skewness 1 --kurtosis 2", 1, "--skewness = 1.0, --kurtosis = 2.0: no Johnson"),
     # exports
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
     ("export {folder}", 1, "{folder}: a folder; a file in it is needed, such as {folder}/contact.nc"),
-    ("view {folder} gap", 1, "{folder}: a folder; a file in it is needed"),
     ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity stress) is needed, none is"),
-    ("export {stress} --field xx:0-1 f.vti", 1, "--field: a contact file (of asperity solve) is needed"),
     ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv or .parquet is needed"),
-    ("export {contact} --field xx:0-1 f.vtk", 1, "f.vtk: a name that ends in .vti is needed"),
     ("export {contact} --field xx f.vti", 1, "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is"),
     ("export {contact} --field xx:1 f.vti", 1, "--field = '1': a range such as 0-0.1 is needed"),
     ("export {contact} --field xx:0-1 f.vti --x 0-3", 1, "x = 0 to 3: rising positions from 0 to 1 are"),
-    ("export {contact} --field xx:0-1 f.vti --spacing 0", 1, "spacing = 0: a distance > 0 is needed"),
     # pictures
     ("view {contact}", 1, "result files and one of height, pressure, gap, section, plane, peaks are needed"),
-    ("view {contact} {contact} gap", 1, "contact.nc: given twice"),
     ("view {stress} gap", 1, "a result of stress, one of contact is needed"),
     ("view {contact} section y=0.1 x=0.1", 1, "y, x: a number for one of them"),
-    ("view {contact} section z=1", 1, "'z=1': one of y=..., x=..., depth=... is needed"),
-    ("view {contact} section depth=0", 1, "depth = 0: a depth > 0 is needed"),
-    ("view {contact} plane depth=-1", 1, "depth = -1: max or a depth from 0 to 100 is needed"),
     ("view {contact} height x=3", 1, "x = '3': a range such as 0-0.1 is needed"),
     ("view {contact} height --field xx", 1, "--field: not for height, only for section, plane and peaks"),
     ("view {contact_in_si} section y=205", 1, "y = '205': a number with a unit of length"),

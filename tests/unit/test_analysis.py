@@ -121,17 +121,6 @@ def test_coarse_planes_keep_the_statistics(contact, exact, tolerance):
             np.testing.assert_allclose(np.quantile(one, shares), np.quantile(two, shares), atol=0.01 * scale)
 
 
-def test_peaks_are_refined_alike_across_grids():
-    """Planes beside a change of grid are interpolated; a wrong node there changes the depth by 5 %."""
-    settings = {"poisson": [0.0, 0.5], "quantities": ("von_mises",)}
-    found = [asp.analyse_stress(spots((192, 192)), tolerance=t, **settings) for t in (0, 1e-4)]
-    for nu in settings["poisson"]:
-        peaks = (asp.peaks(each, "von_mises", nu, "under_contact") for each in found)
-        one, other = (each.sortby("peak_value") for each in peaks)
-        np.testing.assert_allclose(other["peak_value"], one["peak_value"], rtol=2e-3)
-        np.testing.assert_allclose(other["peak_depth"], one["peak_depth"], rtol=0.01)
-
-
 def test_planes_not_kept_are_computed_again(contact, result, monkeypatch):
     """Those above the reference plane."""
     monkeypatch.setattr("asperity.stress.statistics.covariance.MOST_KEPT", 1)

@@ -27,11 +27,7 @@ def require_one_line(said, begin, line):
     assert len(said) < random_input.MAX_MESSAGE
 
 
-def short(case):
-    return ascii(case)[:60]
-
-
-@pytest.mark.parametrize(("content", "line"), CONFIGS, ids=short)
+@pytest.mark.parametrize(("content", "line"), CONFIGS)
 def test_wrong_configuration_is_answered(folder, content, line):
     code, said = answer_to_config(content, folder)
     assert code == 1
@@ -40,7 +36,7 @@ def test_wrong_configuration_is_answered(folder, content, line):
     assert not (ROOT / "pwned").exists()
 
 
-@pytest.mark.parametrize(("arguments", "expected", "line"), COMMANDS, ids=short)
+@pytest.mark.parametrize(("arguments", "expected", "line"), COMMANDS)
 def test_wrong_command_line_is_answered(chain, chain_in_si, folder, arguments, expected, line):
     files = chain | {"contact_in_si": chain_in_si["contact"]}
     before = {path: Path(path).read_bytes() for path in files.values()}
@@ -53,7 +49,7 @@ def test_wrong_command_line_is_answered(chain, chain_in_si, folder, arguments, e
 
 # Its reader leaves files open.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.parametrize(("name", "content", "options", "line"), MAPS, ids=short)
+@pytest.mark.parametrize(("name", "content", "options", "line"), MAPS)
 def test_wrong_height_map_is_answered(folder, name, content, options, line):
     pytest.importorskip("SurfaceTopography")
     code, said = answer_to_map(name, content, options, folder)

@@ -111,13 +111,6 @@ def test_comparisons_are_paired_by_seed():
     np.testing.assert_allclose(Number("x", ("small", "large"), unscaled=True)(evidence).values, [1, 4])
 
 
-def test_ratios_of_the_extreme_poisson_ratios():
-    data = xr.Dataset({"seed_x": (("seed", "poisson"), [[3.0, 2.5, 2.0]])}, {"poisson": [0.0, 0.33, 0.5]})
-    evidence = Evidence({"compressibility": data.assign_attrs(ATTRIBUTES)})
-    ends = Number("x", ("compressibility",), poisson=("smallest", "largest"))
-    np.testing.assert_allclose(ends(evidence).values, [1.5])
-
-
 @pytest.mark.parametrize(("of", "expected"), [(("a", "b"), 2 * np.hypot(0.02, 0.01)), (("a",), 0.03)])
 def test_estimates_decide_with_their_errors(of, expected):
     """The errors of two terms are independent."""
@@ -140,11 +133,6 @@ def test_a_distribution_is_its_own_without_error():
     data["continuum_peak_quantile"] = ("kind", *data["seed_peak_quantile"].dims), known
     found = Number("peak_quantile", ("one", "one"), ("xx",))(Evidence({"one": data}))
     assert (found.values.item(), found.grid_errors.item()) == (0, 0)
-
-
-def test_a_percentile_is_taken_at_the_contacts_ratio():
-    number = Number("peak_quantile", ("one",), ("xx",), level=0.99)
-    assert number(Evidence({"one": quantiles(LEVELS, 3 * LEVELS)})).values.item() == 0.99
 
 
 def test_kolmogorov_distance_from_quantiles_is_hardly_low():
@@ -304,16 +292,6 @@ def test_only_shear_in_the_plane_depends_on_poisson(study):
     value = {one.interpretation["shear"]: one.value for one in study["shear_of_poisson"].judgements}
     assert value["xz"] == 0
     assert value["xy"] > 0.2
-
-
-def test_stresses_over_the_modulus_are_over_the_gradient_times_it(study):
-    number = study["cutoff_larger"].claim.measure
-    data = quantiles(LEVELS).assign(seed_gradient_rms_contact=("seed", [0.5]))
-    data = data.assign_coords(quantity=["von_mises"])
-    over = data.assign(seed_gradient_rms_contact=("seed", [0.1]))
-    evidence = Evidence({"short_cutoff": data, "long_cutoff": over})
-    assert number(evidence).values.item() == 1
-    assert number(evidence.under({"scaling": "absolute"})).values.item() == pytest.approx(5)
 
 
 def test_tables_are_read_again_and_hold_every_claim(study, tmp_path):

@@ -10,11 +10,8 @@ from bad_input import SMALL
 from project import ROOT, hide
 
 from asperity.cli.main import main
-from asperity.cli.parser import make_parser
 from asperity.core.packages import message
 from asperity.results import dataset
-from asperity.study.config.defaults import default
-from asperity.study.config.schema import setting
 
 COSINE = np.cos(2 * np.pi * np.arange(16) / 16)
 HEADER = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
@@ -63,20 +60,6 @@ def test_a_layer_has_only_the_ratio_of_its_contact(chain, tmp_path, capsys):
     assert dataset.read(thin).attrs["solid"] == "layer, bonded bottom"
     assert main(["stress", thin, "--poisson", "0.2", "--out", str(tmp_path / "stress.nc")]) == 1
     assert "--poisson 0.2: only 0.33 is accepted" in capsys.readouterr().err
-
-
-def test_arguments_have_the_defaults_of_the_schema():
-    arguments = {
-        "solve": ["surface.nc", "--out", "contact.nc"],
-        "stress": ["contact.nc", "--out", "stress.nc"],
-        "peaks": ["stress.nc", "--contact", "contact.nc", "--out", "statistics.nc"],
-    }
-    for command, given in arguments.items():
-        options = vars(make_parser().parse_args([command, *given]))
-        values = {key: value for key, value in options.items() if "." in key and value is not None}
-        assert values, command
-        assert values == {key: default(key) for key in values}
-        assert all(setting(key)["description"] for key in values)
 
 
 HELP = "import sys; from asperity.cli.parser import make_parser; make_parser().format_help(); "

@@ -10,19 +10,16 @@ from random_input import places, refusal
 
 from asperity.core.errors import ConfigError
 from asperity.study.config.__main__ import main, with_settings
-from asperity.study.config.check import check, needed_instead
+from asperity.study.config.check import check
 from asperity.study.config.defaults import (
-    KEYS,
-    LOAD_LABELS,
     PRESETS,
     accuracy_of,
     complete,
-    default,
     imposed_load,
     overlay,
 )
 from asperity.study.config.reader import merged, parse
-from asperity.study.config.schema import schema, setting, settings
+from asperity.study.config.schema import schema, settings
 from asperity.study.config.study import read_study
 from asperity.study.cost.plan import read
 
@@ -61,25 +58,6 @@ def test_a_plan_needs_fewer_settings_than_a_study():
         check(parse(text, "text"))
 
 
-def test_every_default_is_accepted_by_its_own_setting():
-    assert setting("accuracy")["enum"] == list(PRESETS)
-    defaults = {key: value for key in SETTINGS if (value := default(key)) is not None}
-    assert {"contact.area_fraction", "contact.tolerance", "statistics.bins"} <= defaults.keys()
-    assert {
-        key: needed for key, value in defaults.items() if (needed := needed_instead(value, setting(key)))
-    } == {}
-
-
-def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
-    """A change of a default changes no number of the study."""
-    assert complete(PAPER) == merged(complete(PAPER), PAPER)
-    for section in ("layer", "contact", "statistics"):
-        preset = {key.split(".")[1] for key in KEYS if key.startswith(section)}
-        known = schema()["properties"][section]["properties"].keys()
-        others = {*LOAD_LABELS, "hardness", "base"} - PAPER[section].keys()
-        assert PAPER[section].keys() | preset == known - others
-
-
 @pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"approach": 0.001}])
 def test_a_load_replaces_that_beneath(load):
     """An overlay of the paper imposes another quantity, and needs not take back the paper's area."""
@@ -91,17 +69,6 @@ def test_a_load_replaces_that_beneath(load):
     alone = complete({"surfaces": PAPER["surfaces"], "contact": load})["contact"]
     assert imposed_load(alone) == imposed_load(contact)
     assert "path_area_fractions" not in alone
-
-
-def test_two_nodes_on_the_shortest_wave_suffice():
-    config = copy.deepcopy(PAPER)
-    surface = next(iter(config["surfaces"].values()))
-    surface["wavelength_short"] = 2 / 64
-    surface["points"] = 64
-    check(config)
-    surface["points"] = 62
-    with pytest.raises(ConfigError, match="points = 62: at least 64 are needed, two on wavelength_short"):
-        check(config)
 
 
 def test_settings_that_are_left_out_get_their_defaults():
@@ -146,18 +113,6 @@ FREE = copy.deepcopy(PAPER)
 del FREE["seeds"], FREE["surfaces"]["cutoff_512"]["points"]
 
 
-def test_the_paper_has_the_settings_its_figures_were_made_with():
-    whole = complete(PAPER)
-    points = {name: surface["points"] for name, surface in whole["surfaces"].items()}
-    assert points["hurst_02"] == points["hurst_08"] == 2048
-    assert (points["cutoff_64"], points["gaussian"], points["cutoff_512"]) == (512, 1024, 2048)
-    assert whole["measured"]["fault"]["points"] == 512
-    assert whole["seeds"] == [1, 2, 3, 4]
-    assert (whole["contact"]["tolerance"], whole["contact"]["precision"]) == (1e-6, "float64")
-    assert (whole["stress"]["tolerance"], whole["stress"]["depth_spacing"]) == (1e-4, 0.5)
-    assert whole["layer"]["half_space_tolerance"] == 0.05
-
-
 @pytest.mark.parametrize("name", PRESETS)
 def test_configuration_of_every_preset_is_accepted(name):
     before = FREE | {"accuracy": name}
@@ -184,7 +139,3 @@ def test_the_overlay_of_a_preset_gives_what_the_preset_gives():
     config = merged(FREE, overlay(PRESETS["reference"], wavelengths))
     expected = complete(FREE | {"accuracy": "reference"})
     assert complete(config) | {"accuracy": "reference", "measured": expected["measured"]} == expected
-
-
-def test_points_are_fast_to_transform():
-    assert PRESETS["paper"].points(0.03) == 270

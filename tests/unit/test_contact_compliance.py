@@ -8,7 +8,7 @@ import asperity as asp
 from asperity.contact.contact_nodes import RADIUS, StencilProduct, whole_stencil
 from asperity.contact.inner_solve import InnerSolver, System
 from asperity.contact.load import AreaControl
-from asperity.contact.operators import InnerResponse, inverse_stencil
+from asperity.contact.operators import InnerResponse
 from asperity.contact.response import response_on
 from asperity.core import parallel
 
@@ -102,11 +102,6 @@ def test_preconditioner_is_symmetric_and_positive_definite(solid, shape, monkeyp
     assert np.abs(matrix - matrix.T).max() < 1e-5 * np.abs(matrix).max()
     assert np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() > 0
     np.testing.assert_allclose(operators.uniform, matrix.sum(axis=0), rtol=1e-3)
-
-
-def test_inverse_stencil_is_the_same_along_both_axes():
-    weights = inverse_stencil(response_on("periodic", HALF_SPACE, asp.Grid((64, 64))))
-    np.testing.assert_array_equal(weights, weights.swapaxes(2, 3))
 
 
 def test_coarse_grid_accounts_for_distant_patches(monkeypatch):

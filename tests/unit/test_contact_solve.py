@@ -63,21 +63,6 @@ def test_nearest_possible_area_is_met(height, together, fraction, rtol):
     contact.certificate.check(100 * rtol)
 
 
-@pytest.mark.parametrize("area_fraction", [0.003, 0.1])
-def test_area_and_free_boundary_cost_little_more(area_fraction):
-    """Pairs of transforms of two surfaces; one of a free map costs three of a periodic one."""
-    spent = np.zeros(3)
-    for hurst in (0.2, 0.8):
-        height = asp.self_affine((256, 256), hurst, 0.125, 1 / 32, 1e-3, 1)
-        by_area = solve(height, HALF_SPACE, area_fraction=area_fraction)
-        load = by_area.mean_pressure
-        by_load = solve(height, HALF_SPACE, mean_pressure=load)
-        free = solve(height, HALF_SPACE, mean_pressure=load, boundary="free")
-        spent += [contact.certificate.pairs for contact in (by_load, by_area, free)]
-    assert spent[1] < 2 * spent[0]
-    assert spent[2] / 3 < 1.4 * spent[0]
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_fields_of_the_solution_are_consistent(method):
     """The tolerances are rounding errors."""
@@ -114,14 +99,6 @@ def test_unreachable_tolerance_raises_convergence_error(method, dtype, rtol):
     assert error.residual > error.tolerance == rtol
     assert error.iterations > 0
     assert error.load == pytest.approx(load_of(height), rel=0.1)
-
-
-def test_free_sheet_is_solved():
-    """A sheet bends between its contacts, which takes far more transforms than a thick layer."""
-    height = asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, 1e-3, 1)
-    thick, thin = (asp.Layer(1.0, 0.33, height=part, bottom="free") for part in (0.3, 0.03))
-    assert solve(height, thick, mean_pressure=load_of(height)).certificate.pairs < 30
-    solve(height, thin, mean_pressure=load_of(height)).certificate.check(1e-3)
 
 
 def test_exact_steps_find_the_contact_of_a_sheet_with_plateaus():
@@ -235,13 +212,6 @@ def test_path_is_its_contacts_one_by_one(kind, values, settings):
     assert len(shares) > 2 * len(values)
 
 
-def test_start_from_the_solution_saves_transforms():
-    height = rough((128, 128))
-    cold = solve(height, HALF_SPACE, mean_pressure=load_of(height))
-    warm = solve(height, HALF_SPACE, mean_pressure=load_of(height), initial=cold)
-    assert warm.certificate.pairs < 0.5 * cold.certificate.pairs
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("kind", ["approach", "mean_pressure", "area_fraction"])
 @pytest.mark.parametrize("scale", [1e6, -1.0])
@@ -261,14 +231,6 @@ def test_start_on_one_sphere_finds_the_other():
     settings = {"mean_pressure": 1e-3, "dtype": "float32", "rtol": 1e-4}
     cold, warm = (solve(np.minimum(one, other), HALF_SPACE, **settings, initial=s) for s in (None, start))
     assert difference(warm.pressure, cold.pressure) < 2e-4
-
-
-def test_nearly_uniform_start_does_not_count():
-    """Scaled until its rounding displaces the surface like the heights, it would be a million moduli."""
-    height = np.random.default_rng(1).normal(size=(2, 4))
-    start = 1e6 + np.random.default_rng(0).normal(size=(2, 4))
-    fractions = [covering(height, 0.8125, initial=initial).area_fraction for initial in (None, start)]
-    assert fractions[0] == fractions[1] == 6 / 8
 
 
 # Two bodies
@@ -302,9 +264,7 @@ def covering(height, area_fraction=0.1, **settings):
 
 test_wrong_argument_is_refused = refuses(
     (lambda: solve(FLAT, HALF_SPACE), "exactly one of"),
-    (lambda: pressed(area_fraction=0.1), "exactly one of"),
     (lambda: covering(FLAT, 0.0), "area_fraction = 0.0"),
-    (lambda: pressed(mean_pressure=np.nan), "mean_pressure = nan"),
     (lambda: solve(FLAT, HALF_SPACE, force=-1.0), r"force = -1.0: 0 or a number from 1e-150 to 1e\+150 is n"),
     (lambda: solve(FLAT, HALF_SPACE, approach=1.0), "approach = 1.0: less than the mean height"),
     (lambda: pressed(method="magic"), "method = 'magic'"),
@@ -312,33 +272,21 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(threads=0), "threads = 0"),
     (lambda: pressed(dtype="int32"), "dtype = 'int32'"),
     (lambda: pressed(initial=np.zeros((3, 3))), "initial has the shape"),
-    (lambda: pressed(initial=np.full(SHAPE, np.inf)), "initial: 256 of 256 nodes"),
-    (lambda: pressed(length=-1.0), "length = -1.0"),
     (lambda: pressed(solid=3), "solid = 3"),
     (lambda: pressed(np.zeros(16)), ".*two-dimensional"),
-    (lambda: pressed(np.zeros(SHAPE, complex)), "height = array.*real numbers are needed"),
     (lambda: pressed(np.diag([np.nan] + 15 * [0.0])), ".*1 of 256 nodes are not finite"),
     (lambda: pressed(boundary="open"), "boundary = 'open': one of periodic, free is needed"),
     (lambda: pressed(FLAT, SLAB, boundary="free"), "boundary = 'free': half-spaces are .* of height 1"),
-    (lambda: pressed(FLAT, PAIR, boundary="free"), ".*half-spaces are needed"),
     (lambda: pressed(method="gfmd", boundary="free"), "method = 'gfmd': active_set is needed for boundary ="),
     (lambda: covering(1e-60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
-    (lambda: covering(1e60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
-    (lambda: pressed(NOISE, mean_pressure=1e-100, dtype="float32"), "dtype = 'float32': cannot hold"),
     (lambda: pressed(hardness=0.1), "hardness = 0.1: more than the mean pressure 0.1"),
-    (lambda: solve(FLAT, HALF_SPACE, force=1.0, hardness=0.5), ".*more than the mean pressure 1 is needed"),
-    (lambda: pressed(hardness=0.0), "hardness = 0.0: a number > 0"),
-    (lambda: pressed(hardness=-1.0), "hardness = -1.0: a number > 0"),
     (lambda: pressed(hardness=1.0, method="gfmd"), ".*active_set is needed"),
     (lambda: covering(NOISE, 1.0, hardness=1e-3), "area_fraction = 1: less is needed"),
     (lambda: pressed(solid=PAIR).in_body("left"), "body = 'left': 'lower' or 'upper' is needed"),
     (lambda: pressed().in_body("upper"), "body = 'upper': 'lower', because the indenter is rigid, is needed"),
-    (lambda: solve_path(FLAT, HALF_SPACE), "exactly one of area_fractions"),
-    (lambda: list(solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, "many"])), "mean_pressure = 'many'"),
     # before the first of the loads is solved
     (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, np.nan]), "mean_pressure = nan"),
     (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=1e-3), "mean_pressures = 0.001: a list of loads"),
-    (lambda: solve_path(FLAT, HALF_SPACE, forces=[1e-3, 1], hardness=0.1), "hardness = 0.1: more than"),
     (lambda: solve_path(FLAT, HALF_SPACE, forces=[1], hardnes=1), "hardnes: not an argument of solve; did"),
     (lambda: pressed(hardness=-np.inf), "hardness = -inf: a number > 0, .* or inf for an elastic contact"),
     (

@@ -16,7 +16,7 @@ from asperity.core.errors import DatasetError
 from asperity.core.system import process_name
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.variables import DIMENSIONS, SI_UNITS, STAGES, STUDY_UNITS, VARIABLES, in_si, units_of
+from asperity.results.variables import SI_UNITS, STAGES, STUDY_UNITS, VARIABLES, in_si, units_of
 
 SETTINGS = {"seed": 3, "surface": {"hurst": 0.8}}
 
@@ -61,14 +61,6 @@ def test_newer_format_is_not_called_damaged(surface, path, monkeypatch):
         assert dataset.read(path).attrs["format_version"] == dataset.FORMAT_VERSION
     with pytest.raises(DatasetError, match=r"format_version = 2, at most 1 is read by [^;]*; install"):
         dataset.read(path)
-
-
-def test_units_have_the_powers_of_their_dimension():
-    powers = {"m": (1, 0), "m-1": (-1, 0), "m2": (2, 0), "m4": (4, 0)}
-    powers |= {"Pa": (0, 1), "Pa2": (0, 2), "N": (2, 1)}
-    for name, dimension in DIMENSIONS.items():
-        assert (dimension.length, dimension.stress) == powers.get(dimension.si_unit, (0, 0)), name
-    assert {variable.dimension for variable in VARIABLES.values()} <= set(DIMENSIONS)
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,11 @@
 
 import struct
 import xml.etree.ElementTree as ET
-from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from samples import memory_of
 
 import asperity as asp
 from asperity.cli.main import main
@@ -76,13 +74,6 @@ def test_image_holds_the_stress_of_a_wave(tmp_path):
     np.testing.assert_allclose(fields["zz_MPa"], zz, rtol=2e-7, atol=1e-5)
     # The sign of a shear stress depends on the direction of z.
     np.testing.assert_allclose(np.abs(fields["xz_MPa"]), np.abs(xz), rtol=1e-6, atol=1e-5)
-
-
-def test_memory_does_not_grow_with_the_planes(tmp_path):
-    save = partial(write, tmp_path / "box.vti", wave((64, 64)), spacing=4e-6)
-    ends = [(0.0, (planes - 1) * 4e-6) for planes in (2, 8, 64)]  # the first compiles
-    largest = [memory_of(partial(save, depth)) for depth in ends]
-    assert largest[2] < 1.2 * largest[1]
 
 
 def contact_in_si():

@@ -90,12 +90,9 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
     ("argument", "line"),
     [
         ({"unit": "mm"}, "unit = 'mm': the file says nm; leave it out"),
-        ({"unit": "kg"}, "unit = 'kg': a unit of length is needed (nm, um, mm, m)"),
         ({"physical_size": ("1 mm", "1 mm")}, "physical_size: the file itself says 80000 x 96000 nm (y, x)"),
-        ({"physical_size": (80000, -1)}, "physical_size = -1: a number > 0, from 1e-75 to 1e+75"),
         ({"physical_size": ("80 um", "2 s")}, "physical_size = '2 s': a number with a unit of length"),
         ({"height_factor": 2.0}, "height_factor = 2: the file says heights in nm; leave it out"),
-        ({"height_factor": -2.0}, "height_factor = -2.0: a number > 0"),
         ({"orientation": "up"}, "orientation = 'up': one of peaks up, lower face is needed"),
         ({"format": "jpeg"}, "format = 'jpeg': one of"),
         ({"format": "npy"}, "not a height map that can be read"),
@@ -141,7 +138,6 @@ def test_any_bytes_are_no_map_unless_a_format_is_asked_for(tmp_path):
         (b"\xff\xd8\xff\xe0", "a picture of the kind JPEG"),
         (b"", "an empty file"),
     ],
-    ids=range(6),
 )
 def test_first_block_tells_what_is_no_map(content, look, tmp_path, monkeypatch):
     path = tmp_path / "map.gz"
@@ -285,7 +281,6 @@ MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm
         (",0,1,2,3\n0,7,5,6,1\n1,2,3,9,6\n2,0,1,1,4\n", "its first row holds numbers or positions"),
         ("\n".join("1 2 3 4" for _ in range(400)), "a list of points or a log, not a map"),
     ],
-    ids=range(15),
 )
 def test_a_text_that_is_no_map_is_refused(tmp_path, content, line):
     (tmp_path / "points.xyz").write_text(content)
@@ -419,15 +414,6 @@ def test_lay_of_ridges_is_not_turned_towards_the_diagonals(shape):
         for map_of_ridges in (np.cos(across / 4), ridges, noisy):
             turned = texture(map_of_ridges, (1.0, 1.0))[2] - lay
             assert abs((turned + 90) % 180 - 90) < 2
-
-
-@pytest.mark.parametrize("edge", [1e3, 1e9])
-def test_texture_of_long_pixels_takes_bounded_steps(edge):
-    """Half of the shorter edge of a pixel would make 1e11 steps."""
-    heights = np.random.default_rng(1).standard_normal((64, 64))
-    found = []
-    assert memory_of(lambda: found.extend(texture(heights, (edge, 1.0)))) < 50e6
-    assert np.isfinite(found).all()
 
 
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():

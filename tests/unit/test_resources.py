@@ -17,18 +17,6 @@ def test_cost_is_linear_in_the_nodes(stage):
     assert large.memory > small.memory > none.memory > 0
 
 
-@pytest.mark.parametrize("stage", ["load-area curve", "stress", "statistics"])
-def test_more_repetitions_take_longer(stage):
-    one, two, three = (job_cost(stage, 10**6, repetitions) for repetitions in (1, 2, 3))
-    assert three.seconds > two.seconds > one.seconds
-    assert three.memory >= two.memory >= one.memory
-
-
-def test_fewer_planes_take_less_time():
-    nodes = 1024**2
-    assert job_cost("stress", nodes, depth_spacing=1.0).seconds < job_cost("stress", nodes).seconds
-
-
 def test_study_and_plan_have_the_same_times():
     scene = Scene(0.8, 1 / 8, 1 / 64, 0.1, loads=3, ratios=2)
     seconds, memory = scene_cost(scene, PRESETS["paper"])

@@ -79,23 +79,6 @@ def test_the_largest_of_an_area_is_met_as_often_as_it_says(draw):
     assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
 
 
-def test_four_cells_predict_the_largest_stress_of_forty():
-    """Peaks of the von Mises stress of cells of one rough surface, under one load: ten predictions."""
-    layer, peaks = asp.Layer(young=1.0, poisson=0.3), []
-    for seed in range(40):
-        height = asp.self_affine((48, 48), 0.8, 1 / 2, 1 / 8, rms_height=1e-3, seed=seed)
-        contact = asp.solve(height, layer, mean_pressure=8e-4)
-        stress = asp.analyse_stress(contact, quantities=("von_mises",), tolerance=1e-3)
-        peaks.append(asp.peaks(stress, "von_mises")["peak_value"].values)
-    largest = max(each.max() for each in peaks)
-    found = [largest_on(peaks[first : first + 4], 4.0, 40.0) for first in range(0, 40, 4)]
-    assert sum(each.low <= largest <= each.high for each in found) >= 8
-    assert np.median([each.value for each in found]) == pytest.approx(largest, rel=0.2)
-    assert (
-        np.median([max(map(np.max, peaks[first : first + 4])) for first in range(0, 40, 4)]) < 0.85 * largest
-    )
-
-
 def test_one_map_has_no_interval_and_says_so(answers):
     sample = asp.pooled(answers[:1])
     assert ONE_MAP in str(sample)

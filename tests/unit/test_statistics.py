@@ -218,18 +218,12 @@ def pooled(stresses=TWO, gradients=(1.0, 1.0), **settings):
 
 test_wrong_arguments_are_refused = refuses(
     (lambda: probability_density([1.0, np.nan]), "values"),
-    (lambda: probability_density([1.0], 0), "bins"),
     (lambda: probability_density([1.0], 2.5), "bins"),
-    (lambda: probability_density([1.0], 2, (1.0, 1.0)), "limits"),
     (lambda: probability_density([1.0], 2, (0.0, np.inf)), "limits"),
-    (lambda: pooled(stresses=[]), "gradients"),
     (lambda: pooled(gradients=[1.0]), "gradients"),
-    (lambda: pooled(gradients=[1.0, 0.0]), "gradients"),
     (lambda: pooled(resamples=0), "resamples = 0: a whole number from 1 to 1000000 is needed"),
-    (lambda: pooled(resamples=2**60), "resamples = 1152921504606846976"),
     (lambda: pooled(confidence=1.0), r"confidence = 1\.0: a number between 0 and 1 is needed"),
     (lambda: pooled(seed=-1), "seed = -1: a whole number ≥ 0 is needed"),
-    (lambda: pooled(bins=0), "bins"),
     (lambda: pooled([stress(), stress().assign_coords(lag=[0.0, 0.1, 0.3])]), "stresses.*lag"),
     (lambda: pooled([stress(1), stress(1)]), "stresses: numbers 1 and 2 have the same peaks; every seed"),
 )

@@ -10,10 +10,9 @@ from samples import HALF_SPACE, refuses, spots
 
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
-from asperity.fourier.grid import Fourier, Work, resample
+from asperity.fourier.grid import Fourier, resample
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.planes import depth_grid, stress_planes
-from asperity.stress.planes.truncation import Truncation, coarser_grids
 
 pytestmark = pytest.mark.engines
 
@@ -75,36 +74,6 @@ def test_single_precision_only_above_its_rounding(layer):
             if single.grid == double.grid:
                 error = np.abs(single.fields[name] - double.fields[name]).max()
                 assert error < 5e-6 * np.abs(double.fields["zz"]).max()  # rounding
-
-
-def test_oblong_cell_keeps_the_bound_on_both_axes():
-    contact = spots((60, 240), (0.25, 1.0))
-    grid = contact.grid
-    modes = Fourier(grid).forward(contact.pressure)
-    truncation = Truncation(modes, coarser_grids(grid), HALF_SPACE, 1e-4, lambda depth: np.sqrt(3))
-    chosen, bound, *_ = truncation.choose(0.05)
-    assert chosen.shape[0] < 60
-    assert chosen.shape[1] < 240
-    lost = modes - resample(resample(modes, grid, chosen), chosen, grid)
-    decay = grid.wavenumber() * 0.05
-    largest = np.sum(np.abs(lost) * (1 + decay) * np.exp(-decay) * grid.multiplicity)
-    assert np.sqrt(3) * largest <= bound <= 1e-4 * truncation.scale(0.05)
-
-
-@pytest.mark.parametrize(
-    ("fields", "poisson", "transforms"),
-    [
-        (("zz",), [0.3], 1),
-        (("zz", "xz"), [0.0, 0.5], 2),
-        (("xx",), [0.0, 0.1, 0.2, 0.3], 2),
-        (("von_mises",), [0.3], 5.5),  # σ_xz follows from the other components after the transforms along y
-        (("von_mises", "xx"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], 7.5),
-    ],
-)
-def test_no_more_transforms_than_the_fields_need(fields, poisson, transforms):
-    work, contact = Work(), spots()
-    list(stress_planes(contact, [0.001], poisson, fields, tolerance=0, work=work))
-    assert work.nodes / contact.grid.size == transforms + 1  # the one is that of the pressure
 
 
 @pytest.mark.parametrize(("shape", "lateral"), [((16, 24), "confined"), ((15, 21), "free")])
@@ -177,31 +146,20 @@ def grid_of_depths(**settings):
 
 test_wrong_argument_is_refused = refuses(
     (lambda: planes(depths=[0.1, 0.1]), r"depths\[1\] = 0.1: more than depths\[0\] = 0.1 is needed"),
-    (lambda: planes(depths=[0.0, 1e308]), r"depths\[1\] = 1e\+308: a depth from 0"),
     (lambda: planes(depths=np.linspace(0, 1, 10**6)), r"depths has the shape \(1000000,\): 1 to 10000"),
-    (lambda: planes(poisson=0.6), r"poisson = 0.6: a number > -1 and ≤ 0.5"),
     (lambda: planes(poisson=[0.1, 0.1]), "poisson = 0.1: given 2 times"),
-    (lambda: planes(poisson=np.linspace(0, 0.5, 10**6)), ".*one number or a list of 1 to 1000"),
     (lambda: planes(spots(layer=BONDED), poisson=0.3), r"poisson = 0\.3: 0\.4, that of the contact"),
     (lambda: planes(spots(layer=BONDED), [0.31]), r"depths\[0\] = 0\.31: a depth from 0 to 0\.3"),
     (lambda: planes(EIGHT), "contact = array.*: an object with pressure, grid and layer"),
     (lambda: planes(fields=("von mises",)), "fields = 'von mises': names from xx, yy"),
-    (lambda: planes(tolerance=1.0), "tolerance = 1.0: a number"),
-    (lambda: planes(threads=10**9), r"threads = 1000000000: a whole number from 1"),
     (lambda: planes(friction=-0.1), r"friction = -0\.1: a number from 0 to 1000 is needed"),
     (lambda: planes(friction=1, sliding_direction="z"), 'sliding_direction = \'z\': "x", "y" or an'),
-    (lambda: planes(friction=1, sliding_direction=None), 'sliding_direction = None: "x", "y" or an'),
     (lambda: planes(loaded(layer=SLIDING), friction=0.2), r"friction = 0\.2: 0 is needed in a layer"),
     (lambda: loaded(1e70 * EIGHT), r"pressure: its largest magnitude is 1e\+70; 0 or a value from 1e-60"),
-    (lambda: loaded(1e-200 * EIGHT), "pressure: its largest magnitude is 1e-200"),
     (lambda: loaded(np.diag([np.nan, np.inf, *range(6)])), "pressure: 2 of 64 nodes are not finite"),
     (lambda: loaded(np.ones((8, 9))), r"pressure has the shape \(8, 9\): that of its grid, \(8, 8\)"),
-    (lambda: loaded(1j * EIGHT), "pressure = .*: real numbers"),
     (lambda: loaded(length=1e70), r"grid\.length = 1e\+70: an edge from"),
     (lambda: loaded(layer=SLIDING, boundary="free"), "boundary = 'free': a half-space is needed"),
-    (lambda: loaded(boundary="open"), "boundary = 'open': one of periodic, free is needed"),
     (lambda: grid_of_depths(spacing=0.0), "spacing = 0.0: a positive finite"),
-    (lambda: grid_of_depths(growth=np.nan), "growth = nan: a positive finite"),
-    (lambda: grid_of_depths(height="1"), "height = '1': a positive finite"),
     (lambda: grid_of_depths(spacing=1e-5, growth=1e-5), "spacing = 1e-05, growth = 1e-05: larger values"),
 )

@@ -5,11 +5,9 @@ import re
 import subprocess
 import sys
 import time
-import tomllib
 
 import psutil
 import pytest
-from project import ROOT
 
 from asperity.core import packages, system
 from asperity.core.errors import PreflightError
@@ -34,24 +32,6 @@ def test_missing_packages_are_named_with_the_extra_that_brings_all(monkeypatch, 
     monkeypatch.setattr(packages, "find_spec", lambda name: None if name in hidden else name)
     with pytest.raises(packages.MissingPackageError, match=f"^{re.escape(message)}$"):
         packages.require()
-
-
-def test_extras_are_those_that_the_project_declares():
-    declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = declared["optional-dependencies"]
-    named = {
-        extra: {re.match(r"[\w-]+", name)[0] for name in extras.get(extra, declared["dependencies"])}
-        for extra in packages.PACKAGES
-    }
-    of_maps = {"h5py", "olefile", "tifffile"}  # required by SurfaceTopography
-    held = set()
-    for extra, modules in packages.PACKAGES.items():
-        names = set(modules.values()) - of_maps
-        assert named[extra] == (names if extra == packages.BASE else names | held)
-        held |= names if extra else set()
-    for extra, modules in packages.ALTERNATIVES.items():
-        alone = {re.match(r"[\w-]+", name)[0] for name in extras[extra]}
-        assert alone == set(modules.values())
 
 
 def test_job_larger_than_the_memory_is_refused(monkeypatch):

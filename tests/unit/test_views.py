@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 import asperity as asp
 from asperity.cli.main import main
 from asperity.results import dataset
-from asperity.results.variables import SI_UNITS, STUDY_UNITS
+from asperity.results.variables import SI_UNITS
 from asperity.views.maps import PIXELS, blocks, largest_magnitude
-from asperity.views.scales import measure, robust_limits
+from asperity.views.scales import robust_limits
 from asperity.views.source import sources
 
 EDGE, PRESSURE = 512e-6, 50e6
@@ -63,20 +63,6 @@ def test_limits_hold_the_values_and_are_apart():
 
 
 @pytest.mark.parametrize(
-    ("largest", "dimension", "system", "label"),
-    [
-        (512e-6, "length", SI_UNITS, "a (µm)"),
-        (1.2e9, "stress", SI_UNITS, "a (MPa)"),
-        (5e3, "stress", SI_UNITS, "a (kPa)"),
-        (0.1, "length", STUDY_UNITS, "a / cell length"),
-        (0.1, "stress", None, "a"),
-    ],
-)
-def test_units_have_sensible_prefixes(largest, dimension, system, label):
-    assert measure([0.0, -largest], dimension, system).label("a") == label
-
-
-@pytest.mark.parametrize(
     ("si", "unit", "x", "colours", "right"),
     [
         (False, 1.0, "x / cell length", "contact pressure / $E^*$", 1 - 0.5 / 64),
@@ -91,13 +77,6 @@ def test_map_of_pressure_has_values_and_units(read, si, unit, x, colours, right)
     axis, bar = figure.axes[0], figure.axes[-1]
     assert (axis.get_xlabel(), bar.get_ylabel(), title(figure)) == (x, colours, "small")
     assert axis.get_xlim()[1] == pytest.approx(right)  # half a pixel beyond the last of 64 nodes
-
-
-def test_height_under_a_contact_is_recovered(read):
-    surface, contact = (asp.plot_height(read(stage)) for stage in ("surface", "contact"))
-    np.testing.assert_allclose(image(surface), image(contact), atol=1e-12)
-    assert contact.axes[0].collections
-    assert not surface.axes[0].collections  # outlines are of contacts only
 
 
 def test_spike_leaves_the_picture_and_is_named(read):

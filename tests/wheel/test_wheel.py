@@ -20,7 +20,6 @@ from project import ROOT
 
 import asperity
 from asperity.cli.commands.study import PARTS
-from asperity.cli.parser import COMMANDS as DESCRIBED
 from asperity.core.packages import ALTERNATIVES, PACKAGES
 
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
@@ -141,10 +140,6 @@ def test_the_study_of_the_wheel_can_be_planned(shared):
         assert all(filecmp.cmp(ROOT / name, folder / name, shallow=False) for name in names)
     planned = shared.run("python", "-m", "snakemake", "--dry-run", "--quiet", "rules", folder=folder)
     assert planned.returncode == 0, planned.stdout + planned.stderr
-
-
-def test_every_command_is_tried():
-    assert {arguments[0] for _, arguments in COMMANDS} == set(DESCRIBED)
 
 
 @pytest.mark.wheel

@@ -59,11 +59,6 @@ def test_claims_stand_with_their_verdicts(page, quick_study):
         assert re.search(rf"<dt>statements: {verdict}</dt><dd>{count}</dd>", page.text)
 
 
-def test_every_part_has_its_heading(page):
-    parts = {"claims", "validation", "verification", "cost"}
-    assert {"Figures-of-the-paper", "Supplement", *parts} <= set(page.headings)
-
-
 def test_the_page_needs_the_results_alone(page, quick_study):
     assert len(page.all("src")) > 10
     assert all(source.startswith("data:image/png;base64,") for source in page.all("src"))
