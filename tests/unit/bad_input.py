@@ -47,7 +47,6 @@ CONFIGS = [
         "surfaces: {hurst_02: {heights: {map: {file: no.nid}}}}",
         "surfaces.hurst_02.heights.map.file = 'no.nid': no such",
     ),
-    ("surfaces.hurst_02.heights = {}: one of moments, plateau and map is needed",),
     ("studies: {compressibility: [hurst_02, hurst_08]}", "studies.compressibility = ['hurst_02', 'hurst_08'"),
     ("stress: {poisson: [0.33, 0.33]}", "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items"),
     ('surfaces: {hurst_02: {label: "\\e[31mred"}}', "label = '\\x1b[31mred': text that can be printed is ne"),
@@ -109,10 +108,6 @@ COMMANDS = [
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "--poisson: 0.2 0.2: a list of 1 to 16 distinct items"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
     ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
-    (
-        1,
-        "--tolerance = 1e-14: a number ≥ 1e-6 with precision float32",
-    ),
     (f"{RUN} --pressure 1MPa --pressure=2MPa", 2, "--pressure: given 2 times"),
     (f"{RUN} --pressure {' '.join(f'{n}MPa' for n in range(1, 102))}", 2, "8MPa ... (101 values): a list"),
     (f"{RUN} --pressure 1,2GPa", 2, "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma) is needed"),
