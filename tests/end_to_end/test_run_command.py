@@ -159,20 +159,6 @@ def test_links_modes_and_other_files_are_kept(two_answers, tmp_path, without_pic
     assert loads_in(tmp_path / "target") == {60e6}
 
 
-def test_the_name_of_a_map_is_text(tmp_path, capsys, monkeypatch):
-    """Not mathematics, no control of the terminal, and no longer than a title."""
-    monkeypatch.chdir(tmp_path)
-    name = r"$\frac{1}$" + "\x1b[31m" + 230 * "m" + ".asc"
-    save(1e-3 * np.random.default_rng(1).normal(size=(16, 16)), name)
-    assert main(["info", name]) == 0
-    assert main(["run", name, *COMMAND, "--out", "answer"]) == 0
-    assert main(["view", "answer/contact.nc", "pressure"]) == 0
-    printed = capsys.readouterr()
-    page = (tmp_path / "answer/report.html").read_text(encoding="utf-8")
-    assert "\x1b" not in printed.out + printed.err + page
-    assert max(map(len, page.partition("<style>")[0].splitlines())) < 100
-
-
 @pytest.fixture
 def refused(capsys):
     """What is printed on stderr when a command is refused."""

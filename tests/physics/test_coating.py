@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+import skfem
 
 import asperity as asp
 from asperity.reference.state_space import StateSpace
@@ -63,6 +64,73 @@ def test_modes_are_exact_to_rounding(height, contrast):
             own = nu_base if depth > height else nu
             stress = [1j * m, 1j * own * (m + n), 1j * n, 0, x, 0] if top[0] else [0, 0, 0, p, 0, 1j * q]
             assert error(np.array(stress), mode.at(depth)[0], depth) < ROUNDING
+
+
+def finite_elements(coating):
+    """Depths, σ_xx, σ_zz, σ_xz and u_z under a pressure cos x, by quadratic elements along the depth."""
+    half = np.concatenate([[0], np.geomspace(1e-3, 25, 150)])
+    edges = np.unique(np.concatenate([np.linspace(0, coating.height, 61), coating.height + half]))
+    basis = skfem.Basis(skfem.MeshLine(edges), skfem.ElementVector(skfem.ElementLineP2(), 2), intorder=5)
+
+    def constants(depth):
+        inside = depth <= coating.height
+        young = np.where(inside, coating.young, coating.base.young)
+        nu = np.where(inside, coating.poisson, coating.base.poisson)
+        return young / (2 * (1 + nu)), young * nu / ((1 + nu) * (1 - 2 * nu))
+
+    def strains(field):
+        """In plane strain, of the displacements U sin x and W cos x, W downward."""
+        return field[0], field.grad[1, 0], field.grad[0, 0] - field[1]
+
+    @skfem.BilinearForm
+    def stiffness(u, v, w):
+        shear, first = constants(w.x[0])
+        (uxx, uzz, uxz), (vxx, vzz, vxz) = strains(u), strains(v)
+        return first * (uxx + uzz) * (vxx + vzz) + 2 * shear * (uxx * vxx + uzz * vzz) + shear * uxz * vxz
+
+    load = np.zeros(basis.N)
+    load[basis.nodal_dofs[1, 0]] = 1.0
+    held = basis.nodal_dofs[:, -1]
+    solution = skfem.solve(*skfem.condense(stiffness.assemble(basis), load, D=held))
+    field, depth = basis.interpolate(solution), np.asarray(basis.global_coordinates())[0]
+    shear, first = constants(depth)
+    xx, zz, xz = strains(field)
+    stress = [first * (xx + zz) + 2 * shear * xx, first * (xx + zz) + 2 * shear * zz, shear * xz]
+    near = depth < 5
+    return depth[near], *(np.asarray(values)[near] for values in (*stress, -field[1]))
+
+
+@pytest.mark.parametrize(("contrast", "nu", "height"), [(4.0, 0.2, 0.5), (0.1, 0.45, 1.5)])
+def test_finite_elements_agree(contrast, nu, height):
+    coating = asp.Layer(contrast, nu, height, base=BASE)
+    depth, *expected = finite_elements(coating)
+    stress = coating.stress(1.0, 0.0, depth)
+    found = (
+        stress[:, 0].real,
+        stress[:, 2].real,
+        stress[:, 4].imag,
+        coating.displacement(1.0, 0.0, depth)[:, 2].real,
+    )
+    for ours, theirs in zip(found, expected, strict=True):
+        # Discretisation of the stress, largest where the elements grow: 3e-4.
+        assert abs(ours - theirs).max() < 1e-3 * abs(theirs).max()
+
+
+def test_limits_of_the_base():
+    q, depth = np.geomspace(1e-2, 1e2, 40)[:, None], np.linspace(0, 0.7, 8)
+    own, half_space = asp.Layer(2.0, 0.3, 0.7), asp.Layer(2.0, 0.3)
+    alike = asp.Layer(2.0, 0.3, 0.7, base=half_space)
+    rigid = asp.Layer(2.0, 0.3, 0.7, base=asp.Layer(1e20, 0.2))
+    for found, expected, depths in ((alike, half_space, 3 * depth), (rigid, own, depth)):
+        for ours, theirs in zip(found.kernels(q, depths), expected.kernels(q, depths), strict=True):
+            np.testing.assert_allclose(ours, theirs, atol=4e-15)
+        for ours, theirs in zip(
+            found.shear_kernels(q, depths), expected.shear_kernels(q, depths), strict=True
+        ):
+            np.testing.assert_allclose(ours, theirs, atol=4e-15)
+    plate = asp.Layer(2.0, 0.3, 0.7, "free")
+    loose = asp.Layer(2.0, 0.3, 0.7, base=asp.Layer(1e-30, 0.3))
+    np.testing.assert_allclose(loose.surface_compliance(q), plate.surface_compliance(q), rtol=4e-15)
 
 
 @pytest.fixture(scope="module")

@@ -120,17 +120,6 @@ def test_certificate_knows_the_hardness():
     assert worst(hardness=1.1 * contact.hardness) > 1e-2  # nodes below it must not overlap
 
 
-def test_results_know_the_hardness(tmp_path):
-    height = rough()
-    contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, hardness=0.02)
-    contact.to_netcdf(tmp_path / "contact.nc")
-    stored = asp.read_result(tmp_path / "contact.nc")
-    np.testing.assert_array_equal(stored["plastic_depth"], contact.plastic_depth)
-    assert float(stored["hardness"]) == 0.02
-    assert float(stored["plastic_area"]) == contact.plastic_area > 0
-    assert "plastic_depth" not in asp.solve(height, HALF_SPACE, area_fraction=0.1).to_dataset()
-
-
 def test_peaks_on_plateaus_are_those_at_the_nodes():
     """Quadratics through the nodes give pressures of 1.3 times the hardness on this grid."""
     height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=1)

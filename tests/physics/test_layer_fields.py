@@ -11,6 +11,7 @@ import asperity as asp
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.layer_fields import DISPLACEMENTS, layer_fields
 from asperity.fourier.grid import Grid
+from asperity.reference.finite_element import Slab, graded
 from asperity.reference.state_space import StateSpace
 
 # Rounding, relative to the largest value in the plane or the cell.
@@ -154,6 +155,36 @@ def test_nyquist_modes_are_the_fields_of_cosines():
 
     found, true = (plane(layer, grid, 0.03, *faces(grid)) for grid in (coarse, fine))
     assert difference(stacked(found), stacked(true)[:, ::2, ::2]) < ROUNDING
+
+
+def test_face_pushed_down_against_finite_elements():
+    """Normal displacement prescribed on top, no shear there, bonded below: stress on the diagonal.
+
+    Quadratic elements with 8 along half a wave: their error falls with the third power of the size.
+    """
+    young, poisson, height = 1.3, 0.3, 0.4
+    errors = []
+    for elements in (4, 8):
+        slab = Slab(graded(0.5, elements, 1.0), graded(height, elements, 1.0), young, poisson)
+        lines = np.cos(2 * np.pi * slab.plane.nodes)
+        pushed = -0.01 * (1 + lines[:, None]) * (1 + lines) - 0.002
+        nodes, start = np.arange(pushed.size), np.zeros((3, *slab.shape))
+        moved, _ = slab.equilibrium(start, nodes, pushed.ravel(), 1e-12)
+        x, z, _, expected = slab.on_diagonal(moved)
+        grid = Grid((8, 8))
+        y_grid, x_grid = (np.cos(2 * np.pi * axis) for axis in grid.coordinates())
+        top = {"displacement_z": -0.01 * (1 + y_grid[:, None]) * (1 + x_grid) - 0.002}
+        solved = layer_fields(Layer(young, poisson, height), grid, top)
+        waves = np.exp(
+            2j * np.pi * np.add.outer(np.fft.fftfreq(8, 1 / 8), np.fft.fftfreq(8, 1 / 8))[..., None] * x
+        )
+        found = [
+            np.einsum("cyx,yxn->nc", np.fft.fft2(stacked(level.fields)), waves).real / grid.size
+            for level in solved.planes(np.clip(height - z, 0, height))
+        ]
+        errors.append(np.abs(np.array(found) - expected).max() / np.abs(expected).max())
+    assert errors[1] < 2e-3
+    assert errors[0] / errors[1] > 4
 
 
 # Laws of mechanics

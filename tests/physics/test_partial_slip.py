@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 from samples import HALF_SPACE, LAYER, difference, hardened, refuses, rough
-from scipy.integrate import dblquad
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import lsq_linear
 
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
-from asperity.elasticity.loaded_rectangle import rectangle_compliance, rectangle_moments
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -171,24 +169,6 @@ def test_tangential_compliance_solves_equilibrium(poisson, height):
         np.testing.assert_allclose(
             layer.tangential_compliance(1e-7), layer.tangential_compliance(0.0), rtol=1e-12
         )
-
-
-def test_moments_of_a_rectangle():
-    """Against quadrature, and the first two against the compliance; rounding."""
-    y, x, edges = 0.4, -0.9, (0.3, 0.5)
-    powers = [(2, 0), (0, 2), (1, 1)]
-    expected = [
-        dblquad(
-            lambda v, u, a=a, b=b: (y - v) ** a * (x - u) ** b / np.hypot(y - v, x - u) ** 3,
-            *(-edges[1] / 2, edges[1] / 2, -edges[0] / 2, edges[0] / 2),
-        )[0]
-        for a, b in powers
-    ]
-    np.testing.assert_allclose(rectangle_moments(y, x, edges), expected, rtol=1e-10)
-    sums = rectangle_moments([0.0, 0.1], [0.0, 7.0], edges)[:2].sum(axis=0)
-    np.testing.assert_allclose(
-        sums, np.pi * rectangle_compliance([0.0, 0.1], [0.0, 7.0], edges, 1.0), rtol=1e-12
-    )
 
 
 CONTACT = asp.solve(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)

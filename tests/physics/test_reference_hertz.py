@@ -98,15 +98,6 @@ def test_load_and_curvatures_belong_together(ratio):
     assert contact.load == pytest.approx(np.pi * 1.3**2 * ratio * contact.mean_contact_pressure, rel=1e-12)
 
 
-def test_circular_ellipse_is_hertz():
-    circle, found = Hertz.from_load(2.0, 3.0, 1.5), EllipticHertz.from_load(2.0, 3.0, 3.0, 1.5)
-    assert found.semi_major == found.semi_minor == pytest.approx(circle.contact_radius, rel=1e-14)
-    assert found.approach == pytest.approx(circle.approach, rel=1e-14)
-    depth = np.array([0.0, 0.1, 1.0, 30.0])
-    expected = circle.stress_cartesian(0.0, 0.0, depth, 0.3)
-    np.testing.assert_allclose(found.stress_on_axis(depth, 0.3), expected, atol=1e-15)
-
-
 @pytest.mark.parametrize("poisson", [0.0, 0.5])
 @pytest.mark.parametrize("ratio", [1e-3, 0.2, 1.0])
 def test_peak_on_the_axis_is_the_largest(ratio, poisson):

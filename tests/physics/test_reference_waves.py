@@ -45,15 +45,6 @@ def test_mean_mode_of_a_wave():
     np.testing.assert_allclose(deep, 0.1 * np.array([-3 / 7, -3 / 7, -1, 0, 0, 0]), atol=1e-16)
 
 
-def test_complete_contact_follows_the_wave():
-    wave = Westergaard(1.0, 0.05, 1.3, YOUNG)
-    assert wave.complete_pressure < 1
-    assert wave.area_fraction == 1
-    assert wave.approach == pytest.approx(0.05)
-    assert np.all(wave.gap(CELL) == 0)
-    np.testing.assert_allclose(wave.stress(CELL, 0.0, 0.3)[:, 2], -wave.pressure(CELL), atol=1e-12)
-
-
 def test_complete_contact_of_crossed_waves():
     """Mode by mode the pressure is E* q/2 times the displacement."""
     grid = Grid((8, 8))
@@ -64,14 +55,6 @@ def test_complete_contact_of_crossed_waves():
     np.testing.assert_allclose(CROSSED.complete_contact_pressure(y[:, None], x, 0.3), expected, rtol=1e-13)
     full = CROSSED.complete_contact_pressure(0.5, 0.5, CROSSED.complete_pressure)
     assert full == pytest.approx(0.0, abs=1e-16)
-
-
-def test_small_contact_of_crossed_waves_is_hertz():
-    load = 1e-4 * CROSSED.complete_pressure
-    curvature = (CROSSED.height(0.0, 1e-4) / 0.5e-8).item()
-    radius = Hertz.from_load(load, 1 / curvature, YOUNG).contact_radius
-    # The wave at 10⁻⁴ is a parabola to (k x)²/12.
-    assert CROSSED.small_area_fraction(load) == pytest.approx(np.pi * radius**2, rel=1e-6)
 
 
 def test_gap_around_a_valley_has_its_volume():

@@ -75,13 +75,6 @@ def test_fields_searched_together_have_the_peaks_of_each(contact):
         xr.testing.assert_equal(mine, expected)
 
 
-def test_pressure_peaks_are_those_of_the_surface(contact, result):
-    peaks = asp.peaks(result, "pressure", 0.5)
-    np.testing.assert_allclose(peaks["peak_value"], asp.plane_peaks(contact.pressure, contact.grid).value)
-    assert not peaks["peak_interior"].any()
-    assert (peaks["peak_depth"] == 0).all()
-
-
 def test_profile_and_covariance_are_those_of_the_planes(contact, exact):
     """Eq. 22, on the full grid: against its definition."""
     depths = exact["plane_depth"].values
@@ -119,15 +112,6 @@ def test_coarse_planes_keep_the_statistics(contact, exact, tolerance):
             one, two = (asp.peaks(each, name, nu)["peak_value"].values for each in (exact, coarse))
             assert abs(one.size - two.size) <= max(2, 0.02 * one.size)
             np.testing.assert_allclose(np.quantile(one, shares), np.quantile(two, shares), atol=0.01 * scale)
-
-
-def test_planes_not_kept_are_computed_again(contact, result, monkeypatch):
-    """Those above the reference plane."""
-    monkeypatch.setattr("asperity.stress.statistics.covariance.MOST_KEPT", 1)
-    again = asp.analyse_stress(contact, **SETTINGS)
-    # Kept planes are rounded to 2e-10 of the largest value.
-    np.testing.assert_allclose(again["covariance_depth"], result["covariance_depth"], rtol=1e-8)
-    xr.testing.assert_identical(again.drop_vars("covariance_depth"), result.drop_vars("covariance_depth"))
 
 
 def test_both_mean_modes_are_those_of_two_analyses(contact, result):

@@ -12,7 +12,7 @@ from small_study import CONTACT, LAYER, STRESS
 from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Number, OfSeeds
 from asperity.paper.claims.overview import draw
-from asperity.paper.claims.sources import deltas, roles
+from asperity.paper.claims.sources import roles
 from asperity.paper.claims.verdicts import (
     CLAIMS,
     DEPENDS,
@@ -125,14 +125,6 @@ def test_estimates_decide_with_their_errors(of, expected):
     assert found.on_grid.item() == (1.0 if len(of) > 1 else 9.0)
     assert found.values.item() == (2.0 if len(of) > 1 else 1.5)
     assert found.grid_errors.item() == pytest.approx(expected, rel=0.02)  # to first order
-
-
-def test_a_distribution_is_its_own_without_error():
-    data = quantiles(LEVELS).assign_coords(kind=["estimate", "error"])
-    known = np.stack([data["seed_peak_quantile"].values, np.full((1, 1, 1, LEVELS.size), 0.1)])
-    data["continuum_peak_quantile"] = ("kind", *data["seed_peak_quantile"].dims), known
-    found = Number("peak_quantile", ("one", "one"), ("xx",))(Evidence({"one": data}))
-    assert (found.values.item(), found.grid_errors.item()) == (0, 0)
 
 
 def test_kolmogorov_distance_from_quantiles_is_hardly_low():
@@ -301,22 +293,3 @@ def test_tables_are_read_again_and_hold_every_claim(study, tmp_path):
     assert report.markdown(report.findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)) == text
     assert all(f.claim.compared.replace("|", "\\|") in text for f in found)
     assert len(draw(found).axes[0].get_yticks()) == len(CLAIMS)
-
-
-def test_surfaces_of_another_delta_are_found():
-    def skew(gamma, delta, hurst=0.8):
-        return {"label": f"{delta}", "hurst": hurst, "johnson": {"gamma": gamma, "delta": delta}}
-
-    surfaces = {
-        "n": skew(-1.25, 1.0),
-        "g": {"label": "", "hurst": 0.8},
-        "p": skew(1.25, 1.0),
-        "n2": skew(-1.25, 1.5),
-        "p2": skew(1.25, 1.5),
-    }
-    own = roles({"skewness": ["n", "g", "p"]}, surfaces)
-    found = deltas(own, surfaces)
-    assert list(found) == [1.0, 1.5]
-    assert found[1.5] == {"skew_negative, delta 1.5": "n2", "skew_positive, delta 1.5": "p2"}
-    assert list(deltas(own, {**surfaces, "n2": skew(-1.25, 1.5, hurst=0.5)})) == [1.0]
-    assert deltas({}, surfaces) == {}

@@ -8,7 +8,6 @@ import yaml
 from project import ROOT
 from random_input import places, refusal
 
-from asperity.core.errors import ConfigError
 from asperity.study.config.__main__ import main, with_settings
 from asperity.study.config.check import check
 from asperity.study.config.defaults import (
@@ -16,12 +15,10 @@ from asperity.study.config.defaults import (
     accuracy_of,
     complete,
     imposed_load,
-    overlay,
 )
 from asperity.study.config.reader import merged, parse
 from asperity.study.config.schema import schema, settings
 from asperity.study.config.study import read_study
-from asperity.study.cost.plan import read
 
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 SETTINGS = dict(settings(schema()))
@@ -49,13 +46,6 @@ def test_whatever_is_left_out_or_emptied_is_accepted_or_named():
             messages.append(refusal(config))
         group.update(kept)
         assert any(messages), key
-
-
-def test_a_plan_needs_fewer_settings_than_a_study():
-    text = "surfaces: {a: {hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}}"
-    assert read([text])["surfaces"]["a"]["points"] == 256
-    with pytest.raises(ConfigError, match=r"surfaces.a.label: missing; text of 1 to 60 characters is needed"):
-        check(parse(text, "text"))
 
 
 @pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"approach": 0.001}])
@@ -132,10 +122,3 @@ def test_a_setting_that_is_given_overrides_the_preset():
     assert (whole["contact"]["precision"], whole["contact"]["tolerance"]) == ("float32", 1e-4)
     assert whole["surfaces"]["gaussian"]["points"] == 300
     assert whole["surfaces"]["hurst_02"]["points"] == 1024
-
-
-def test_the_overlay_of_a_preset_gives_what_the_preset_gives():
-    wavelengths = {name: surface["wavelength_short"] for name, surface in PAPER["surfaces"].items()}
-    config = merged(FREE, overlay(PRESETS["reference"], wavelengths))
-    expected = complete(FREE | {"accuracy": "reference"})
-    assert complete(config) | {"accuracy": "reference", "measured": expected["measured"]} == expected

@@ -94,16 +94,6 @@ def test_file_says_what_its_stage_makes(path, stage):
     assert "effective_modulus is E/(1 - nu^2)" in found.attrs["comment"]
 
 
-def test_texts_and_truth_values_come_back(path):
-    names, flags = np.array(["xx", "von_mises", "", "σ"]), np.array([True, False, True, True])
-    data = xr.Dataset({"peak_interior": ("peak", flags)}, coords={"peak_quantity": ("peak", names)})
-    dataset.write(data, path, "Title", SETTINGS)
-    found = dataset.read(path)
-    assert found["peak_interior"].dtype == bool
-    assert found["peak_quantity"].values.tolist() == names.tolist()
-    assert all("units" not in variable.attrs for variable in found.variables.values())
-
-
 @pytest.mark.parametrize(
     ("name", "value"), [("coordinates", 3), ("_Encoding", "x"), ("scale_factor", "x"), ("units", 3.5)]
 )
@@ -156,11 +146,6 @@ def test_only_writable_regular_files_are_replaced(tmp_path):
     assert (text.read_text(), text.stat().st_mode & 0o777) == ("new", 0o640)
     with pytest.raises(DatasetError, match="pipe: not a regular file"):
         dataset.read(pipe)
-
-
-def test_undescribed_variable_is_refused(surface, tmp_path):
-    with pytest.raises(KeyError, match="heigth"):
-        dataset.write(surface.rename(height="heigth"), tmp_path / "file.nc", "Typing error", SETTINGS)
 
 
 def cut(path):

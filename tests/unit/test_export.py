@@ -10,7 +10,6 @@ import xarray as xr
 
 import asperity as asp
 from asperity.cli.main import main
-from asperity.results import dataset
 from asperity.views import export
 from asperity.views.source import sources
 
@@ -123,23 +122,3 @@ def test_a_contact_writes_what_the_command_exports(tmp_path):
             np.testing.assert_allclose(values, written[1][name], rtol=1e-5, atol=1e-9)
     with pytest.raises(ValueError, match=r"depth = None: a pair"):
         contact.to_vtk(tmp_path / "box.vti", ("xx",))
-
-
-def test_table_holds_every_peak_with_its_unit(chain, tmp_path):
-    stress = dataset.read(chain["stress"])
-    assert main(["export", chain["stress"], "--peaks", str(tmp_path / "peaks.csv")]) == 0
-    table = pd.read_csv(tmp_path / "peaks.csv")
-    assert len(table) == stress.sizes["peak"]
-    assert table.loc[table["quantity"] == "pressure", "poisson"].isna().all()
-    found = asp.peaks(stress, "von_mises", 0.33)
-    first = found.isel(peak=int(found["peak_value"].values.argmax()))
-    mine = table[(table["quantity"] == "von_mises") & (table["poisson"] == 0.33)]
-    largest_first = np.sort(found["peak_value"].values)[::-1]
-    np.testing.assert_allclose(mine["value_effective_modulus"], largest_first, rtol=1e-6)
-    assert mine["depth_cell_length"].iloc[0] == pytest.approx(float(first["peak_depth"]), rel=1e-6)
-    assert mine["kind"].iloc[0] == ("interior" if first["peak_interior"] else "surface")
-    assert mine["under_contact"].iloc[0] == bool(first["peak_under_contact"])
-    si, plain = export.peak_table(stress.assign_attrs(unit_system="SI")), export.peak_table(stress)
-    assert list(plain) == list(table)
-    np.testing.assert_allclose(si["value_MPa"] * 1e6, plain["value_effective_modulus"])
-    np.testing.assert_allclose(si["depth_um"] * 1e-6, plain["depth_cell_length"])

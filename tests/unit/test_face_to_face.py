@@ -53,11 +53,6 @@ def test_unlike_pixels_are_interpolated(shape):
     np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-19)
 
 
-def test_waves_beyond_the_lower_map_vanish():
-    lower, upper = wave(ky=0, kx=1, phase=0.0), wave((96, 144), ky=0, kx=60, phase=0.0)
-    np.testing.assert_allclose(face_to_face(lower, upper).map.height, -lower.height, atol=1e-19)
-
-
 def test_shift_leaves_the_common_area():
     found = face_to_face(LOWER, UPPER, shift=(3e-6, -5e-6))
     expected = -LOWER.height[3:, :43] - UPPER.height[:, ::-1][:29, 5:]

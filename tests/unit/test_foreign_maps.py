@@ -253,14 +253,6 @@ def test_sdf_of_every_version_is_read_with_its_gaps(tmp_path, heading, data_type
 
 
 @pytest.mark.parametrize(
-    "keys", [str.upper, str.lower, lambda line: line.replace(" = ", "\t:  ")], ids=range(3)
-)
-def test_the_heading_of_sdf_may_be_spelt_otherwise(tmp_path, keys):
-    foreign_files.write_sdf(tmp_path / "map.sdf", RAW, keys=keys)
-    assert_read(tmp_path / "map.sdf")
-
-
-@pytest.mark.parametrize(
     "comment", [b"", b"a", b"Created by something with a long name" * 3, b"x".ljust(23, b"\0")]
 )
 def test_a_truemap_with_any_comment_is_read(tmp_path, comment):
@@ -358,7 +350,6 @@ def of_axes(y="y", x="x", units="mm", height="height", step=2e-3):
         of_axes(),
         of_axes().assign(height=of_axes().height.assign_attrs(orientation="peaks up")),
         of_axes("lat", "lon", height="elevation"),
-        of_axes("Y", "X").transpose(),
         of_axes("row", "col", "um", step=2.0).isel(row=slice(None, None, -1)),
         of_axes().assign(mask=(("y", "x"), HEIGHT)),
     ],

@@ -43,15 +43,6 @@ def test_numbers_are_those_of_partial_slip(fretting):
     assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
 
 
-def test_full_contact_sticks_without_yielding():
-    """Half-spaces in full contact are not displaced further, and their stiffness is infinite."""
-    answer = run(a_rough_map(32), SOFT, mean_pressure=3e9, friction=FRICTION, tangential_force=0.1)
-    found = values(answer)
-    assert found["first tangential stiffness"] == found["last tangential stiffness"] == np.inf
-    assert found["sticking part of the contact"] == 1.0
-    assert found["energy lost in a cycle ± force"] == 0.0
-
-
 def test_stress_lies_between_rest_and_sliding(fretting):
     """σ_xz in the surface is the traction; in the upper body it is opposite."""
     settings = {"mean_pressure": LOAD, "friction": FRICTION}
@@ -122,13 +113,6 @@ def test_missing_solver_is_named_before_the_contact(monkeypatch):
 
 
 SETTINGS = {"map": "a.x3p", "young": "210 GPa", "poisson": 0.3, "force": "2 N", "friction": 0.3}
-
-
-def test_case_keeps_force_and_film():
-    settings = SETTINGS | {"tangential_force": "0.5 N", "viscosity": 0.01, "pressure_difference": "1 bar"}
-    case = Case.of(settings)
-    assert (case.tangential_force, case.pressure_difference, case.flow_direction) == (0.5, 1e5, "x")
-    assert Case.of(case.settings()) == case
 
 
 def case_of(**changed):

@@ -59,15 +59,6 @@ def test_mean_displacement_without_a_support_is_zero():
     assert Layer(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
 
 
-def test_green_tensor_broadcasts_and_is_zero_at_rest():
-    qx, qy = np.array([0.0, 1.0, 2.0]), np.array([0.0, -1.0, 3.0, 5.0])[:, None]
-    for layer in (Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3)):
-        tensor = layer.green_tensor(qx, qy)
-        assert (tensor.shape, tensor.dtype) == ((6, 6, 4, 3), np.complex128)
-        assert np.all(tensor[:, :, 0, 0] == 0)
-        np.testing.assert_array_equal(tensor[:, :, 2, 1], layer.green_tensor(1.0, 3.0))
-
-
 def test_supported_bottoms_do_not_move():
     """The depth of the bottom may be rounded to single precision."""
     q = np.geomspace(1e-8, 1e3, 40)

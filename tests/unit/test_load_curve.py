@@ -50,25 +50,6 @@ def test_yield_beyond_the_curve_is_a_bound():
     assert yield_load(loads, stresses, 3.0, lambda load: load) == pytest.approx(3.0, rel=0.005)
 
 
-def test_conductances_are_those_of_the_contact():
-    lower = Body(210e9, 0.3, conductivity=50.0, resistivity=1e-7)
-    upper = Body(70e9, 0.33, conductivity=200.0, resistivity=3e-8)
-    answer = run(a_rough_map(), lower, upper, mean_pressure=[10e6, 50e6])
-    rows = {row.name: row.value for row in answer.rows}
-    thermal = answer.contact.conductance(1 / 50 + 1 / 200)
-    assert rows["thermal contact conductance"] == pytest.approx(thermal)
-    assert rows["electrical contact conductance"] == pytest.approx(answer.contact.conductance(1.3e-7))
-    assert answer.curve.frame()["thermal_conductance_W_m2_K"].iloc[-1] == pytest.approx(thermal)
-
-
-def test_curve_of_a_path():
-    height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    path = asp.solve_path(height, asp.Layer(1.0, 0.3), mean_pressures=[1e-4, 1e-3], hardness=0.02)
-    curve = asp.load_curve(path)
-    assert set(curve) >= {"mean_gap", "stiffness", "plastic_area"}
-    assert "body" not in curve.dims
-
-
 def pressures(*values, **settings):
     return loads_of("pressure", {"pressure": [*values], **settings})
 

@@ -35,16 +35,6 @@ def test_offsets_of_scan_lines_are_removed():
         np.testing.assert_array_equal(np.isnan(found), np.isnan(gaps))
 
 
-def test_levelled_lines_are_stated():
-    stepped = ROUGH + np.where(np.arange(48) % 2, 2.0, -2.0)[:, None]
-    surface = HeightMap(stepped, (0.75, 1.0))
-    treated = treat_map(surface, periodic="mirrored", scan_lines="median")
-    assert "scan lines along x levelled (median): rms offset 2 removed" in "\n".join(treated.done)
-    assert treated.height.std() < 1.2 < treat_map(surface, periodic="mirrored").height.std()
-    with pytest.raises(MapError, match="scan_lines = 'mean': one of median, matched is needed"):
-        MapOptions(scan_lines="mean")
-
-
 @pytest.mark.parametrize("length", [0.05, 0.1, 0.25])
 @pytest.mark.parametrize("periodic", [True, False])
 def test_gaussian_filters_transmit_one_half_at_their_nesting_index(length, periodic):

@@ -55,14 +55,6 @@ def test_spikes_are_found_and_scratches_stay():
     assert {(int(i), int(j)) for i, j in np.argwhere(found)} == set(spots)
 
 
-def test_the_threshold_counts_standard_deviations():
-    """White noise of unit variance, whose median of 25 points scatters by a quarter."""
-    noise = np.random.default_rng(1).normal(size=(64, 64))
-    for size, count in ((7.0, 0), (9.0, 1)):
-        noise[30, 30] = size
-        assert np.count_nonzero(levelling.find_spikes(noise, 8.0)) == count
-
-
 def test_a_plane_has_its_slope_and_edge_step():
     y, x = np.mgrid[:20, :30].astype(float)
     left, slope, bow = levelling.subtract_trend(3e-3 * x - 1e-3 * y, "tilt", (20.0, 30.0))
@@ -228,15 +220,6 @@ def test_places_in_mirror_images_are_places_on_the_map(points):
     assert not treated.is_on_map(y[ny + 1 : -1, nx + 1 : -1], x[ny + 1 : -1, nx + 1 : -1]).any()
 
 
-def test_a_windowed_map_is_level_at_its_edges_and_itself_inside():
-    height = waves((40, 40)) + np.linspace(0, 1, 40)[:, None]
-    kept = make_periodic(HeightMap(height, (1.0, 1.0)), detrend="none", periodic="windowed").height
-    np.testing.assert_allclose(kept[0] - kept[0, 0], 0, atol=1e-12)  # rounding
-    middle = slice(8, 32)
-    expected = -(height - height.mean())[middle, middle]
-    np.testing.assert_allclose(np.diff(kept[middle, middle]), np.diff(expected), atol=1e-12)  # rounding
-
-
 @pytest.mark.parametrize("periodic", ["mirrored", "windowed", "none"])
 @pytest.mark.parametrize("shape", [(40, 40), (31, 46)])
 def test_treatment_commutes_with_half_a_turn(shape, periodic):
@@ -277,10 +260,3 @@ def test_a_surface_file_keeps_its_map_record(tmp_path):
     found = read_map(tmp_path / "s.nc")
     assert (found.orientation, found.unit, found.periodic) == ("lower face", None, True)
     np.testing.assert_array_equal(found.as_indenter(), data["height"])
-
-
-def test_points_are_the_nodes_of_the_longer_edge():
-    y, x = np.arange(40)[:, None] / 40, np.arange(60) / 60
-    waves = np.sin(2 * np.pi * y) + np.cos(2 * np.pi * x)
-    surface = HeightMap(waves, (2.0, 3.0), True, orientation="peaks up")
-    assert treat_map(surface, points=30).height.shape == (20, 30)

@@ -14,8 +14,7 @@ from asperity.cli.main import main
 from asperity.contact import METHODS
 from asperity.core import system
 from asperity.core.errors import DatasetError
-from asperity.engineering import Body, save_case, write_answer
-from asperity.engineering.case import Case, CounterMap, Load
+from asperity.engineering import Body, write_answer
 from asperity.engineering.folder import LOCK, UNFINISHED, locked, names_of
 from asperity.surface.reading.height_map import HeightMap
 
@@ -147,16 +146,6 @@ def test_a_case_is_saved_as_that_of_its_folder(folder, without_pictures):
 @pytest.fixture
 def without_pictures(monkeypatch):
     monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
-
-
-def test_a_case_is_not_saved_as_its_map(folder):
-    load = Load("mean_pressure", 1e6)
-    case = Case("mine.txt", Body(210e9, 0.3), None, load, counter_map=CounterMap("other.txt"))
-    for name in ("mine.txt", "./other.txt"):
-        before = Path(name).read_bytes()
-        with pytest.raises(ValueError, match="the map of the case, another name is needed"):
-            save_case(case, Path(name))
-        assert Path(name).read_bytes() == before
 
 
 def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):

@@ -47,17 +47,6 @@ def test_the_spectrum_follows_its_power_law_over_an_ensemble():
     assert slope == pytest.approx(-2 * 0.3 - 2, abs=0.05)
 
 
-def test_roughness_parameters_of_a_wave():
-    grid = Grid((32, 48), (2.0, 3.0))
-    _, x = grid.coordinates()
-    wave = np.broadcast_to(0.1 * np.cos(2 * np.pi * x), grid.shape)
-    found = roughness_parameters(wave, grid.length)
-    assert found.rms_height == pytest.approx(0.1 / np.sqrt(2))
-    assert found.rms_gradient == pytest.approx(0.1 * 2 * np.pi / np.sqrt(2))
-    assert found.kurtosis == pytest.approx(1.5)
-    assert found.skewness == pytest.approx(0, abs=1e-12)
-
-
 def normal_heights():
     """Heights at the quantiles of the normal distribution: no statistical error."""
     return norm.ppf((np.arange(512**2) + 0.5) / 512**2).reshape(512, 512)
@@ -78,16 +67,6 @@ def test_given_moments_are_reached(skewness, kurtosis):
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, rel=1e-2)
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
-
-
-@pytest.mark.parametrize(("gamma", "delta"), [(10.0, 0.1), (-20.0, 0.05)])
-def test_johnson_far_from_its_middle_is_an_exponential(gamma, delta):
-    """No height leaves the bound by a part of 1e-20: only the exponential tail varies. Bound: rounding."""
-    normal = np.sign(gamma) * normal_heights() / np.std(normal_heights())
-    tail = np.sign(gamma) * np.exp((normal - normal.max()) / delta)
-    tail -= tail.mean()
-    found = johnson(normal_heights(), gamma, delta)
-    np.testing.assert_allclose(found / found.std(), tail / tail.std(), rtol=1e-9, atol=1e-9)
 
 
 def test_the_errors_of_the_moments_are_the_scatter_of_samples():

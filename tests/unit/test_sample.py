@@ -38,13 +38,6 @@ def test_the_interval_is_students_and_holds_the_mean_of_the_surface_as_often_as_
     assert np.mean([abs(each.value - 5.0) <= each.error for each in found]) == pytest.approx(0.95, abs=0.015)
 
 
-def test_the_error_of_the_grid_does_not_fall_with_the_number_of_maps():
-    few, many = (mean_of_maps(np.tile([1.0, 1.1], count), np.full(2 * count, 0.2)) for count in (1, 100))
-    assert few.of_grid == many.of_grid == pytest.approx(0.2)
-    assert many.error == pytest.approx(np.hypot(many.of_maps, 0.2))
-    assert many.of_maps < 0.01 < few.of_maps
-
-
 def test_a_sample_pools_volumes_per_area_over_one_depth(answers):
     sample = asp.pooled(answers)
     bodies = [answer.bodies["lower"] for answer in answers]

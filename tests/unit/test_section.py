@@ -34,14 +34,6 @@ def test_section_is_a_line_of_every_plane(boundary, error, settings):
             np.testing.assert_allclose(found[name].values, lines, rtol=0, atol=allowed)
 
 
-def test_section_goes_through_the_largest_pressure():
-    contact = spots(SHAPE, LENGTH)
-    through = stress_section(contact, depths=DEPTHS, fields=("zz",))
-    row = np.unravel_index(contact.pressure.argmax(), contact.pressure.shape)[0]
-    assert float(through["y"]) == pytest.approx(row * contact.grid.spacing[0])
-    assert through["zz"].values[0, 0].min() == pytest.approx(-contact.pressure.max(), rel=1e-12)
-
-
 @pytest.mark.parametrize("nodes", [95, 96])
 def test_section_between_nodes_is_trigonometric(nodes):
     """Against the pressure on twice the rows, without its Nyquist modes, which decay to 1e-6 there."""

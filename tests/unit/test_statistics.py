@@ -169,21 +169,6 @@ def test_median_depths_of_all_and_highest_peaks():
     assert float(here["median_depth_highest"]) == pytest.approx(0.825, abs=0.03)  # 500 peaks
 
 
-def test_bands_hold_the_truth_and_narrow_with_seeds():
-    each = [stress(seed, 2000) for seed in range(16)]
-    few, many = (pool_peaks(each[:n], [1.0] * n, bins=20, resamples=100) for n in (4, 16))
-    for data in (few, many):
-        for name in ("peak_percentile", "scaled_mean_von_mises"):
-            assert np.all(data[f"{name}_low"] <= data[name] * (1 + 1e-3))
-            assert np.all(data[f"{name}_high"] >= data[name] * (1 - 1e-3))
-    narrow, wide = (d["scaled_mean_von_mises_high"] - d["scaled_mean_von_mises_low"] for d in (many, few))
-    assert 0.3 < narrow.mean() / wide.mean() < 0.8  # one half expected
-    # The true value of the median, ln 2 (1 + ν), lies in the band (95 %).
-    band = many.sel(selection="all", quantity="von_mises", percent=50.0)
-    true = np.log(2) * (1 + band["poisson"])
-    assert np.all((band["peak_percentile_low"] < 1.02 * true) & (band["peak_percentile_high"] > 0.98 * true))
-
-
 def test_band_of_two_seeds_is_exact():
     """Of the resamples of two seeds a quarter each holds one of them twice, and half holds both."""
     low, high = stress(0, 50), stress(0, 50)

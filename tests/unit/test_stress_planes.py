@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from samples import HALF_SPACE, refuses, spots
 
 import asperity as asp
@@ -115,17 +113,6 @@ def test_stress_is_proportional_to_the_pressure(scale):
         for name in FIELDS if plane.grid == scaled.grid else ():
             found = scaled.fields[name] / scale
             np.testing.assert_allclose(found, plane.fields[name], rtol=0, atol=1e-13 * largest)
-
-
-@settings(max_examples=25)
-@given(st.integers(8, 4096), st.floats(0.01, 10.0), st.floats(0.1, 2.0), st.floats(0.02, 0.5))
-def test_depth_grid_has_the_spacing_promised(points, height, spacing, growth):
-    """The last step may take up half of another."""
-    depths = depth_grid(asp.Grid((points, points)), height, spacing, growth)
-    steps = np.diff(depths)
-    assert (depths[0], depths[-1]) == (0, height)
-    assert np.all(steps > 0)
-    assert np.all(steps <= 1.5 * np.maximum(spacing / points, growth * depths[:-1]) * (1 + 1e-12))
 
 
 EIGHT = np.ones((8, 8))

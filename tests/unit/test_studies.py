@@ -12,7 +12,7 @@ import yaml
 from project import ROOT
 from scipy.special import erf
 
-from asperity import Grid, Layer, solve
+from asperity import Grid
 from asperity.study.config.study import read_study
 
 
@@ -39,35 +39,6 @@ def test_boundary_of_a_rectangle_across_the_edge():
     # Rows 3 and 4, 7 and 8 meet along 6 edges each; the sides of rows 4 to 7 are two edges each.
     expected = (6 * (3.5 + 7.5) + 2 * (4 + 5 + 6 + 7)) / 16
     assert nayak.boundary_integral(touching, rows, grid) == pytest.approx(expected)
-
-
-def test_corrected_area_of_a_sphere_is_nearer_to_hertz():
-    """In the mean over radii of 5 to 9 nodes."""
-    points, radius = 64, 10.0
-    grid = Grid((points, points))
-    y, x = grid.coordinates()
-    height = ((y[:, None] - 0.5) ** 2 + (x[None, :] - 0.5) ** 2) / (2 * radius)
-    raw, corrected = [], []
-    for nodes in np.linspace(5.0, 9.0, 17):
-        circle = nodes / points
-        pressure = 4 * circle**3 / (3 * radius)
-        found = solve(height, Layer(young=1.0, poisson=0.0), mean_pressure=pressure, boundary="free")
-        touching = found.pressure > 0
-        strip = nayak.STRIP / points * nayak.boundary_integral(touching, np.ones(grid.shape), grid)
-        raw.append(touching.mean() / (np.pi * circle**2) - 1)
-        corrected.append((touching.mean() - strip) / (np.pi * circle**2) - 1)
-    assert np.mean(raw) > 0.02
-    assert abs(np.mean(corrected)) < np.mean(raw) / 3
-
-
-def test_limit_from_nested_seeds():
-    """Numbers with an error of known order have their limit exactly; their scatter is that of all seeds."""
-    seeds = 2.0 + 0.01 * np.random.default_rng(1).standard_normal(200)
-    levels = [seeds[:n] + 0.3 / nodes**1.5 for n, nodes in ((200, 8), (50, 16), (5, 32))]
-    assert nayak.order_of([nayak.means(levels)]) == pytest.approx(1.5)
-    value, scatter = nayak.limit(levels, 1.5)
-    assert value == pytest.approx(seeds.mean(), rel=1e-10)
-    assert scatter == pytest.approx(seeds.std(ddof=1) / np.sqrt(200), rel=1e-6)
 
 
 def test_tiny_nayak_study(tmp_path):
@@ -107,26 +78,6 @@ def test_hertz_peak_of_johnson():
     height, depth = master_curve.hertz_peak(0.3)
     assert height == pytest.approx(2 * 0.31 * 1.5, rel=2e-3)
     assert depth == pytest.approx(0.48, abs=5e-3)
-
-
-def test_scales_that_made_the_numbers_leave_no_scatter():
-    """Depths λ_s C(ν) (ℓ/λ_s)^0.6 with ℓ from the area, heights that are one curve up to 2 % of noise."""
-    index = pd.MultiIndex.from_product([range(8), (0.02, 0.05, 0.2), (0.0, 0.33, 0.5)])
-    rows = index.to_frame(index=False, name=["surface", "area", "poisson"])
-    factor = rows["poisson"].map({0.0: 0.75, 0.33: 1.0, 0.5: 1.1})
-    length = 0.3 * rows["area"] ** 0.2 * (1 + rows["surface"] % 2)
-    rows = rows.assign(hurst=0.8, ratio=8.0, **dict.fromkeys(master_curve.DEPTH_SCALES, 1.0))
-    rows["depth_wavelength"] = factor * length**0.6
-    rows["depth_pressure_length"] = rows["depth_wavelength"] / length
-    noise = 0.02 * np.random.default_rng(3).standard_normal(8)
-    rows["height_gradient_contact"] = factor * np.exp(noise[rows["surface"]])
-    fitted = (rows, "depth_wavelength", ["depth_pressure_length"])
-    assert master_curve.scatter(*fitted)[0] < 1e-12
-    assert master_curve.held_out(*fitted) < 1e-12
-    assert master_curve.exponents(*fitted)["depth_pressure_length"][0] == pytest.approx(0.6)
-    value, error = master_curve.scatter(rows, "height_gradient_contact")
-    assert value == pytest.approx(0.02, abs=3 * error)
-    assert master_curve.held_out(rows, "height_gradient_contact", []) > value
 
 
 def test_tiny_master_curve_study(tmp_path):

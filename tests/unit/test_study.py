@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 from samples import refuses
-from scipy.stats import spearmanr
 from small_study import CONTACT, LAYER, STRESS, SURFACE, results_of
 
 import asperity as asp
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, solve_contact
-from asperity.study.stages.statistics import seed_statistics, surface_statistics
+from asperity.study.stages.statistics import surface_statistics
 from asperity.study.stages.stress import compute_stress, stress_of_seed
 from asperity.study.stages.surface import make_surface
 
@@ -88,37 +87,6 @@ def test_two_seeds_have_bands_and_one_has_none():
     assert np.all((low < load) & (load < high))
     assert np.all(np.diff(load) > 0)
     assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
-
-
-def filled(contact):
-    """Number of the patch at each node of a periodic contact, by filling one patch after the other."""
-    number = np.zeros(contact.shape, int)
-    for patch, start in enumerate(zip(*np.nonzero(contact), strict=True), start=1):
-        ahead = [start]
-        while ahead:
-            y, x = ahead.pop()
-            if contact[y, x] and not number[y, x]:
-                number[y, x] = patch
-                steps = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)]
-                ahead += [((y + a) % contact.shape[0], (x + b) % contact.shape[1]) for a, b in steps]
-    return number
-
-
-def test_correlations_are_those_of_a_search_by_patch(monkeypatch):
-    monkeypatch.setattr("asperity.study.stages.statistics.LARGE_PATCH", 4)
-    results = results_of(1)
-    statistics = seed_statistics(results.surface, results.contact, results.stress)
-    found = statistics["seed_patch_correlation"].sel(poisson=0.33)
-    number = filled(results.contact["pressure"].values > 0)
-    size = np.bincount(number.ravel())
-    under = asp.peaks(results.stress, "von_mises", 0.33, "under_contact")
-    row, column = (np.rint(under[f"peak_{axis}"].values * 64).astype(int) % 64 for axis in "yx")
-    patch, value, depth = number[row, column], under["peak_value"].values, under["peak_depth"].values
-    highest = [np.flatnonzero(patch == one)[value[patch == one].argmax()] for one in np.unique(patch)]
-    large = [k for k in highest if size[patch[k]] > 4]
-    for name, some in (("highest_of_patch", highest), ("large_patches", large)):
-        expected = spearmanr(depth[some], size[patch[some]]).statistic
-        assert float(found.sel(patches=name)) == pytest.approx(expected)
 
 
 def test_estimates_of_the_study_are_those_of_the_library():

@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 import asperity as asp
-from asperity.core import markup
 from asperity.engineering import Body, run
 from asperity.results.tables import check_columns, describe_tables, units, write_table, write_workbook
 from asperity.study.cost.benchmark import cost_table, job_costs
@@ -96,12 +95,3 @@ def test_parquet_keeps_numbers_and_units(costs, tmp_path):
     found = pd.read_parquet(tmp_path / "costs.parquet")
     pd.testing.assert_frame_equal(found, costs)
     assert found.attrs["units"]["processor_minutes"] == "min"
-
-
-def test_frame_becomes_markdown_and_html():
-    frame = pd.DataFrame({"what": ["**a** | `b`", "<c>"], "value": [1 / 3, np.nan]})
-    rows = ["| what | value |", "|---|---|", "| **a** \\| `b` | 0.3333 |", "| <c> |  |"]
-    assert markup.markdown(frame).splitlines() == rows
-    html = markup.html_table(frame)
-    assert "<td><strong>a</strong> | <code>b</code></td><td>0.3333</td>" in html
-    assert "<td>&lt;c&gt;</td>" in html

@@ -70,23 +70,3 @@ def test_numbers_of_a_seed_are_those_of_its_results(chain):
     assert bool((found["seed_peak_mean"] < quantile.sel(level=1.0)).all())
     assert bool((found["seed_decay_length_depth"] > 0).all())
     assert bool((found["seed_decay_length_plane"] > 0).all())
-
-
-def test_a_seed_without_peaks_has_counts_of_zero_and_no_numbers(chain):
-    surface, contact, stress = chain
-    found = seed_statistics(
-        surface, contact, stress.assign(peak_under_contact=stress.peak_under_contact & False)
-    )
-    assert int(found["seed_peak_count"].sum()) == 0
-    assert bool(found["seed_mean_depth"].isnull().all())
-    assert bool(found["seed_depth_patch_correlation"].isnull().all())
-
-
-def test_pooled_numbers_of_one_seed_are_its_own(chain):
-    found = surface_statistics([SeedResults(7, *chain)], bins=20, resamples=10, confidence=0.95)
-    assert found["seed"].values.tolist() == [7]
-    counted = found.sel(selection="under_contact", quantity="von_mises", seed=7)
-    own = counted["seed_peak_quantile"].sel(level=[0.5, 0.9, 0.99])
-    np.testing.assert_allclose(counted["peak_percentile"].sel(percent=[50, 90, 99]), own)
-    np.testing.assert_allclose(found["decay_length_depth"], counted["seed_decay_length_depth"])
-    assert int(found["height_counts"].sum()) == chain[0]["height"].size

@@ -13,7 +13,6 @@ from asperity.results import dataset
 from asperity.results.variables import SI_UNITS
 from asperity.views.maps import PIXELS, blocks, largest_magnitude
 from asperity.views.scales import robust_limits
-from asperity.views.source import sources
 
 EDGE, PRESSURE = 512e-6, 50e6
 GRID = asp.Grid((64, 64), EDGE)
@@ -165,20 +164,6 @@ def test_pictures_show_body_boundary_and_sliding(body, degrees, boundary):
     np.testing.assert_allclose(image(asp.plot_plane(contact, 1e-4, **chosen)), below, rtol=1e-6)
     section = asp.plot_section(contact, y=13 * grid.spacing[0], depth=2e-4, **chosen)
     np.testing.assert_allclose(mesh(section)[2][0], surface[13], atol=1e-4 * np.abs(surface[13]).max())
-
-
-def test_a_result_holds_the_layers_of_both_bodies():
-    """In the file and in the pictures made from it, also the lateral condition of the upper one."""
-    bodies = [asp.Layer(1.0, 0.3), asp.Layer(1.0, 0.3, lateral="free")]
-    bodies += [asp.Layer(2.0, 0.1, 0.2, "frictionless", "free"), asp.Layer(3.0, 0.4, 0.3)]
-    height = np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
-    for upper in bodies:
-        contact = asp.solve(height, asp.TwoBodies(bodies[0], upper), mean_pressure=0.1)
-        data = contact.to_dataset()
-        assert sources(data)[0].layers["upper"] == upper
-        chosen = {"field": "xx", "body": "upper", "unit_system": SI_UNITS}
-        pictures = [asp.plot_plane(each, 0.05, **chosen) for each in (contact, data)]
-        np.testing.assert_allclose(image(pictures[1]), image(pictures[0]), rtol=1e-6, atol=1e-7)
 
 
 def test_peaks_are_points_of_magnitude_and_depth(read):

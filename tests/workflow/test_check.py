@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from project import ROOT, run, script
+from project import ROOT, script
 
 from asperity.elasticity.layer import COMPONENTS
 from asperity.results import dataset
@@ -29,13 +29,6 @@ def folder(tmp_path):
 def test_the_quick_study_has_the_numbers_of_the_reference(quick_study):
     said, error = script(quick_study.folder, *ONE)
     assert "numbers as in tests/reference/quick.json" in said, error
-
-
-def test_the_check_makes_what_it_compares(quick_study):
-    """Nothing is left to do here."""
-    command = "python workflow/check.py --results results/quick --surfaces cutoff_64"
-    found = run(quick_study.folder, *command.split())
-    assert "numbers as in tests/reference/quick.json" in found.stdout, found.stderr
 
 
 def test_one_percent_in_a_kernel_is_caught(quick_study, folder, monkeypatch):

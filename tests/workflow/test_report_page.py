@@ -66,10 +66,3 @@ def test_the_page_needs_the_results_alone(page, quick_study):
     for link in page.all("href", "a"):
         anchor = link.removeprefix("#")
         assert f'id="{anchor}"' in page.text if link.startswith("#") else (results / link).exists(), link
-
-
-def test_an_own_study_has_a_page(own_study):
-    page = page_in(own_study.results)
-    assert "claims" not in page.headings
-    assert "Figures" in page.headings
-    assert set(page.figures) == {path.stem for path in (own_study.results / "figures").glob("*.png")}
