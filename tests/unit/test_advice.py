@@ -1,169 +1,126 @@
-"""Every warning is given where it applies and not where it does not."""
+"""Every warning is given where it applies and not where it does not, in an answer with values replaced."""
 
-from types import SimpleNamespace
+from dataclasses import is_dataclass, replace
 
 import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.engineering import Body, advice
-from asperity.fourier.grid import Grid
+from asperity.engineering import Body, advice, run
+
+STEEL = Body(210e9, 0.3, yield_stress=2e9)
 
 
-def limits(reason="", **on_grid):
-    """Estimates that equal the values on both grids, but for some values on the finer one."""
-    kinds = ["on_grid", "on_half", "estimate", "error"]
-    same = {"area_fraction": 0.05, "gradient_rms_contact": 0.1}
-    of_peaks = {"largest": 1e9, "p90": 8e8, "p99": 9e8}
-    found = xr.Dataset(
-        {name: ("kind", [on_grid.get(name, size), size, size, 0.0]) for name, size in same.items()}
-        | {
-            name: (("kind", "quantity"), [[on_grid.get(name, size)] * 2, *[[size] * 2] * 2, [0.0] * 2])
-            for name, size in of_peaks.items()
-        },
-        coords={"kind": kinds, "quantity": ["pressure", "von_mises"]},
-    )
-    return found.assign_attrs(reason=reason)
+@pytest.fixture(scope="module")
+def sound():
+    """An answer about which nothing is to be said: that of a surface which both of its grids resolve."""
+    height = asp.self_affine((128, 128), 0.8, 16e-6, 8e-6, rms_height=1e-8, seed=1, length=128e-6)
+    surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, unit="m", name="ground")
+    answer = run(surface, STEEL, area_fraction=0.05)
+    limits = answer.bodies["lower"].limits
+    alike = limits.where(limits["kind"] != "on_half", limits.sel(kind="on_grid"))
+    changes = {"bodies.lower.limits": alike.assign_attrs(limits.attrs)}
+    return changed(answer, changes | {"numbers.typical_patch_width": 9.0, "rough.doubts": ()})
 
 
-def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0.0, hardness=None, **changed):
-    """An answer about which nothing is to be said, with some of its values replaced."""
-    numbers, face, record, body = (changed.pop(name, {}) for name in ("numbers", "face", "record", "body"))
-    plain = {
-        "area_fraction": 0.05,
-        "rms_gradient": 0.05,
-        "contact_nodes": 900,
-        "peak_to_valley": 3e-6,
-        "typical_patch_width": 9.0,
-        "pressure_on_spike": False,
-        "load_on_small_patches": 0.01,
-        "load_of_largest_node": 0.001,
-        "load_on_edges": 0.0,
-        "violation": 1e-7,
-        "largest_pressure": 3e9,
-        "nominal_pressure": 1e8,
-    }
-    shown = {
-        "grid": Grid((128, 128), 128e-6),
-        "height": asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, rms_height=1e-7, seed=1),
-        "images": 1,
-        "wavelength_short": 8e-6,
-        "boundary": "periodic",
-    }
-    treated = {"altered_fraction": 0.0, "filled_fraction": 0.0, "edge_step": 0.0} | record
-    part = {
-        "body": Body(**({"young": 210e9, "poisson": 0.3, "yield_stress": 2e9} | changed)),
-        "largest_von_mises": 1e9,
-        "depths_above_yield": (0.0, 2e-6),
-        "limits": limits() if estimates is None else estimates,
-        "cycles": None,
-    }
-    stress = SimpleNamespace(**(part | body))
-    stress.materials = {"": stress}
-    return SimpleNamespace(
-        numbers=SimpleNamespace(**(plain | numbers)),
-        face=SimpleNamespace(**(shown | face), treatment=SimpleNamespace(**treated)),
-        case=SimpleNamespace(
-            hertz_contact=None,
-            load=SimpleNamespace(kind="area_fraction", value=imposed_area),
-            friction=friction,
-            solid=asp.Layer(1e6, 0.5, height=20.37e-6),
-            different_bodies=("lower", "upper")[:bodies],
-            bodies={"lower": part["body"]},
-            hardness=hardness,
-            options=asp.MapOptions(),
-        ),
-        slip=None,
-        coarse={},
-        rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
-        bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
-        neighbours=None,
-        unfiltered=None,
-        plastic=None,
-    )
+def changed(whole, changes):
+    """A copy of an answer, or of a part, with values replaced at the places that their names give."""
+    for path, value in changes.items():
+        name, _, rest = path.partition(".")
+        if rest:
+            value = changed(whole[name] if isinstance(whole, dict) else getattr(whole, name), {rest: value})
+        if isinstance(whole, dict):
+            whole = whole | {name: value}
+        elif isinstance(whole, xr.Dataset):
+            whole = whole.assign_attrs({name: value})
+        else:
+            whole = (
+                replace(whole, **{name: value}) if is_dataclass(whole) else whole._replace(**{name: value})
+            )
+    return whole
 
 
 def subjects(answer, level="warning"):
     return [found.subject for found in advice.advise(answer) if found.level == level]
 
 
-def test_nothing_is_warned_of_in_a_sound_answer():
-    assert subjects(an_answer()) == []
+def test_nothing_is_warned_of_in_a_sound_answer(sound):
+    assert subjects(sound) == []
     notes = ["numbers for vanishing pixels", "resolution", "one place of the surface"]
-    assert subjects(an_answer(), "note") == notes
+    assert subjects(sound, "note") == notes
+
+
+STRESS, BODY, RECORD = "bodies.lower.largest.von_mises.value", "bodies.lower.body", "rough.face.treatment"
+FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
 
 
 @pytest.mark.parametrize(
-    ("changed", "subject"),
+    ("changes", "level", "subject"),
     [
-        ({"body": {"largest_von_mises": 2.1e9}}, "stress beyond yield"),
-        ({"body": {"largest_von_mises": 2.1e9}, "hardness": 6e9}, "stress beyond yield"),
-        ({"numbers": {"nominal_pressure": 6.1e9}}, "load beyond the hardness"),
-        ({"body": {"largest_von_mises": 5e9}, "yield_stress": None}, "stress beyond any yield stress"),
-        ({"estimates": limits(largest=1.2e9)}, "limited by the resolution of the map"),
-        ({"numbers": {"rms_gradient": 1.5}}, "steep slopes"),
-        ({"numbers": {"area_fraction": 0.4}, "imposed_area": 0.4}, "large real contact"),
-        ({"numbers": {"area_fraction": 0.25}}, "another real contact"),
-        ({"record": {"edge_step": 8.0}}, "edges do not match"),
-        ({"numbers": {"load_on_edges": 0.2}, "face": {"boundary": "free"}}, "contact at the edge of the map"),
-        ({"numbers": {"load_on_small_patches": 0.7, "typical_patch_width": 1.1}}, "spikes carry the load"),
-        ({"numbers": {"typical_patch_width": 2.6}}, "patches of few pixels"),
-        ({"numbers": {"contact_nodes": 0}}, "no contact"),
-        ({"numbers": {"pressure_on_spike": True}}, "largest pressure on a spike"),
-        ({"numbers": {"largest_pressure": 300e9}}, "pressure above Young's modulus"),
-        ({"doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "unit of the map"),
-        ({"numbers": {"peak_to_valley": 3e-4}}, "heights as large as the map"),
-        ({"young": 210e12}, "Young's modulus"),
-        ({"young": 210e6}, "Young's modulus"),
-        ({"poisson": 0.5}, "Poisson's ratio"),
-        ({"yield_stress": 1.5e11}, "yield stress"),
-        ({"numbers": {"violation": 0.1}}, "accuracy of the solution"),
-        ({"numbers": {"violation": float("nan")}}, "accuracy of the solution"),
+        ({STRESS: 2.1e9}, "warning", "stress beyond yield"),
+        ({STRESS: 2.1e9, "case.lower.hardness": 6e9}, "warning", "stress beyond yield"),
+        ({"numbers.nominal_pressure": 6.1e9}, "warning", "load beyond the hardness"),
+        ({STRESS: 5e9, f"{BODY}.yield_stress": None}, "warning", "stress beyond any yield stress"),
+        ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
+        ({"numbers.area_fraction": 0.4, "case.load.value": 0.4}, "warning", "large real contact"),
+        ({"numbers.area_fraction": 0.25}, "warning", "another real contact"),
+        ({f"{RECORD}.edge_step": 8.0}, "warning", "edges do not match"),
+        (FREE, "warning", "contact at the edge of the map"),
+        (
+            {"numbers.load_on_small_patches": 0.7, "numbers.typical_patch_width": 1.1},
+            "warning",
+            "spikes carry the load",
+        ),
+        ({"numbers.typical_patch_width": 2.6}, "warning", "patches of few pixels"),
+        ({"numbers.contact_nodes": 0}, "warning", "no contact"),
+        ({"numbers.pressure_on_spike": True}, "warning", "largest pressure on a spike"),
+        ({"numbers.largest_pressure": 300e9}, "warning", "pressure above Young's modulus"),
+        ({"rough.doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "warning", "unit of the map"),
+        ({"numbers.peak_to_valley": 3e-4}, "warning", "heights as large as the map"),
+        ({f"{BODY}.young": 210e12}, "warning", "Young's modulus"),
+        ({f"{BODY}.young": 210e6}, "warning", "Young's modulus"),
+        ({f"{BODY}.poisson": 0.5}, "warning", "Poisson's ratio"),
+        ({f"{BODY}.yield_stress": 1.5e11}, "warning", "yield stress"),
+        ({"numbers.violation": float("nan")}, "warning", "accuracy of the solution"),
+        ({"numbers.rms_gradient": 0.5}, "note", "steep slopes"),
+        ({f"{RECORD}.altered_fraction": 0.36}, "note", "altered heights"),
+        ({f"{RECORD}.filled_fraction": 0.05}, "note", "altered heights"),
+        ({"bodies.lower.limits.reason": "8 nodes"}, "note", "no estimate for vanishing pixels"),
+        ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "note", "detrend of the map"),
+        ({f"{BODY}.young": 210e6, f"{BODY}.yield_stress": None}, "note", "Young's modulus"),
+        ({f"{BODY}.poisson": -0.2}, "note", "Poisson's ratio"),
     ],
 )
-def test_a_warning_is_given(changed, subject):
-    assert subject in subjects(an_answer(**changed))
+def test_advice_is_given(sound, changes, level, subject):
+    assert subject in subjects(changed(sound, changes), level)
 
 
-@pytest.mark.parametrize(
-    ("changed", "subject"),
-    [
-        ({"numbers": {"rms_gradient": 0.5}}, "steep slopes"),
-        ({"record": {"altered_fraction": 0.36}}, "altered heights"),
-        ({"record": {"filled_fraction": 0.05}}, "altered heights"),
-        ({"estimates": limits("8 nodes are in contact")}, "no estimate for vanishing pixels"),
-        ({"doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "detrend of the map"),
-        ({"young": 210e6, "yield_stress": None}, "Young's modulus"),
-        ({"poisson": -0.2}, "Poisson's ratio"),
-    ],
-)
-def test_a_note_is_given(changed, subject):
-    assert subject in subjects(an_answer(**changed), "note")
+def test_bodies_are_named_if_they_differ(sound):
+    def told(upper):
+        height = sound.face.height
+        surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, orientation="lower face", unit="m")
+        answer = run(surface, replace(STEEL, yield_stress=1e8), upper, area_fraction=0.05)
+        return [each.text for each in answer.advice if each.subject == "stress beyond yield"]
+
+    assert ["of the upper body" in text for text in told(replace(STEEL, yield_stress=1e8))] == [False]
+    for text, name in zip(told(replace(STEEL, yield_stress=2e8)), ("lower", "upper"), strict=True):
+        assert f"of the {name} body" in text
 
 
-def test_the_body_is_named_if_there_are_two():
-    """The same is not said twice of two bodies of one material."""
-    answer = an_answer(bodies=2, body={"largest_von_mises": 3e9})
-    texts = [a.text for a in advice.advise(answer)]
-    assert any("of the lower body" in text for text in texts)
-    assert not any("of the upper body" in text for text in texts)
-    answer.bodies["upper"] = SimpleNamespace(**vars(answer.bodies["lower"]) | {"body": Body(70e9, 0.33)})
-    assert any("of the upper body" in a.text for a in advice.advise(answer))
-    of_one = [a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9}))]
-    assert of_one
-    assert not any("lower body" in text for text in of_one)
-
-
-def test_friction_on_a_thin_layer_is_warned_of():
-    (found,) = (f for f in advice.advise(an_answer(friction=0.3)) if f.subject == "friction in the contact")
+def test_friction_on_a_thin_layer_is_warned_of(sound):
+    layer = {"case.lower": Body(1e6, 0.5, height=20.37e-6), "case.friction": 0.3}
+    (found,) = (f for f in advice.advise(changed(sound, layer)) if f.subject == "friction in the contact")
     assert found.level == "warning"
     assert "waves of 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height
 
 
-def test_a_change_of_rounding_errors_is_not_told():
+def test_a_change_of_rounding_errors_is_not_told(sound):
     """The mean slope of a single node in contact is zero by symmetry."""
-    estimates = limits(largest=1.02e9)
-    estimates["gradient_rms_contact"].values[:2] = 1e-3, 1e-17
-    (found,) = (f for f in advice.advise(an_answer(estimates=estimates)) if f.subject == "resolution")
+    limits = sound.bodies["lower"].limits.copy(deep=True)
+    for kind, value in (("on_grid", 1e-3), ("on_half", 1e-17)):
+        limits["gradient_rms_contact"].loc[{"kind": kind}] = value
+    limits["largest"].loc[{"kind": "on_grid", "quantity": "pressure"}] *= 1.2
+    answer = changed(sound, {"bodies.lower.limits": limits})
+    (found,) = (each for each in advice.advise(answer) if each.subject.startswith("limited by the resol"))
     assert "rms gradient" not in found.text
-    assert "largest pressure by +2 %" in found.text
+    assert "largest pressure by +20 %" in found.text
