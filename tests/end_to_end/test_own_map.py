@@ -97,7 +97,7 @@ def test_the_first_commands_of_the_pages_run(answers, capsys):
     assert len(answers) == 1
 
 
-def test_the_stages_in_si_units_run_one_after_the_other(answers, capsys):
+def test_stages_in_si_run_in_a_row(answers, capsys):
     stages = re.findall(r"^    (asperity (?:surface|solve|stress|peaks) .*)$", OWN_MAP, re.MULTILINE)
     assert len(stages) == 4
     for line in stages:

@@ -51,7 +51,7 @@ def test_the_folder_holds_means_of_all_maps(folder):
     assert "upper body: of the same material" in page.lower()
 
 
-def test_the_case_file_repeats_it_and_keeps_what_is_there(folder, maps, capsys):
+def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):
     """The same bits from answers of other processes; a changed map is named."""
     case = yaml.safe_load((folder / "case.yaml").read_text(encoding="utf-8"))
     assert len(case["map"]) == len(case["counter_map_sha256"]) == 3
@@ -80,7 +80,7 @@ def test_the_case_file_repeats_it_and_keeps_what_is_there(folder, maps, capsys):
         (["--only", "ring_4"], "--only ring_4: one of ring_1, ring_2, ring_3 is needed"),
     ],
 )
-def test_a_pool_that_cannot_be_is_refused_before_it_is_computed(options, message, maps, tmp_path, capsys):
+def test_impossible_pool_is_refused_before_computing(options, message, maps, tmp_path, capsys):
     with pytest.raises(SystemExit) as caught:
         main(["run", *map(str, maps["ring"]), *COMMAND, *options, "--out", str(tmp_path / "out")])
     assert caught.value.code == 2

@@ -111,7 +111,7 @@ def without_pictures(monkeypatch):
     monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
 
 
-def test_a_killed_run_leaves_the_old_or_the_new_answer(two_answers, tmp_path, monkeypatch, without_pictures):
+def test_killed_run_leaves_old_or_new_answer(two_answers, tmp_path, monkeypatch, without_pictures):
     """Killed before each call that changes the folder, one after the other."""
     folder, step, calls = tmp_path / "answer", 0, []
     genuine = {name: getattr(os, name) for name in ("replace", "rename", "unlink")}

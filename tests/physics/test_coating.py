@@ -195,7 +195,7 @@ def test_error_of_coarser_planes_is_below_its_bound(contact, contrast, height):
     assert coarse > 4
 
 
-def test_contact_on_equal_materials_is_that_of_the_half_space():
+def test_coating_of_equal_material_is_half_space():
     height = asp.self_affine((128, 128), 0.8, 0.25, 0.25 / 8, rms_height=1e-3, seed=1)
     plain = asp.solve(height, BASE, mean_pressure=2e-3)
     alike = asp.solve(height, asp.Layer(1.0, 0.3, 0.02, base=BASE), mean_pressure=2e-3)

@@ -26,7 +26,7 @@ def outcomes():
     return family_outcomes(every=16)
 
 
-def test_every_family_is_solved_with_levels_of_every_setting(outcomes):
+def test_every_family_is_solved_at_every_setting(outcomes):
     found = outcomes["outcome"].values
     bad = ~np.isin(found, ACCEPTABLE)
     assert not list(zip(outcomes["case"].values[bad], outcomes["reason"].values[bad], strict=True))

@@ -69,7 +69,7 @@ def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary
 
 @pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0])
 @pytest.mark.parametrize("share", [0.6, 0.1])
-def test_certificate_bounds_the_error_of_any_pressure_up_to_the_hardness(share, size):
+def test_certificate_bounds_errors_up_to_the_hardness(share, size):
     """Energy of the error, against the solution of the same load and hardness; that one's solver error."""
     height, grid, random = rough((48, 32)), asp.Grid((48, 32)), np.random.default_rng(3)
     near, modes = hardened(height, share), HALF_SPACE.surface_compliance(grid.wavenumber())
@@ -137,7 +137,7 @@ def test_peaks_on_plateaus_are_those_at_the_nodes():
     )
 
 
-def test_area_that_many_loads_have_keeps_the_pressure_below_the_hardness():
+def test_area_of_many_loads_stays_below_hardness():
     """Of two equal lowest nodes; without a hardness the solver takes a load above it."""
     height = np.zeros((7, 3))
     height[6, [0, 2]], height[0, 0] = -2, 1

@@ -119,7 +119,7 @@ def a_case(at=(0.0, 0.0), kind="hertz_pressure", load=1e9, radius_y=50e-3, **mor
     return Case(surface, Body(210e9, 0.3), Body(210e9, 0.3), Load(kind, load), hertz=place, **more)
 
 
-def test_answer_of_a_nearly_smooth_map_is_that_of_hertz():
+def test_nearly_smooth_map_has_the_answer_of_hertz():
     """Heights of 0.1 nm change the pressure by 2e-3; the mean of each plane is the stress of Hertz."""
     case = a_case(at=(0.0, 0.5))
     answer = asp.engineering.answer_of(case)

@@ -181,7 +181,7 @@ HOLD = {(2, 0), (2, 1), (3, 0), (3, 1), (4, 0), (4, 1)}
 
 
 @pytest.mark.parametrize("place", [(row, column) for row in range(6) for column in range(row + 1)])
-def test_green_tensor_of_the_library_has_the_corrected_elements(mode, faces, place):
+def test_green_tensor_has_the_corrected_elements(mode, faces, place):
     """8e-15: rounding of the library and of the mode; the first mode has ν > 0, the second ν < 0."""
     qx, qy, height, young, nu = map(float, mode)
     true, size = (part[place] for part in faces)

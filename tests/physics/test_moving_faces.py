@@ -19,7 +19,7 @@ def face(points, seed, rms_height=1e-3):
 
 
 @pytest.mark.parametrize("direction", ["x", "y"])
-def test_a_smooth_counter_face_gives_the_cycles_of_a_smooth_body(direction):
+def test_smooth_counter_face_has_cycles_of_smooth_body(direction):
     """To the rounding of states in single precision; the residual stress of the lower bound is along x."""
     rough, depths = face(32, 1), [0.0, 0.01, 0.05]
     settings = {"friction": 0.2, "sliding_direction": direction}

@@ -85,7 +85,7 @@ def test_other_nodes_touch_beyond_the_interval(solid, boundary, nodes):
         assert high == np.inf
 
 
-def test_a_node_yields_beyond_either_end_of_the_interval():
+def test_a_node_yields_beyond_the_interval():
     """With this hardness; under others a node comes into contact first."""
     height = rough((64, 48))
     contact = hardened(height, 0.6, rtol=1e-10)

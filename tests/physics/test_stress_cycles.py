@@ -39,7 +39,7 @@ def test_sphere_around_a_simplex_and_an_arc():
 
 @pytest.mark.parametrize("free", [1, 3, 5])
 @pytest.mark.parametrize("kind", ["scattered", "ties", "plane"])
-def test_centre_lies_in_the_hull_of_the_farthest_points(free, kind):
+def test_centre_is_in_hull_of_farthest_points(free, kind):
     """The condition of Karush, Kuhn and Tucker; it is sufficient, as the problem is convex."""
     points = np.random.default_rng(free).normal(size=(300, 5))
     if kind == "ties":
@@ -163,7 +163,7 @@ test_wrong_argument_is_refused = refuses(
 )
 
 
-def test_a_stress_that_does_not_change_shakes_down_under_any_load():
+def test_constant_stress_shakes_down_under_any_load():
     """In Pa, where a yield stress over the change of the stress overflows."""
     pressed = asp.LoadedSolid(np.full((8, 8), 1e9), asp.Grid((8, 8)), asp.Layer(210e9, 0.3))
     cycles = asp.stress_cycles(pressed, [0.1], yield_stress=1e9)

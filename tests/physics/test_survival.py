@@ -21,7 +21,7 @@ def test_exponent_has_the_scatter(scatter):
 
 
 @pytest.mark.parametrize("scatter", [0.05, 0.1, 0.4])
-def test_cracks_below_a_stress_that_falls_with_the_depth(scatter):
+def test_cracks_below_a_stress_falling_with_depth(scatter):
     """d = d₀ e^(−z/L): ∫ (Γ d)^m dz = (Γ d₀)^m L/m; shares are 1 % apart and above 0.1."""
     exponent, largest, length = weibull_exponent(scatter), FATIGUE_SHARES[300], 3.0
     above = length * np.log(np.maximum(largest / FATIGUE_SHARES, 1))

@@ -86,7 +86,7 @@ def test_the_whole_interval_decides(measured, seeds, verdict):
     assert (found.seeds, found.verdict) == (seeds, verdict)
 
 
-def test_the_interval_is_that_of_student_and_of_the_grid():
+def test_interval_is_students_with_the_grid_error():
     narrow, wide = (judge(claim([1.0, 2.0, 3.0], grid_error=error), EMPTY) for error in (0.0, 1.0))
     assert narrow.standard_error == pytest.approx(1 / math.sqrt(3))
     half = 4.302653 / math.sqrt(3)  # printed table
@@ -262,7 +262,7 @@ def study():
     return {f.claim.identifier: f for f in decide(CLAIMS, evidence, interpretations=INTERPRETATIONS)}
 
 
-def test_an_interpretation_is_a_study_with_its_mean_mode(study):
+def test_interpretation_is_a_study_with_its_mode(study):
     """The free cell as the study's own, solved and analysed on its own, gives the same numbers."""
     free = LAYER | {"lateral": "free"}
     small, large = (made_statistics(hurst, free, ()) for hurst in (0.2, 0.8))

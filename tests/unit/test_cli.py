@@ -34,7 +34,7 @@ def test_the_results_are_files_of_the_study(chain):
 @pytest.mark.parametrize(
     ("figure", "stage"), [("7", "contact"), ("fig09", "statistics"), ("14", "statistics")]
 )
-def test_the_figures_of_the_study_are_drawn_from_them(chain, tmp_path, figure, stage):
+def test_figures_of_the_study_are_drawn(chain, tmp_path, figure, stage):
     pictures = [tmp_path / "figure.png", tmp_path / "figure.pdf"]
     assert main(["plot", figure, chain[stage], "--out", *map(str, pictures)]) == 0
     assert all(picture.stat().st_size > 3000 for picture in pictures)
@@ -54,7 +54,7 @@ def test_a_height_map_is_pressed_face_down(tmp_path):
     assert float(dataset.read(out)["mean_pressure"]) == pytest.approx(1e3, rel=1e-4)
 
 
-def test_a_layer_has_only_the_ratio_of_its_contact(chain, tmp_path, capsys):
+def test_layer_has_the_ratio_of_its_contact(chain, tmp_path, capsys):
     thin = str(tmp_path / "thin.nc")
     assert main(["solve", chain["surface"], "--layer-height", "0.1", "--out", thin]) == 0
     assert dataset.read(thin).attrs["solid"] == "layer, bonded bottom"
@@ -67,7 +67,7 @@ FIGURES = "import sys; from asperity.paper.figures import known; known(); "
 
 
 @pytest.mark.parametrize(("code", "library"), [(HELP, "numpy"), (FIGURES, "matplotlib")])
-def test_help_and_the_list_of_figures_do_not_wait_for_libraries(code, library):
+def test_help_does_not_wait_for_libraries(code, library):
     code += f"sys.exit({library!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 

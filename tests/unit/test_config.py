@@ -30,7 +30,7 @@ def test_the_configurations_of_the_repository_are_accepted(name, monkeypatch):
     read_study([ROOT / "config" / name], {"results": "any"})
 
 
-def test_whatever_is_left_out_or_emptied_is_accepted_or_named():
+def test_missing_or_empty_settings_are_accepted_or_named():
     """One key at a time of one surface of each kind: no other error than the line that names a setting."""
     kinds = ("hurst_08", "skew_positive", "kurtosis_low", "cutoff_512")
     config = PAPER | {"surfaces": {name: PAPER["surfaces"][name] | {"label": "A"} for name in kinds}}

@@ -101,7 +101,7 @@ def test_unreachable_tolerance_raises_convergence_error(method, dtype, rtol):
     assert error.load == pytest.approx(load_of(height), rel=0.1)
 
 
-def test_exact_steps_find_the_contact_of_a_sheet_with_plateaus():
+def test_exact_steps_solve_a_sheet_with_plateaus():
     """In 730 pairs of transforms; steps to the least energy take 10,900."""
     plateaus = np.maximum(asp.self_affine((64, 64), 0.8, 0.4, 0.1, 1e-2, seed=1), 0)
     sheet = asp.Layer(1.0, 0.3, height=0.03, bottom="free")
@@ -278,7 +278,7 @@ test_wrong_argument_is_refused = refuses(
 )
 
 
-def test_an_infinite_hardness_is_that_of_an_elastic_contact():
+def test_infinite_hardness_is_elastic_contact():
     elastic = covering(NOISE)
     again = covering(NOISE, hardness=elastic.hardness)
     np.testing.assert_array_equal(again.pressure, elastic.pressure)

@@ -59,7 +59,7 @@ def test_estimate_is_that_of_a_finer_grid(on_two_grids, output, tolerance):
     ("hurst", "waves", "area"),
     [(0.8, 4, 0.02), (0.5, 4, 0.45), (0.8, 4, 0.7), (0.8, 4, 0.9), (0.95, 20, 0.3), (0.95, 20, 0.85)],
 )
-def test_stated_errors_cover_the_true_ones_as_the_contact_fills(hurst, waves, area):
+def test_stated_errors_cover_the_true_ones(hurst, waves, area):
     """Against four times as many nodes; of many surfaces, 97 to 100 % are covered (docs/continuum.md)."""
     long = 1 / max(16 // waves, 1)
 
@@ -128,7 +128,7 @@ def test_waves_below_four_nodes_are_estimated_too():
 
 
 @pytest.mark.parametrize("shape", [(32, 40), (30, 33)])
-def test_half_of_the_nodes_of_a_mirrored_map_are_mirror_images(shape):
+def test_half_of_a_mirrored_map_is_mirrored(shape):
     """Against cosine series, whose points are the centres of pixels on both grids."""
     part = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=5)[: shape[0], : shape[1]]
     grid = Grid((2 * shape[0], 2 * shape[1]), (1.0, 1.2))

@@ -61,7 +61,7 @@ def test_the_crate_describes_results_workflow_and_run(results):
     assert contact["identifier"] == asp.read_result(results / "contact/seed1.nc").attrs["content_digest"]
 
 
-def test_every_file_is_there_and_every_reference_is_resolved(results):
+def test_every_file_and_reference_of_crate_exists(results):
     assert write_crate(results, *STUDY) == write_crate(results, *STUDY)  # a crate is no part of the next one
     found = graph(results)
     for entity in found.values():

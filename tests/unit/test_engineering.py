@@ -79,7 +79,7 @@ def test_depths_above_yield_are_those_of_hertz(sphere):
     assert sphere.bodies["lower"].fraction_above_yield == pytest.approx(volume / (EDGE**2 * last))
 
 
-def test_a_sliding_sphere_is_as_hamilton_and_goodman_say():
+def test_sliding_sphere_is_as_hamilton_goodman_say():
     """All extreme values, through run, for sliding along y; pixels of a fifteenth of the radius."""
     radius, largest = hertz(STEEL)
     free = MapOptions(detrend="none", periodic="none")
@@ -107,7 +107,7 @@ def both_rough():
     return lower, upper, run(lower, STEEL, ALUMINIUM, counter_map=upper, mean_pressure=100e6)
 
 
-def test_two_rough_maps_touch_at_the_sum_of_their_heights(both_rough):
+def test_two_rough_maps_touch_at_summed_heights(both_rough):
     """Turned over about y, the peaks of the upper map lie at the other side of it."""
     lower, upper, answer = both_rough
     face = -(lower.height + upper.height[:, ::-1])
@@ -162,7 +162,7 @@ def test_neighbouring_balls_are_compared_with_one_alone():
     assert not [advice for advice in alone.advice if advice.subject == "neighbouring forms"]
 
 
-def test_a_cylinder_on_a_periodic_axis_is_a_line_contact():
+def test_cylinder_along_a_period_is_line_contact():
     """The stress is that of Hertz and the lateral stress ν p̄/(1 − ν) of the confined cell, which is told."""
     flat = HeightMap(1e-12 * np.random.default_rng(0).normal(size=(8, 128)), (10e-6, 160e-6), periodic=True)
     roller = {"radius": 1e-3, "form": "cylinder", "cylinder_axis": "y"}
@@ -208,7 +208,7 @@ def spots_of(touching):
     return contact_spots(face, SimpleNamespace(pressure=pressure))
 
 
-def test_spots_longer_than_half_of_a_periodic_cell_are_not_folded():
+def test_long_spots_of_a_cell_are_not_folded():
     """A bar of n × 1 nodes has the moments n²/12 and 1/12: length √(4 n²/π), width √(4/π)."""
     bar = np.zeros((20, 20))
     bar[6, 1:15] = 1
@@ -298,7 +298,7 @@ def test_close_ups_hold_the_stress_of_the_solid(rough):
     assert error.max() < 1e-3 * kept.max()  # tolerance of the planes, and splines between their nodes
 
 
-def test_close_ups_lie_along_a_ridge_and_across_it():
+def test_close_ups_lie_along_and_across_ridge():
     """The largest stress of a ground surface may be far from the largest pressure, on the same patch."""
     y, x = np.meshgrid(*asp.Grid((96, 96), 96e-6).coordinates(), indexing="ij")
     height = -1e-3 * (x - 48e-6) ** 2 / 1e-5 + 1e-8 * np.cos(2 * np.pi * y / 48e-6)

@@ -25,14 +25,14 @@ X = np.linspace(0.05, 29.95, 300)
 RAYLEIGH = X * np.exp(-(X**2) / 2)
 
 
-def test_the_axis_of_a_density_ends_where_the_density_does():
+def test_axis_of_a_density_ends_with_it():
     axis = density_axis((X, RAYLEIGH))
     end = axis.get_xlim()[1]
     assert 3.0 < end < 5.0
     assert axis.get_legend().get_title().get_text() == ""
 
 
-def test_spikes_do_not_flatten_a_density_and_are_counted():
+def test_spikes_of_a_density_are_counted():
     spiked = RAYLEIGH + 0.1 * RAYLEIGH.sum() * (np.arange(X.size) == 290)
     axis = density_axis((X, RAYLEIGH), (X, spiked))
     assert axis.get_xlim()[1] == pytest.approx(density_axis((X, RAYLEIGH)).get_xlim()[1], rel=0.1)
@@ -61,7 +61,7 @@ def test_joint_densities_are_drawn_without_peaks(chain, tmp_path, bins_with_peak
     assert ("no peaks" in texts) == (bins_with_peaks == 0)
 
 
-def test_depths_end_below_most_peaks_and_count_the_others(chain):
+def test_depths_end_below_most_peaks(chain):
     """Of 2000 peaks three lie deep: two of every thousand may, one and a half do not."""
     statistics = dataset.read(chain["statistics"])
     many = statistics.assign(joint_counts=statistics["joint_counts"] * 0)

@@ -141,7 +141,7 @@ def test_a_wrong_row_below_a_heading_is_refused(tmp_path):
         (["Phase", "Error"], None),
     ],
 )
-def test_the_channel_of_the_heights_is_found_by_its_name(tmp_path, names, chosen):
+def test_channel_of_heights_is_found_by_name(tmp_path, names, chosen):
     arrays = {name: HEIGHT + number for number, name in enumerate(names)}
     np.savez(tmp_path / "map.npz", **arrays)
     if chosen is None:
@@ -153,7 +153,7 @@ def test_the_channel_of_the_heights_is_found_by_its_name(tmp_path, names, chosen
     np.testing.assert_allclose(found.height, 1e-6 * arrays[names[1]], rtol=1e-15)
 
 
-def test_a_channel_that_is_not_there_is_refused_for_text_too(tmp_path):
+def test_absent_channel_of_text_is_refused(tmp_path):
     np.savetxt(tmp_path / "map.txt", HEIGHT)
     with pytest.raises(MapError, match=re.escape("channel = '5': one of 0 (Default) is needed")):
         read_map(tmp_path / "map.txt", **BARE, channel="5")
@@ -201,7 +201,7 @@ def test_x3p_of_every_writer_is_read(tmp_path, kind):
         ({"member": "data.bin"}, "its member bindata/data.bin is missing"),
     ],
 )
-def test_an_x3p_that_is_damaged_or_no_map_is_refused(tmp_path, kind, line):
+def test_damaged_x3p_is_refused(tmp_path, kind, line):
     foreign_files.write_x3p(tmp_path / "map.x3p", RAW, **kind)
     with pytest.raises(MapError, match=re.escape(line)):
         read_map(tmp_path / "map.x3p")
@@ -243,7 +243,7 @@ LOWEST = {3: np.finfo("f4").min, 4: -128, 5: -32768, 7: np.finfo("f8").min}
         "bISO-2.0",
     ],
 )
-def test_sdf_of_every_version_is_read_with_its_gaps(tmp_path, heading, data_type):
+def test_sdf_of_every_version_is_read(tmp_path, heading, data_type):
     foreign_files.write_sdf(
         tmp_path / "map.sdf", RAW, heading=heading, data_type=data_type, gap=LOWEST[data_type]
     )
@@ -262,14 +262,14 @@ def test_a_truemap_with_any_comment_is_read(tmp_path, comment):
 
 @pytest.mark.parametrize("packed", [0, 1, 3])
 @pytest.mark.parametrize("unit", [b"\xb5m", "µm".encode(), "μm".encode(), b"um", b"\xe6m"])
-def test_surf_files_are_read_compressed_and_with_units_in_utf_8(tmp_path, packed, unit):
+def test_surf_is_read_in_every_form(tmp_path, packed, unit):
     foreign_files.write_sur(tmp_path / "map.sur", RAW, unit=unit, packed=packed)
     assert_read(tmp_path / "map.sur")
     with pytest.raises(MapError, match=r"the file holds .* GiB of data"):
         read_map(tmp_path / "map.sur", max_memory=1e-9)
 
 
-def test_heights_in_no_unit_of_length_take_that_of_the_option(tmp_path):
+def test_heights_without_unit_take_the_option(tmp_path):
     foreign_files.write_sur(tmp_path / "map.sur", RAW, z_unit=b"%")
     foreign_files.write_gwy(tmp_path / "map.gwy", [("Height", "m", "", RAW)])
     for name, unit in (("map.sur", "nm"), ("map.gwy", "m")):
@@ -355,7 +355,7 @@ def of_axes(y="y", x="x", units="mm", height="height", step=2e-3):
     ],
 )
 @pytest.mark.parametrize("version", ["NETCDF4", "NETCDF3_64BIT"])
-def test_netcdf_has_its_axes_by_name_and_their_own_units(tmp_path, dataset, version):
+def test_netcdf_has_named_axes_with_units(tmp_path, dataset, version):
     dataset.to_netcdf(tmp_path / "map.nc", format=version)
     found = read_map(tmp_path / "map.nc", orientation="peaks up")
     np.testing.assert_allclose(found.height, 1e-6 * HEIGHT, rtol=1e-12)
@@ -376,7 +376,7 @@ def test_netcdf_without_edges_asks_for_them(tmp_path):
         read_map(tmp_path / "uneven.nc", orientation="peaks up")
 
 
-def test_arrays_are_taken_by_the_names_and_places_of_their_axes():
+def test_arrays_are_taken_by_their_axes():
     """DataArrays and DataFrames give what the plain array gives."""
     expected = asp.solve(HEIGHT, asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
     array = xr.DataArray(HEIGHT, dims=("y", "x"), coords={"y": np.arange(8), "x": np.arange(6)})
@@ -402,7 +402,7 @@ def test_arrays_are_taken_by_the_names_and_places_of_their_axes():
 
 @pytest.mark.parametrize("value", [-9999.0, -32768.0, 65535.0, 1e30, 1e20, 0.0])
 @pytest.mark.parametrize("dtype", ["f8", "f4"])
-def test_numbers_of_missing_points_are_named_and_can_be_set(tmp_path, value, dtype):
+def test_missing_points_are_named_and_set(tmp_path, value, dtype):
     """A round hole in heights of about 100 µm."""
     rough = 100 + np.random.default_rng(2).normal(size=(30, 40))
     array = np.where(np.hypot(*np.mgrid[-15:15, -18:22]) < 6, value, rough).astype(dtype)
@@ -422,7 +422,7 @@ def test_numbers_of_missing_points_are_named_and_can_be_set(tmp_path, value, dty
 
 
 @pytest.mark.parametrize("levels", [3, 20, 2000])
-def test_quantised_and_regular_maps_have_no_number_of_missing_points(levels):
+def test_quantised_maps_have_no_missing_points(levels):
     heights = np.random.default_rng(2).normal(size=(300, 400))
     for height in (np.round(levels * heights), np.cos(np.arange(400) * 2 * np.pi / 16) * np.ones((300, 1))):
         assert repeated_height(height) is None
@@ -473,7 +473,7 @@ def test_shared_options_fill_what_files_omit(tmp_path):
         ),
     ],
 )
-def test_a_file_that_is_no_map_is_refused_in_one_line(tmp_path, name, write, line):
+def test_file_without_map_is_refused(tmp_path, name, write, line):
     write(tmp_path / name)
     with pytest.raises(MapError, match=re.escape(line)) as caught:
         read_map(tmp_path / name)

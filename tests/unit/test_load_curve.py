@@ -69,7 +69,7 @@ def test_steps_are_in_equal_ratios():
 
 
 @pytest.mark.parametrize("nodes", [63, 64])  # the mean mode of rounding errors is 0 on even grids alone
-def test_full_contact_is_infinitely_stiff_and_the_answer_stands(nodes, tmp_path):
+def test_full_contact_is_infinitely_stiff(nodes, tmp_path):
     height = asp.self_affine((nodes, nodes), 0.8, 5e-4, 2.5e-4, rms_height=1e-6, seed=1, length=1e-3)
     contact = asp.solve(height, asp.Layer(200e9, 0.3), 1e-3, mean_pressure=10e9)
     assert contact.area_fraction == 1

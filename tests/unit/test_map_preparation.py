@@ -37,7 +37,7 @@ def test_offsets_of_scan_lines_are_removed():
 
 @pytest.mark.parametrize("length", [0.05, 0.1, 0.25])
 @pytest.mark.parametrize("periodic", [True, False])
-def test_gaussian_filters_transmit_one_half_at_their_nesting_index(length, periodic):
+def test_gaussian_filters_halve_at_their_nesting_index(length, periodic):
     """ISO 16610-61; a cosine is even about the edge of a map half of a pixel before its first point."""
     grid = asp.Grid((40, 60), (1.0, 1.5))
     y = (np.arange(40) + (0 if periodic else 0.5)) / 40
@@ -76,7 +76,7 @@ def test_what_filters_leave_is_stated(periodic):
         treat_map(surface, options, s_filter=1000)
 
 
-def test_the_answer_says_what_a_filter_does_to_it():
+def test_answer_says_what_a_filter_does():
     surface = HeightMap(1e-7 * ROUGH, (75e-6, 100e-6), unit="m", periodic=True)
     body, load = asp.Body(young=210e9, poisson=0.3), {"mean_pressure": 20e6}
     plain = asp.run(surface, body, **load)
@@ -89,7 +89,7 @@ def test_the_answer_says_what_a_filter_does_to_it():
     assert not [advice for advice in plain.advice if advice.subject == "filters"]
 
 
-def test_the_core_of_a_material_ratio_curve_of_straight_pieces():
+def test_core_of_a_piecewise_straight_curve():
     """Core of slope 2; peaks of 5 above it over a tenth of the area, valleys of 3 below it over a fifth.
 
     There the curve is a parabola, whose area is a third of base times height: a triangle of this area has
@@ -115,7 +115,7 @@ def write_wave(path, header, amplitude=2e-4, count=256):
     )
 
 
-def test_a_line_scan_is_pressed_as_a_wave_in_plane_strain(tmp_path):
+def test_line_scan_is_pressed_in_plane_strain(tmp_path):
     """Contact of a wave with a half-space: H. M. Westergaard, J. Appl. Mech. 6 (1939) A49."""
     path = tmp_path / "line.txt"
     write_wave(path, "x [mm] z [um]\n")

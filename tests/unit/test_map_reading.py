@@ -112,7 +112,7 @@ def test_all_problems_are_reported_at_once():
     assert str(named).splitlines()[1:] == [f"  {problem}" for problem in named.problems]
 
 
-def test_any_bytes_are_no_map_unless_a_format_is_asked_for(tmp_path):
+def test_bytes_are_a_map_only_if_asked(tmp_path):
     """A file of 2 n² bytes has the size of an SRTM tile, a format without a signature."""
     (tmp_path / "f").write_bytes(Path(sys.executable).read_bytes()[:5000])
     with pytest.raises(MapError, match="it looks like binary data without a known signature; known are"):
@@ -142,7 +142,7 @@ def test_first_block_tells_what_is_no_map(content, look, tmp_path, monkeypatch):
     assert sum(taken) <= 2**20
 
 
-def test_the_table_of_formats_is_that_of_the_readers():
+def test_table_of_formats_is_that_of_readers():
     from SurfaceTopography.IO import lookup_reader_by_format as readers
 
     line_scans = {"mitutoyo", "qep"}
@@ -154,7 +154,7 @@ def test_the_table_of_formats_is_that_of_the_readers():
         assert not form.reader or readers[name].__module__.endswith(f".{form.reader}")
 
 
-def test_readers_are_imported_without_the_rest_of_their_package():
+def test_readers_are_imported_alone():
     """Whatever was imported before: reading gives the same, and leaves no part of the package behind."""
     code = f"""
 import sys, warnings
@@ -329,7 +329,7 @@ def test_smooth_high_peaks_are_no_spikes(tmp_path):
     assert without == pytest.approx(1e9 * np.ptp(level), rel=1e-3)
 
 
-def test_the_command_info_prints_the_description_or_one_line(capsys):
+def test_info_prints_description_or_one_line(capsys):
     assert main(["info", str(DATA / "steel.gwy"), "--channel", "Detail"]) == 0
     printed = capsys.readouterr().out
     assert "12 x 16 (y, x)" in printed
@@ -368,7 +368,7 @@ def test_texture_of_waves_and_tip_of_a_sphere():
 
 
 @pytest.mark.parametrize("shape", [(128, 128), (64, 200), (200, 64)])
-def test_lay_of_ridges_is_not_turned_towards_the_diagonals(shape):
+def test_lay_is_not_turned_towards_diagonals(shape):
     """Ridges that the map cuts; the bound is four times the scatter of the samples."""
     generator, (y, x) = np.random.default_rng(1), np.mgrid[: shape[0], : shape[1]]
     for lay in (0, 20, 50, 75, 105, 160):
@@ -381,7 +381,7 @@ def test_lay_of_ridges_is_not_turned_towards_the_diagonals(shape):
             assert abs((turned + 90) % 180 - 90) < 2
 
 
-def test_long_waves_have_the_height_and_short_ones_the_slope():
+def test_long_waves_have_height_short_ones_slope():
     """Gradients of 1 · 8 and 0.3 · 64; a Hann window spreads a wave over its neighbours."""
     x = np.arange(256) / 256
     waves = np.ones((256, 1)) * (np.cos(2 * np.pi * 8 * x) + 0.3 * np.cos(2 * np.pi * 64 * x))

@@ -168,7 +168,7 @@ def waves(shape, length=(1.0, 1.0)):
     return np.cos(2 * ky * y[:, None] + 0.3) * np.sin(kx * x[None, :]) + 0.5 * np.cos(3 * kx * x[None, :])
 
 
-def test_the_lower_face_is_minus_the_map_in_cell_lengths():
+def test_lower_face_is_minus_the_map():
     height = waves((24, 32), (3.0, 4.0))
     surface = make_periodic(HeightMap(height, (3.0, 4.0)), **PLAIN)
     np.testing.assert_allclose(surface.height, -height / 4.0, atol=1e-15)  # rounding
@@ -206,7 +206,7 @@ def test_a_mirrored_map_is_symmetric_and_continuous():
 
 
 @pytest.mark.parametrize("points", [None, 40, 90])
-def test_places_in_mirror_images_are_places_on_the_map(points):
+def test_mirror_images_have_places_on_the_map(points):
     """Also on other nodes than those of the map, to which the mirrors stand half a spacing away, too."""
     treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored", points=points)
     y, x = np.meshgrid(*treated.grid.coordinates(), indexing="ij")
@@ -232,7 +232,7 @@ def test_treatment_commutes_with_half_a_turn(shape, periodic):
     np.testing.assert_allclose(turned[::-1, ::-1], one, atol=1e-15)
 
 
-def test_short_waves_are_removed_and_more_points_change_nothing():
+def test_short_waves_are_removed_on_any_grid():
     surface = HeightMap(rough((32, 32)), (1.0, 1.0))
     smooth = make_periodic(surface, **PLAIN, wavelength_short=0.25)
     coefficients = Fourier(smooth.grid).forward(smooth.height)

@@ -72,7 +72,7 @@ RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
         ([*SOLVE, ""], "--out = '': the name of a file is needed"),
     ],
 )
-def test_a_file_that_would_be_lost_is_refused_before_computing(folder, capsys, words, line):
+def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
     Path("conf.yaml").write_text("friction: 0.1\n")
     Path("study.yaml").write_text("contact: {area_fraction: 0.1}\n")
     Path("case.yaml").write_text("map: mine.txt\nyoung: 210 GPa\npoisson: 0.3\npressure: 1 MPa\n")
@@ -98,7 +98,7 @@ def test_a_file_that_would_be_lost_is_refused_before_computing(folder, capsys, w
         ("--pressure 1MPa --points 32768 --boundary free", "of 32768 × 32768 nodes needs about 440 GB"),
     ],
 )
-def test_a_load_or_grid_out_of_range_is_refused_before_computing(folder, capsys, words, line):
+def test_load_out_of_range_is_refused_before_computing(folder, capsys, words, line):
     assert status("run", "mine.txt", *BODY, *words.split(), "--out", "out") in (1, 2)
     said = capsys.readouterr().err
     assert line in said
@@ -136,7 +136,7 @@ def test_exports_and_pictures_replace_only_own_files(folder, chain, capsys):
         assert status("view", contact, "gap", "--out", "v.png", "v.pdf", "v.svg") == 0
 
 
-def test_a_case_is_saved_as_that_of_its_folder(folder, without_pictures):
+def test_case_is_saved_in_its_own_folder(folder, without_pictures):
     for _ in range(2):
         assert status(*RUN, "--save", "out/case.yaml") == 0
     assert yaml.safe_load(Path("out/case.yaml").read_text())["map"] == "../mine.txt"
@@ -173,7 +173,7 @@ def answer():
     )
 
 
-def test_the_names_of_an_answer_are_known_before_it(answer, tmp_path):
+def test_names_of_an_answer_are_known_before(answer, tmp_path):
     written = {path.name for path in write_answer(answer, tmp_path / "out")}
     assert written <= {*names_of(answer.case)}
 
@@ -189,7 +189,7 @@ with locked(Path(sys.argv[1])):
 """
 
 
-def test_a_second_process_does_not_write_into_a_folder(folder, answer, capsys):
+def test_second_process_does_not_write(folder, answer, capsys):
     command = [sys.executable, "-c", HOLD, "out"]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as first:
         assert first.stdout.readline() == "held\n"

@@ -26,13 +26,13 @@ def test_a_seed_is_one_surface_at_every_resolution(fine):
 
 
 @pytest.mark.parametrize(("hurst", "rms", "seed"), [(0, 1e-9, 2**63), (0.5, 1e3, 0), (1, 1.0, 3)])
-def test_the_rms_height_is_exact_and_the_mean_zero(hurst, rms, seed):
+def test_rms_height_is_exact_and_mean_zero(hurst, rms, seed):
     height = self_affine((33, 40), hurst, 0.5, 0.1, rms, seed)
     assert np.std(height) == pytest.approx(rms, rel=1e-12)
     assert abs(np.mean(height)) < 1e-12 * rms
 
 
-def test_the_spectrum_follows_its_power_law_over_an_ensemble():
+def test_spectrum_of_an_ensemble_is_power_law():
     """40 samples, rings of at least 25 waves; bound: four standard errors."""
     grid, samples = Grid((128, 128)), 40
     q, target = target_spectrum(grid, 0.3, 1 / 4, 1 / 32, 0.01)
@@ -69,7 +69,7 @@ def test_given_moments_are_reached(skewness, kurtosis):
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
 
 
-def test_the_errors_of_the_moments_are_the_scatter_of_samples():
+def test_errors_of_moments_are_scatter_of_samples():
     """80 samples give a standard deviation to 8 %; the formula is exact to first order."""
     samples = [make_surface({**BAND, "points": 64}, seed) for seed in range(80)]
     skewness, kurtosis = moment_errors(Grid((64, 64)), **BAND)
@@ -106,7 +106,7 @@ JOHNSON = johnson(GAUSSIAN, gamma=-1.0, delta=2.0)
     ],
     ids=["gaussian", "oblong", "moments", "johnson"],
 )
-def test_a_seed_is_the_same_surface_in_every_version(height, kept):
+def test_seed_is_one_surface_in_every_version(height, kept):
     """Heights at `NODES`. A change here is a change of every random surface that was published."""
     tolerance = 1e-9 if height is not MOMENTS else 1e-6  # with_moments solves for its parameters
     assert [height[node] for node in NODES] == pytest.approx(kept, rel=tolerance)

@@ -27,7 +27,7 @@ def answers():
     return [run(a_map(seed), STEEL, mean_pressure=200e6) for seed in (1, 2, 3)]
 
 
-def test_the_interval_is_students_and_holds_the_mean_of_the_surface_as_often_as_it_says():
+def test_interval_is_students_and_holds_the_mean():
     """Quantiles of t from M. Abramowitz, I. Stegun, Table 26.10; 1500 samples leave ± 1.1 % of the share."""
     for count, quantile in ((2, 12.706), (3, 4.303), (6, 2.5706)):
         values = np.arange(count, dtype=float)
@@ -38,7 +38,7 @@ def test_the_interval_is_students_and_holds_the_mean_of_the_surface_as_often_as_
     assert np.mean([abs(each.value - 5.0) <= each.error for each in found]) == pytest.approx(0.95, abs=0.015)
 
 
-def test_a_sample_pools_volumes_per_area_over_one_depth(answers):
+def test_sample_pools_volumes_over_one_depth(answers):
     sample = asp.pooled(answers)
     bodies = [answer.bodies["lower"] for answer in answers]
     volumes, depths = (
@@ -59,7 +59,7 @@ def test_a_sample_pools_volumes_per_area_over_one_depth(answers):
 
 
 @pytest.mark.parametrize("draw", ["exponential", "uniform", "rayleigh"])
-def test_the_largest_of_an_area_is_met_as_often_as_it_says(draw):
+def test_largest_of_an_area_is_met(draw):
     """Of 100 times the area of 4 maps; the median of the largest of n draws is F⁻¹(2^(−1/n))."""
     random = np.random.default_rng(2)
     sample, found = getattr(random, draw), []

@@ -27,7 +27,7 @@ def test_half_space_replaces_only_a_tall_layer():
     assert thin.effective_modulus == pytest.approx(1)
 
 
-def test_the_load_area_curve_holds_every_area_fraction_in_rising_order():
+def test_load_area_curve_has_rising_areas():
     contact = solve_contact(ROUGH, LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
     np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
     assert np.all(np.diff(contact.path_mean_pressure) > 0)
@@ -36,7 +36,7 @@ def test_the_load_area_curve_holds_every_area_fraction_in_rising_order():
     assert float(contact.mean_pressure) == middle == pytest.approx(contact.pressure.values.mean())
 
 
-def test_the_load_may_be_a_pressure_or_an_approach():
+def test_load_may_be_pressure_or_approach():
     """Both give the contact at the area that they cause, beside the same load-area curve."""
     path = {"path_area_fractions": [0.05, 0.15]}
     wanted = solve_contact(ROUGH, LAYER, CONTACT | path)
@@ -89,7 +89,7 @@ def test_two_seeds_have_bands_and_one_has_none():
     assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
 
 
-def test_estimates_of_the_study_are_those_of_the_library():
+def test_study_has_the_estimates_of_the_library():
     """But for the planes in depth, which the study has at other distances."""
     surface = make_surface({**SURFACE, "wavelength_short": 1 / 16, "points": 128}, 1)
     found = stress_of_seed(solve_contact(surface, LAYER, CONTACT), LAYER, STRESS)

@@ -28,7 +28,7 @@ def test_the_surface_is_that_of_the_library(tmp_path, capsys):
     assert line.startswith(str(tmp_path))
 
 
-def test_lengths_with_units_make_the_same_surface_in_metres(tmp_path, capsys):
+def test_lengths_with_units_make_one_surface(tmp_path, capsys):
     plain, si = make(tmp_path, f"{BAND} --points 64"), make(tmp_path, f"{SI_BAND} --points 64")
     assert si.attrs["unit_system"] == "SI"
     for name in plain.variables:

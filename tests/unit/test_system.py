@@ -27,7 +27,7 @@ from asperity.study.run import require_memory, require_space
         (("skfem", "yaml"), 'not installed: pyyaml, scikit-fem; install with: pip install "asperity[study]"'),
     ],
 )
-def test_missing_packages_are_named_with_the_extra_that_brings_all(monkeypatch, hidden, message):
+def test_missing_packages_are_named_with_their_extra(monkeypatch, hidden, message):
     packages.require()
     monkeypatch.setattr(packages, "find_spec", lambda name: None if name in hidden else name)
     with pytest.raises(packages.MissingPackageError, match=f"^{re.escape(message)}$"):
@@ -52,7 +52,7 @@ def test_a_control_group_limits_the_memory(monkeypatch, tmp_path):
     assert system.available_memory() == 2**20 / 1e6
 
 
-def test_space_is_that_of_the_disk_of_the_folder(tmp_path):
+def test_space_is_that_of_the_disk(tmp_path):
     require_space(tmp_path, 0)
     with pytest.raises(PreflightError, match=r"about 1e\+15 MB will be written, \S+ MB are free; free some"):
         require_space(tmp_path, 1e15)

@@ -33,7 +33,7 @@ def test_elastoplastic_areas_are_those_of_a_diffusion(load, hardness):
 
 
 @pytest.mark.parametrize("gamma", [0.45, 1.0])
-def test_work_against_the_mean_gap_is_the_energy_of_full_contact(gamma):
+def test_work_against_gap_is_energy_of_contact(gamma):
     """∫ p (−dū/dp) dp over all loads is Σ E* q |h|²/4; the gap is the integral of its own slope."""
     wavenumber = 2 * np.pi * np.arange(4.0, 33)
     power = 1e-6 * wavenumber**-1.6
@@ -72,7 +72,7 @@ def test_variances_against_depth_are_those_of_computed_planes(tiny):
     assert below["gaussian"].values == pytest.approx(below["computed"].values, rel=1e-6)
 
 
-def test_plastic_areas_of_two_grids_agree_after_their_strips(tiny):
+def test_plastic_areas_of_two_grids_agree(tiny):
     """The elastic area is a ring, and misses a third of itself on half of the nodes without the strips."""
     data = tiny[1]["plastic"]["hurst_08"].sel(hardness=0.5, load=0.1)
     assert data["elastic_area"].values == pytest.approx(data["elastic_area_half"].values, rel=0.12)

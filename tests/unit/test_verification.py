@@ -54,7 +54,7 @@ def test_a_broken_law_is_told_in_one_line():
         table("place", parts)
 
 
-def test_numbers_of_a_seed_are_those_of_its_results(chain):
+def test_seed_has_the_numbers_of_its_results(chain):
     surface, contact, stress = chain
     found = seed_statistics(surface, contact, stress)
     gradient = float(contact.gradient_rms_contact)

@@ -26,7 +26,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_the_quick_study_has_the_numbers_of_the_reference(quick_study):
+def test_quick_study_has_the_reference_numbers(quick_study):
     said, error = script(quick_study.folder, *ONE)
     assert "numbers as in tests/reference/quick.json" in said, error
 

@@ -13,7 +13,7 @@ sys.path.append(str(Path(__file__).parents[1] / "data"))
 import bearing
 
 
-def test_maps_continue_where_they_stopped_with_the_same_bits(tmp_path):
+def test_maps_continue_with_the_same_bits(tmp_path):
     """One answer of two is there, as after a kill; it is kept, and the means are those of one process."""
     bearing.write_maps(tmp_path, (24, 32), patches=2)
     pool = {"pooled": True, "map": ["ring_1.x3p", "ring_2.x3p"], "young": "210 GPa", "poisson": 0.3}

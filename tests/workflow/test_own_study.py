@@ -46,7 +46,7 @@ def config_in(folder, name, config):
     return "--configfile", name
 
 
-def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
+def test_two_surfaces_make_their_own_jobs(project):
     config = {"seeds": [1, 2, 3, 4], "surfaces": TWO, "studies": {"both": ["a", "b"], "one": ["a"]}}
     config |= {"stress": {"poisson": [0.33, 0.5]}, "validation": {"punch": PAPER["validation"]["punch"]}}
     found = jobs(project, *config_in(project, "mine.yaml", config))
@@ -128,7 +128,7 @@ def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, given, line):
     assert "\n" not in str(found.value)
 
 
-def test_a_list_of_loads_presses_every_surface_under_each(project):
+def test_list_of_loads_presses_every_surface(project):
     config = {"surfaces": TWO, "contact": {"area_fraction": [0.02, 0.1]}}
     alone = {"a": SURFACE, "b": {**SURFACE, "contact": {"area_fraction": 0.05}}}
     mixed = read_study([project / config_in(project, "mixed.yaml", config | {"surfaces": alone})[1]])

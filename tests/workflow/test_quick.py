@@ -48,7 +48,7 @@ def test_changed_file_reruns_what_computes_or_draws(quick_study, file, rerun):
     assert ("Nothing to be done" in said) == (not rerun)
 
 
-def test_every_file_of_the_library_counts_where_it_is_used(tmp_path, monkeypatch):
+def test_every_file_counts_where_it_is_used(tmp_path, monkeypatch):
     """A new file in a folder changes the hash of what computes, or of what draws."""
     monkeypatch.setattr(asperity, "__file__", str(tmp_path / "__init__.py"))
 
@@ -67,7 +67,7 @@ def test_every_file_of_the_library_counts_where_it_is_used(tmp_path, monkeypatch
         before = hashes()
 
 
-def test_every_file_states_what_it_is_and_from_which_settings(quick_study):
+def test_every_file_states_its_settings(quick_study):
     for stage in ("surface", "contact", "stress", "statistics"):
         for data in read_all(quick_study.folder, stage):
             assert all(data.attrs[name] for name in ("title", "source", "references", "Conventions"))
@@ -80,7 +80,7 @@ def test_every_file_states_what_it_is_and_from_which_settings(quick_study):
             assert not re.search(r"\d{4}-\d{2}-\d{2}|\d{2}:\d{2}:\d{2}", str(data.attrs))
 
 
-def test_a_wrong_configuration_ends_the_run_before_any_job(tmp_path):
+def test_wrong_configuration_ends_before_any_job(tmp_path):
     folder = copy_project(tmp_path)
     (folder / "bad.yaml").write_text("contact: {tolerance: yes}")
     run = snakemake(folder, "--configfile", "bad.yaml")
