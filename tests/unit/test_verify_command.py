@@ -8,8 +8,8 @@ import pytest
 from samples import load_of, rough
 
 import asperity as asp
-from asperity.cli.commands.verify import certificates
 from asperity.cli.main import main
+from asperity.engineering.answer_numbers import stored_certificate
 
 STEEL, LAYER = asp.Layer(2.1, 0.3), asp.Layer(0.7, 0.4, height=0.1, bottom="frictionless")
 COATED = asp.Layer(4.0, 0.25, height=0.02, base=STEEL)
@@ -31,7 +31,7 @@ def test_certificate_of_a_file_is_that_of_the_solver(tmp_path, solid, settings):
     level, rounding = (0.0, 2e-5) if "dtype" in settings else (5.0, 1e-9)
     contact = asp.solve(rough() + level, solid, mean_pressure=load_of(rough()), **settings)
     contact.to_netcdf(tmp_path / "contact.nc")
-    found, allowed = certificates(asp.read_result(tmp_path / "contact.nc"))
+    found, allowed = stored_certificate(asp.read_result(tmp_path / "contact.nc"))
     for name, value in contact.certificate.violations.items():
         assert found.violations[name] == pytest.approx(value, rel=0.1, abs=rounding), name
         assert found.violations[name] <= allowed[name] < value + rounding, name

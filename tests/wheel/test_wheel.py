@@ -29,6 +29,7 @@ COMMANDS = (
     ("", ["plan", SPECTRUM]),
     ("", f"surface --out s.nc {SURFACE}".split()),
     ("", ["solve", "s.nc", "--out", "c.nc"]),
+    ("", ["verify", "c.nc"]),
     ("", ["stress", "c.nc", "--out", "t.nc"]),
     ("", ["peaks", "t.nc", "--contact", "c.nc", "--out", "p.nc"]),
     ("", ["export", "t.nc", "--peaks", "p.csv"]),

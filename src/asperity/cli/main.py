@@ -15,7 +15,7 @@ from types import FrameType
 from typing import NoReturn
 
 from asperity.core.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
-from asperity.core.packages import BASE, NAMES, PACKAGES, MissingPackageError, message, require
+from asperity.core.packages import BASE, NAMES, NEEDED, PACKAGES, MissingPackageError, message, require
 
 INTERRUPTED = "interrupted; run the same command again to start over"
 
@@ -105,7 +105,7 @@ def _interrupt(number: int, _: FrameType | None) -> NoReturn:
 
 
 def _run(arguments: Sequence[str] | None) -> None:
-    require(PACKAGES[BASE])
+    require(module for module in PACKAGES[BASE] if module in NEEDED)
     from asperity.cli.parser import parse, with_flags
 
     options = parse(arguments)

@@ -11,6 +11,9 @@ from importlib.util import find_spec
 BASE = ""
 """Name that stands for no extra: packages that ``pip install asperity`` brings."""
 
+ENGINES = ("ducc0", "pyfftw", "scipy")
+"""Engines of the Fourier transforms, by the names of their modules; the first is the default."""
+
 _MODULES = {
     BASE: "ducc0 jinja2 jsonschema lazy_loader netCDF4 numba llvmlite numpy pandas pint psutil scipy tqdm "
     "xarray yaml",
@@ -37,8 +40,8 @@ NAMES = {
 }
 """Module → package that provides it."""
 
-NEEDED = tuple(module for modules in PACKAGES.values() for module in modules)
-"""All modules but those of the `ALTERNATIVES`."""
+NEEDED = tuple(module for modules in PACKAGES.values() for module in modules if module != ENGINES[0])
+"""All modules but those of the `ALTERNATIVES`, and the default engine, which is missed where it is chosen."""
 
 
 class MissingPackageError(ModuleNotFoundError):
@@ -46,7 +49,7 @@ class MissingPackageError(ModuleNotFoundError):
 
 
 def absent(modules: Iterable[str] = NEEDED) -> list[str]:
-    """Those of the modules, by default of all but the `ALTERNATIVES`, that are not installed."""
+    """Those of the modules, by default of the `NEEDED` ones, that are not installed."""
     return [module for module in modules if find_spec(module) is None]
 
 

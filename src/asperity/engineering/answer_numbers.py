@@ -7,12 +7,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from asperity.contact import Certificate, Contact
+from asperity.contact import Certificate, Contact, verify_contact
+from asperity.contact.certificate import MAX_ROUNDINGS, rms_deviation
 from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
+from asperity.elasticity.loaded_solid import solid_of
 from asperity.engineering.face import RoughFace
 from asperity.fourier.grid import Grid
+from asperity.results.dataset import grid_of, height_of
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -89,6 +93,48 @@ def certificate_in_words(certificate: Certificate) -> str:
         f"its conditions are violated by at most {certificate.worst:.1e}; the energy of the error of the "
         f"pressure is at most {certificate.error_bound:.1e} of load times rms height"
     )
+
+
+def stored_certificate(
+    contact: xr.Dataset, height: Array | None = None
+) -> tuple[Certificate, dict[str, float]]:
+    """Certificate of a stored contact, computed anew, and the largest violations that are accepted.
+
+    These are the violations that the solver found, with the rounding of the fields in the file.
+
+    Parameters
+    ----------
+    contact : dataset
+        Result of stage contact.
+    height : (ny, nx) array, optional
+        By default that which follows from gap, displacement and approach.
+    """
+    grid, solid = grid_of(contact), solid_of(contact)
+    pressure, displacement = (
+        contact[name].transpose("y", "x").values for name in ("pressure", "displacement")
+    )
+    if height is None:
+        height = height_of(contact).transpose("y", "x").values
+    approach = float(contact["approach"])
+    found = verify_contact(
+        height,
+        pressure,
+        solid,
+        grid.length,
+        approach=approach,
+        mean_pressure=float(contact["mean_pressure"]),
+        hardness=float(contact["hardness"]) if "hardness" in contact else None,
+        boundary=str(contact.attrs.get("boundary", "periodic")),
+    )
+    rounding = MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps)
+    nodal = float(pressure.max()) * min(grid.spacing) / solid.effective_modulus
+    largest = abs(approach) + float(np.abs(height).max()) + float(np.abs(displacement).max())
+    lengths = rounding * largest / (rms_deviation(height) or nodal or 1.0)
+    return found, {
+        name: float(contact.attrs[f"certificate_{name}"])
+        + (rounding if name in ("tension", "load_imbalance") else lengths)
+        for name in found.violations
+    }
 
 
 def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:

@@ -45,8 +45,8 @@ HEADLINE = (
 SPOTS = 10
 """Patches of contact in the report."""
 
-PACKAGES = ("numpy", "numba", "ducc0", "xarray", "SurfaceTopography")
-"""Packages whose versions the report names."""
+PACKAGES = ("numpy", "numba", "xarray", "SurfaceTopography")
+"""Packages whose versions the report names, besides that of the Fourier transforms."""
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
@@ -153,6 +153,8 @@ def _write_report(answer: Answer, folder: Path) -> None:
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
     versions = {"asperity": __version__, "Python": platform.python_version()}
     versions |= {package: version(package) for package in PACKAGES if find_spec(package)}
+    engine, _, number = answer.contact.fft_engine.partition(" ")
+    versions[engine] = number
     rows = without_repeats(answer.rows)
     page = rendered(
         "asperity.engineering",

@@ -1,13 +1,13 @@
 """Engines: the libraries that compute Fourier transforms, and the choice between them.
 
-There are two: ducc0, the default, and pyFFTW. `fft_engine` chooses one for a ``with`` block, in the thread
-that enters it. Outside such blocks the environment variable ``ASPERITY_FFT_ENGINE`` names the engine, else
-it is `DEFAULT`.
+There are three: ducc0, the default, pyFFTW and SciPy. `fft_engine` chooses one for a ``with`` block, in the
+thread that enters it. Outside such blocks the environment variable ``ASPERITY_FFT_ENGINE`` names the engine,
+else it is `DEFAULT`.
 
-Both have the same methods, with the normalisation of `asperity.fourier.grid`. Arrays may be views, with rows
+All have the same methods, with the normalisation of `asperity.fourier.grid`. Arrays may be views, with rows
 at any distance, and an engine may be used by several threads at once.
 
-The results of the two differ by rounding errors. The results of one have the same bits for any number of
+The results of two differ by rounding errors. The results of one have the same bits for any number of
 threads and in every run; those of pyFFTW as long as the wisdom of FFTW is kept.
 """
 
@@ -24,18 +24,16 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
 
-import ducc0
 import numpy as np
+from scipy import fft
 
 from asperity.core.errors import shown
+from asperity.core.packages import ENGINES as ENGINES
 from asperity.core.packages import require
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 
-ENGINES = ("ducc0", "pyfftw")
-"""Names of the engines."""
-
-DEFAULT = "ducc0"
+DEFAULT = ENGINES[0]
 """Engine where none is chosen; docs/tradeoff.md has the measurement behind it."""
 
 VARIABLE = "ASPERITY_FFT_ENGINE"
@@ -57,9 +55,10 @@ def fft_engine(name: str) -> Iterator[Engine]:
 
     Parameters
     ----------
-    name : "ducc0" or "pyfftw"
-        pyFFTW is installed by ``pip install "asperity[fftw]"``. FFTW measures the fastest plans at the first
-        use of each size of grid; they are kept in the folder ``asperity`` of the user's cache.
+    name : "ducc0", "pyfftw" or "scipy"
+        SciPy is under the BSD licence, ducc0 and FFTW under the GPL. pyFFTW is installed by
+        ``pip install "asperity[fftw]"``. FFTW measures the fastest plans at the first use of each size of
+        grid; they are kept in the folder ``asperity`` of the user's cache.
 
     Yields
     ------
@@ -119,13 +118,15 @@ class Ducc0Engine:
     @property
     def description(self) -> str:
         """Library and version, as recorded in results."""
-        return f"ducc0 {ducc0.__version__}"
+        return f"ducc0 {version('ducc0')}"
 
     def forward(self, values: Array, out: Array, threads: int = 1) -> None:
         """Write the coefficients of a field into `out`, (ny, nx // 2 + 1).
 
         `values`, (rows, nx), are the first rows of the field; the other ny - rows are taken to be zero.
         """
+        import ducc0
+
         rows = len(values)
         for part, workers in self._shares(rows, threads):
             ducc0.fft.r2c(values[part], axes=(1,), forward=True, inorm=2, out=out[part], nthreads=workers)
@@ -136,6 +137,8 @@ class Ducc0Engine:
 
     def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
         """Transform columns back, (..., ny, columns); `out` may be `coefficients`."""
+        import ducc0
+
         axis = out.ndim - 2
         for part, workers in self._shares(out.shape[-1], threads):
             columns, target = coefficients[..., part], out[..., part]
@@ -242,8 +245,48 @@ class PyfftwEngine:
             return before, after, pyfftw.FFTW(before, after, (1,), direction, flags, threads=1).execute
 
 
+class ScipyEngine:
+    """Transforms by pocketfft in SciPy, in blocks that stay in the processor's cache.
+
+    The last block alone may leave lines over for a vector register, whatever the number of threads.
+    """
+
+    LINES = Ducc0Engine.LINES
+
+    @property
+    def description(self) -> str:
+        return f"scipy {version('scipy')}"
+
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        rows = len(values)
+        self._transform(fft.rfft, values, out[:rows], threads)
+        out[rows:] = 0
+        self._transform(fft.fft, out.T, out.T, threads, overwrite_x=True)
+
+    def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        out[...] = coefficients
+        for plane in _planes(out):
+            self._transform(fft.ifft, plane.T, plane.T, threads, overwrite_x=True)
+
+    def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        for source, target in zip(_planes(coefficients), _planes(out), strict=True):
+            self._transform(fft.irfft, source, target, threads, n=target.shape[1])
+
+    def _transform(
+        self, function: Callable[..., Array], source: Array, target: Array, threads: int, **settings: Any
+    ) -> None:
+        def transform(part: slice) -> None:
+            for start in range(part.start, part.stop, self.LINES):
+                lines = slice(start, min(start + self.LINES, part.stop))
+                target[lines] = function(source[lines], norm="forward", **settings)
+
+        in_parts(transform, len(source), threads, multiple=self.LINES, smallest=self.LINES)
+
+
 def _rows_back(coefficients: Array, out: Array, threads: int) -> None:
     """Transform rows of coefficients, which may be overwritten, to rows of a field."""
+    import ducc0
+
     ducc0.fft.c2r(
         coefficients,
         axes=(out.ndim - 1,),
@@ -282,6 +325,6 @@ def _kept_wisdom() -> Iterator[None]:
             os.replace(file.name, path)
 
 
-Engine = Ducc0Engine | PyfftwEngine
+Engine = Ducc0Engine | PyfftwEngine | ScipyEngine
 
-_ENGINES: dict[str, Engine] = {"ducc0": Ducc0Engine(), "pyfftw": PyfftwEngine()}
+_ENGINES: dict[str, Engine] = dict(zip(ENGINES, (Ducc0Engine(), PyfftwEngine(), ScipyEngine()), strict=True))

@@ -9,19 +9,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
 
-from asperity.contact.certificate import MAX_ROUNDINGS, Certificate, rms_deviation, verify_contact
 from asperity.core.errors import DatasetError, fail, one_line
 from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.core.version import __version__
-from asperity.elasticity.loaded_solid import solid_of
-from asperity.engineering.answer_numbers import certificate_in_words
+from asperity.engineering.answer_numbers import certificate_in_words, stored_certificate
 from asperity.engineering.folder import CASE_FILE, checksums_in
 from asperity.results import dataset
-from asperity.results.dataset import grid_of
 from asperity.study.config.reader import CHECKSUMS, load
 
 
@@ -115,7 +111,7 @@ def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Ite
     )
     if dataset.stage_of(result) != "contact":
         return
-    found, allowed = certificates(result, height)
+    found, allowed = stored_certificate(result, height)
     yield Check(f"{path}: certificate computed anew: {certificate_in_words(found)}")
     for name, value in found.violations.items():
         if not value <= allowed[name]:
@@ -124,43 +120,3 @@ def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Ite
                 "that of its own certificate and rounding; the pressure is not the solution",
                 False,
             )
-
-
-def certificates(contact: xr.Dataset, height: Array | None = None) -> tuple[Certificate, dict[str, float]]:
-    """Certificate of a stored contact, computed anew, and the largest violations that are accepted.
-
-    These are the violations that the solver found, with the rounding of the fields in the file.
-
-    Parameters
-    ----------
-    contact : dataset
-        Result of stage contact.
-    height : (ny, nx) array, optional
-        By default that which follows from gap, displacement and approach.
-    """
-    grid, solid = grid_of(contact), solid_of(contact)
-    pressure, displacement = (
-        contact[name].transpose("y", "x").values for name in ("pressure", "displacement")
-    )
-    if height is None:
-        height = dataset.height_of(contact).transpose("y", "x").values
-    approach = float(contact["approach"])
-    found = verify_contact(
-        height,
-        pressure,
-        solid,
-        grid.length,
-        approach=approach,
-        mean_pressure=float(contact["mean_pressure"]),
-        hardness=float(contact["hardness"]) if "hardness" in contact else None,
-        boundary=str(contact.attrs.get("boundary", "periodic")),
-    )
-    rounding = MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps)
-    nodal = float(pressure.max()) * min(grid.spacing) / solid.effective_modulus
-    largest = abs(approach) + float(np.abs(height).max()) + float(np.abs(displacement).max())
-    lengths = rounding * largest / (rms_deviation(height) or nodal or 1.0)
-    return found, {
-        name: float(contact.attrs[f"certificate_{name}"])
-        + (rounding if name in ("tension", "load_imbalance") else lengths)
-        for name in found.violations
-    }

@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 from asperity.core.data import packaged_yaml
+from asperity.core.packages import ENGINES
 
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
@@ -28,7 +29,9 @@ _TYPES = {
 @cache
 def schema() -> Entry:
     """Description of a whole configuration."""
-    return _group(packaged_yaml("asperity.study.config", "schema.yaml"))
+    read = packaged_yaml("asperity.study.config", "schema.yaml")
+    read["properties"]["fft_engine"]["enum"] = list(ENGINES)
+    return _group(read)
 
 
 def _group(entry: Entry) -> Entry:
