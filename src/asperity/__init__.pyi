@@ -38,9 +38,9 @@ from .stress.statistics.density import probability_density as probability_densit
 from .stress.statistics.pooling import pool_peaks as pool_peaks
 from .surface.form import add_cylinder as add_cylinder
 from .surface.form import add_sphere as add_sphere
+from .surface.heights import johnson as johnson
 from .surface.heights import with_heights as with_heights
-from .surface.johnson import johnson as johnson
-from .surface.johnson import with_moments as with_moments
+from .surface.heights import with_moments as with_moments
 from .surface.reading.height_map import HeightMap as HeightMap
 from .surface.reading.height_map import MapError as MapError
 from .surface.reading.height_map import MapOptions as MapOptions

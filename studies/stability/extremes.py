@@ -28,7 +28,7 @@ from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
-from asperity.surface.johnson import johnson
+from asperity.surface.heights import johnson
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.self_affine import self_affine
 

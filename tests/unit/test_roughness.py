@@ -7,8 +7,7 @@ from scipy.stats import norm
 
 from asperity.fourier.grid import Fourier, Grid
 from asperity.study.stages.surface import make_surface, moment_errors
-from asperity.surface.heights import with_heights
-from asperity.surface.johnson import johnson, with_moments
+from asperity.surface.heights import johnson, with_heights, with_moments
 from asperity.surface.roughness import roughness_parameters, spectrum
 from asperity.surface.self_affine import self_affine, target_spectrum
 

@@ -1,13 +1,19 @@
-"""Surfaces with a given spectrum and a given distribution of their heights, both.
+"""Non-Gaussian surfaces: Johnson's transforms of the heights, and surfaces with given heights and spectrum.
 
-A transform of the heights alone, such as Johnson's, changes the spectrum and the gradient too. Here the
-heights are replaced rank by rank by those of the distribution, and the amplitudes of all waves by those of
-the spectrum, in turns, until the two no longer approach each other. The last step is that of the spectrum:
-rms height, rms gradient and the band of wavelengths are exact, and the distribution is reached as far as the
-band allows.
+Johnson's translation system of distributions (Eq. 23 of the paper) is applied to a finished Gaussian surface:
+the moments of the heights are those of the Johnson curve, and the spectrum differs somewhat from that of the
+Gaussian surface. Hu and Tonder (1992) use the same system for rough surfaces, but transform uncorrelated
+numbers and filter them afterwards.
+
+`with_heights` keeps the spectrum: the heights are replaced rank by rank by those of the distribution, and the
+amplitudes of all waves by those of the spectrum, in turns, until the two no longer approach each other. The
+last step is that of the spectrum: rms height, rms gradient and the band of wavelengths are exact, and the
+distribution is reached as far as the band allows.
 
 References
 ----------
+N. L. Johnson, Biometrika 36 (1949) 149, doi 10.2307/2332539.
+Y. Z. Hu and K. Tonder, Int. J. Mach. Tools Manufact. 32 (1992) 83, doi 10.1016/0890-6955(92)90064-N.
 T. Schreiber and A. Schmitz, Phys. Rev. Lett. 77 (1996) 635, doi 10.1103/PhysRevLett.77.635 (time series).
 F. Pérez-Ràfols and A. Almqvist, Tribol. Int. 131 (2019) 591, doi 10.1016/j.triboint.2018.11.020 (surfaces).
 ISO 13565-3 (Rpq, Rvq and Rmq of the material probability curve).
@@ -15,18 +21,31 @@ ISO 13565-3 (Rpq, Rvq and Rmq of the material probability curve).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import ndtri
+from scipy.special import expit, ndtri
 
-from asperity.core.arguments import finite_array, magnitude, number, require_finite
+from asperity.core.arguments import LARGEST, SMALLEST, finite_array, magnitude, number, require_finite
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, good_size, resample
-from asperity.surface.johnson import with_moments
-from asperity.surface.roughness import varying_heights
+from asperity.surface.roughness import moments, varying_heights
+
+# Largest δ of the bounded curve: the curve is then straight to a part in a million, and six digits are lost.
+_LARGEST_DELTA = 1e6
+
+# Smallest δ at which the Gauss-Hermite rule below gives the moments of the bounded curve to a part in a
+# thousand; found by comparison with a sum over 20001 equidistant nodes.
+_SMALLEST_FITTED_DELTA = 0.15
+
+# Largest kurtosis at which the rule gives the moments of the unbounded curve to twelve digits, found
+# likewise.
+_LARGEST_KURTOSIS = 1e6
+
+# Largest difference between the moments asked for and those of a fitted curve.
+_FIT_TOLERANCE = 1e-8
 
 NODES_PER_WAVE = 4
 """Nodes on the shortest wave of the grid of the iteration. The mean of the third power of the heights has no
@@ -39,6 +58,175 @@ MOST_ITERATIONS = 200
 SLOWEST = 1e-3
 """Relative fall of the residual in an iteration at which it ends. Up to ten times as many iterations make the
 residual smaller by 4 to 30 %."""
+
+_ANY_SIGN = f"a number from {-LARGEST:g} to {LARGEST:g}"
+
+
+def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: float = 8.0) -> Array:
+    """Johnson's bounded transform (S_B) of a Gaussian surface, equation 23 of the paper.
+
+    The heights are scaled to unit standard deviation, mapped to the interval (ζ, ζ + λ) by
+
+        ζ + λ / (1 + exp((γ − h)/δ)),
+
+    centred, and scaled back to their original rms height. The last step undoes ζ and λ, which therefore have
+    no effect; they are kept as arguments because Eq. 23 has them.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Gaussian heights.
+    gamma : float
+        Position γ of the curve. Positive: the heights have a long tail upward and the lower face blunt
+        contacts; negative: the mirror image.
+    delta : float
+        Width δ of the curve, from 1e-75 to 1e6; the smaller, the more skewed are the heights.
+    zeta, lam : float
+        Lower bound ζ and width λ > 0 of the interval.
+
+    Returns
+    -------
+    height : (ny, nx) array
+        In the unit of the input, with mean zero and the rms height of the input.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter is not a number or is out of range, if the heights are not finite or all equal, or if
+        the transformed heights are all equal in floating point.
+
+    Notes
+    -----
+    Johnson (1949). The exponential is evaluated relative to the bound that most heights are near to; relative
+    to the other bound they could not be told apart in floating point.
+
+    Examples
+    --------
+    >>> gaussian = asp.self_affine((64, 64), 0.8, 0.25, 0.125, rms_height=1e-3, seed=1)
+    >>> blunt = asp.johnson(gaussian, gamma=2.0, delta=1.0)
+    >>> asp.roughness_parameters(blunt).skewness > 0.5
+    True
+    """
+    heights = varying_heights(height)
+    gamma = number("gamma", gamma, _ANY_SIGN, lambda position: abs(position) <= LARGEST)
+    delta = number(
+        "delta",
+        delta,
+        f"a number > 0, from {SMALLEST:g} to {_LARGEST_DELTA:g},",
+        lambda width: SMALLEST <= width <= _LARGEST_DELTA,
+    )
+    number("zeta", zeta, _ANY_SIGN, lambda bound: abs(bound) <= LARGEST)
+    magnitude("lam", lam)
+    normal = (_standardised(heights) - gamma) / delta
+    transformed = expit(normal) if gamma >= 0 else -expit(-normal)
+    if np.ptp(transformed) == 0:
+        raise ValueError(
+            f"gamma = {gamma!r}, delta = {delta!r}: a smaller gamma or a larger delta is needed, "
+            "all heights are mapped to one bound"
+        )
+    found = _rescaled(transformed, heights)
+    require_finite("johnson", {"height": found})
+    return found
+
+
+def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
+    """Johnson's transform with a given skewness and kurtosis, of a Gaussian surface.
+
+    The bounded curve (S_B) is used where it reaches these moments, else the unbounded one (S_U). Skewness 0
+    and kurtosis 3, those of a Gaussian surface, leave the surface as it is.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Gaussian heights.
+    skewness, kurtosis : float
+        Moments of a transformed normal variable; a finite sample scatters about them. The kurtosis (3 for a
+        Gaussian) of any distribution exceeds 1 + skewness²; a curve is found from about 1.2 + 1.1 skewness²
+        to 1e6, except close to the moments of a lognormal distribution.
+
+    Returns
+    -------
+    height : (ny, nx) array
+        In the unit of the input, with mean zero and the rms height of the input.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not a number, if no curve with these moments is found, or if the heights are not
+        finite or all equal.
+
+    Notes
+    -----
+    Johnson (1949). The parameters γ and δ are fitted by least squares to the moments by Gauss-Hermite
+    quadrature.
+
+    Examples
+    --------
+    >>> gaussian = asp.self_affine((256, 256), 0.8, 1 / 16, 1 / 32, rms_height=1e-3, seed=1)
+    >>> peaky = asp.with_moments(gaussian, skewness=0.0, kurtosis=5.0)
+    >>> round(asp.roughness_parameters(peaky).kurtosis)
+    5
+    """
+    heights = varying_heights(height)
+    largest = _LARGEST_KURTOSIS**0.5  # the kurtosis exceeds the square of the skewness
+    accepted = f"a number from {-largest:g} to {largest:g}"
+    skewness = number("skewness", skewness, accepted, lambda n: abs(n) <= largest)
+    accepted = f"a number from 1 to {_LARGEST_KURTOSIS:g}"
+    kurtosis = number("kurtosis", kurtosis, accepted, lambda n: 1 <= n <= _LARGEST_KURTOSIS)
+    standard = _standardised(heights)
+    if (skewness, kurtosis) == (0.0, 3.0):
+        found = _rescaled(standard, heights)
+    else:
+        curve, gamma, delta = _fitted_curve(skewness, kurtosis)
+        with np.errstate(over="ignore", invalid="ignore"):  # refused by _rescaled
+            found = _rescaled(curve((standard - gamma) / delta), heights)
+    require_finite("with_moments", {"height": found})
+    return found
+
+
+def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], Array], float, float]:
+    """The curve with these moments, and its parameters γ and δ."""
+    # Imported here because it takes half a second and other surfaces do not need it.
+    from scipy.optimize import least_squares
+
+    def residual(shape: Array, curve: Callable[[Array], Array]) -> Array:
+        found = moments(curve((_NORMAL_NODES - shape[0]) / np.exp(shape[1])), _NORMAL_WEIGHTS)
+        return np.array(found[1:]) - (skewness, kurtosis)
+
+    for curve in (expit, np.sinh):
+        fit = least_squares(residual, (0.0, 0.3), xtol=1e-14, ftol=1e-14, gtol=1e-14, args=(curve,))
+        gamma, delta = fit.x[0], np.exp(fit.x[1])
+        is_met = np.abs(fit.fun).max() < _FIT_TOLERANCE
+        if is_met and (curve is np.sinh or delta >= _SMALLEST_FITTED_DELTA):
+            return curve, gamma, delta
+    raise ValueError(
+        f"skewness = {skewness!r}, kurtosis = {kurtosis!r}: no Johnson curve with these moments was found; "
+        f"a kurtosis from about {1.2 + 1.1 * skewness**2:.3g} to {_LARGEST_KURTOSIS:g}, "
+        "not close to that of a lognormal distribution, is needed"
+    )
+
+
+# Gauss-Hermite rule for averages over a normal variable.
+_NORMAL_NODES, _NORMAL_WEIGHTS = np.polynomial.hermite_e.hermegauss(200)
+_NORMAL_WEIGHTS /= _NORMAL_WEIGHTS.sum()
+
+
+def _standardised(height: Array) -> Array:
+    """The heights with mean zero and standard deviation one."""
+    return (height - np.mean(height)) / float(np.std(height))
+
+
+def _rescaled(transformed: Array, height: Array) -> Array:
+    """The transformed heights, centred, with the rms height of the original ones."""
+    # Scaled to a largest magnitude of one first, so that squares do not underflow.
+    centred = transformed / np.abs(transformed).max()
+    centred -= np.mean(centred)
+    rms_height = np.std(centred)
+    if not (np.isfinite(rms_height) and rms_height > 0):
+        raise ValueError(
+            "height: a surface without extreme peaks is needed, the transformed heights overflow"
+        )
+    return centred * (np.std(height) / rms_height)
 
 
 class ShapedSurface(NamedTuple):

@@ -12,8 +12,7 @@ import xarray as xr
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid
 from asperity.study.config.check import AS_SAMPLE
-from asperity.surface.heights import with_heights
-from asperity.surface.johnson import johnson, with_moments
+from asperity.surface.heights import johnson, with_heights, with_moments
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.roughness import spectrum, surface_dataset
 from asperity.surface.self_affine import self_affine, target_spectrum
