@@ -14,7 +14,7 @@ import numpy as np
 from asperity.core.errors import shown
 from asperity.core.types import Array
 from asperity.core.units import to_si
-from asperity.surface.reading.channels import UNNAMED, Channel
+from asperity.surface.reading.formats import UNNAMED, Channel
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,

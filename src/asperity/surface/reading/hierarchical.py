@@ -9,7 +9,7 @@ import numpy as np
 from asperity.core.arguments import plane_axes, rising
 from asperity.fourier.grid import grid_of
 from asperity.surface.reading.agreement import FileContent, metres
-from asperity.surface.reading.channels import Channel, choose_channel
+from asperity.surface.reading.formats import Channel, choose_channel
 from asperity.surface.reading.height_map import LOWER_FACE, ORIENTATIONS, MapOptions
 
 if TYPE_CHECKING:

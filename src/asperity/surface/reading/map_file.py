@@ -29,8 +29,7 @@ from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.surface.reading import dialects, formats
 from asperity.surface.reading.agreement import FileContent, MapFile, metres
-from asperity.surface.reading.channels import UNNAMED, Channel, choose_channel
-from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, Format
+from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes

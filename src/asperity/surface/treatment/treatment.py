@@ -22,8 +22,7 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Grid, good_size
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
-from asperity.surface.reading.channels import UNNAMED
-from asperity.surface.reading.formats import PROFILE
+from asperity.surface.reading.formats import PROFILE, UNNAMED
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
