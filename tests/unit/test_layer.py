@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from samples import refuses
 
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.simplest_solid import simplest_solid
+from asperity.elasticity.layer import Layer, simplest_solid
 from asperity.elasticity.two_bodies import TwoBodies
 
 SUPPORTED = [Layer(1.3, 0.3), Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3, 0.4, "frictionless")]

@@ -67,7 +67,6 @@ from asperity.core.errors import shown
 from asperity.core.markup import table
 from asperity.core.types import Array
 from asperity.elasticity.coating import Materials, fill_coated_compliance, fill_coated_kernels
-from asperity.elasticity.green_tensor import green_elements
 from asperity.elasticity.kernels import (
     BONDED,
     FREE,
@@ -75,13 +74,16 @@ from asperity.elasticity.kernels import (
     HALF_SPACE,
     fill_kernels,
     fill_surface_compliance,
+    green_elements,
 )
 
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
-BOTTOMS = ("bonded", "frictionless", "free")
 LATERALS = ("confined", "free")
 
 _KINDS = {"bonded": BONDED, "frictionless": FRICTIONLESS, "free": FREE}
+
+WAVENUMBERS, DEPTHS = np.geomspace(1, 8, 25)[:, None], np.linspace(0, 1, 41)
+"""Wavenumbers over the smallest one, and depths over the height, at which the solids are compared."""
 
 
 class Kernels(NamedTuple):
@@ -175,7 +177,7 @@ class Layer:
         if self.height is not None:
             height = magnitude("height", self.height, " or None for the half-space")
             object.__setattr__(self, "height", height)
-        choice("bottom", self.bottom, BOTTOMS)
+        choice("bottom", self.bottom, tuple(_KINDS))
         choice("lateral", self.lateral, LATERALS)
         if self.base is None:
             return
@@ -530,6 +532,81 @@ class Layer:
         if wrong.any():
             raise ValueError(f"depth = {values[wrong].flat[0]}: a finite depth from 0 to {limit} is needed")
         return np.minimum(values, limit)
+
+
+@dataclass(frozen=True)
+class SolidChoice:
+    """The simplest solid that a tolerance allows, and the reason for it.
+
+    Attributes
+    ----------
+    layer : Layer
+        The layer asked about, or the half-space of the same material.
+    difference : float
+        Largest relative difference between the surface compliances of layer and half-space, or between any
+        stress component of both at any depth, relative to the pressure amplitude of the mode, if that is
+        larger; 0 for a half-space.
+    reason : str
+        One sentence for the record of a result.
+    """
+
+    layer: Layer
+    difference: float
+    reason: str
+
+
+def simplest_solid(layer: Layer, q_min: float, tolerance: float) -> SolidChoice:
+    """The half-space if it differs from the layer by at most the tolerance for all q ≥ q_min; else the layer.
+
+    A half-space is cheaper to compute than a layer and serves every Poisson's ratio at once. The field of a
+    pressure mode decays as e^(−q depth), so a layer that is tall against the longest wave differs little from
+    the half-space. The difference comes from the bottom: that of the stress is about e^(−q height) times a
+    polynomial of q height, that of the surface compliance the square of it, and both fall with q once
+    q height is above 2. Lower layers differ by more than any tolerance allows. The mean (q = 0) mode is left
+    out: its stress is the same in both solids, and its displacement only shifts the approach.
+
+    Parameters
+    ----------
+    layer : Layer
+    q_min : float
+        Smallest wavenumber of the pressure: 2π over the longer edge of the cell.
+    tolerance : float
+        Largest accepted difference.
+
+    Returns
+    -------
+    SolidChoice
+        A coating, and a layer with a free bottom, is always kept.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If q_min is not from 1e-75 to 1e75, or the tolerance is not a finite number ≥ 0.
+    """
+    q_min = magnitude("q_min", q_min)
+    tolerance = number("tolerance", tolerance, "a finite number ≥ 0", lambda size: size >= 0)
+    if layer.height is None:
+        return SolidChoice(layer, 0.0, "the half-space was asked for")
+    if layer.base is not None:
+        return SolidChoice(layer, np.inf, "a coating was asked for")
+    if layer.bottom == "free":
+        return SolidChoice(layer, np.inf, "a free layer has no support")
+    half_space, q = replace(layer, height=None), q_min * WAVENUMBERS
+    compliance = float(np.abs(layer.surface_compliance(q) / half_space.surface_compliance(q) - 1).max())
+    ours, theirs = (solid.kernels(q, DEPTHS * layer.height) for solid in (layer, half_space))
+    normal, along, shear = (np.abs(a - b) for a, b in zip(ours[:3], theirs[:3], strict=True))
+    across = layer.poisson * (ours.normal + ours.longitudinal - theirs.normal - theirs.longitudinal)
+    stress = float(np.max([normal, along, shear, np.abs(across)]))
+    differ = (
+        f"for q·height ≥ {q_min * layer.height:.4g} the surface compliance of the layer and of the half-space"
+        f" differ by at most {compliance:.2g} of its value, the stress by at most {stress:.2g} of a mode's"
+        " pressure"
+    )
+    difference = max(compliance, stress)
+    if difference > tolerance:
+        return SolidChoice(layer, difference, f"layer: {differ}, beyond the tolerance {tolerance:g}")
+    reason = f"half-space: {differ}, within the tolerance {tolerance:g}"
+    return SolidChoice(half_space, difference, reason)
 
 
 def _wavenumbers(q: ArrayLike) -> Array:

@@ -34,7 +34,7 @@ from numpy.typing import ArrayLike
 from asperity.core.arguments import choice, finite_array, number, real_array, require_finite
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.elasticity.green_tensor import DEEPEST
+from asperity.elasticity.kernels import NOTHING_LEFT
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.fourier.grid import Fourier, Grid
 
@@ -388,7 +388,7 @@ def _thin_states(middle: Array, s: Array, poisson: float) -> Array:
 
 def _half_space_states(tractions: Array, depth: Array, poisson: float) -> Array:
     """States of a half-space under S_l, S_t and S_z at its top, at the depth depth/q."""
-    d, m = np.minimum(depth, DEEPEST), 1 - 2 * poisson
+    d, m = np.minimum(depth, NOTHING_LEFT), 1 - 2 * poisson
     surface = np.array([[1 + m, 0, -m], [0, 2, 0], [-m, 0, 1 + m], *np.eye(3)])
     change = np.multiply.outer([1, 0, 1, 1, 0, 1], d * (tractions[2] - tractions[0]))
     return np.exp(-d) * (np.tensordot(surface, tractions, 1) + change)

@@ -11,8 +11,7 @@ import xarray as xr
 
 from asperity.contact import solve, solve_path
 from asperity.core.types import Progress
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.simplest_solid import simplest_solid
+from asperity.elasticity.layer import Layer, simplest_solid
 from asperity.results.dataset import grid_of, height_of
 from asperity.stress.statistics.continuum import TOLERANCE, on_half_the_nodes, reason_against
 from asperity.study.config.defaults import imposed_load
@@ -37,7 +36,7 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
     -------
     layer : Layer
         The layer of the settings, or the half-space if both differ by at most half_space_tolerance
-        (`asperity.elasticity.simplest_solid`). Young's modulus is 1 − ν², so that E* is one.
+        (`asperity.elasticity.layer.simplest_solid`). Young's modulus is 1 − ν², so that E* is one.
     record : dict
         The `SOLID_ATTRIBUTES`: the solid used, the reason and the difference, the condition of
         the mean (q = 0) mode, and Poisson's ratio.
