@@ -25,7 +25,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from asperity.core.data import packaged_yaml
-from asperity.paper.claims import closed_forms
+from asperity.paper.claims import numbers
 from asperity.paper.claims.numbers import Evidence, Fixed, Measure, MissingEvidenceError, Number, Options
 from asperity.paper.claims.sources import CHOICES
 
@@ -92,7 +92,7 @@ class Claim:
 
 def _claim(identifier: str, number: Mapping[str, Any] | None = None, **fields: str) -> Claim:
     """A claim from its entry; one without a number has a function of its name."""
-    measure = Number(**number) if number else getattr(closed_forms, identifier)
+    measure = Number(**number) if number else getattr(numbers, identifier)
     return Claim(identifier, measure=measure, **fields)
 
 
