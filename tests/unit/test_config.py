@@ -10,14 +10,15 @@ from random_input import places, refusal
 
 from asperity.study.config.__main__ import main, with_settings
 from asperity.study.config.check import check
-from asperity.study.config.defaults import (
+from asperity.study.config.reader import merged, parse
+from asperity.study.config.schema import (
     PRESETS,
     accuracy_of,
     complete,
     imposed_load,
+    schema,
+    settings,
 )
-from asperity.study.config.reader import merged, parse
-from asperity.study.config.schema import schema, settings
 from asperity.study.config.study import read_study
 
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())

@@ -14,7 +14,7 @@ from asperity.cli.main import main
 from asperity.core.errors import PlanError
 from asperity.paper.figures import surfaces_with_load_area
 from asperity.study.config.check import check
-from asperity.study.config.defaults import PRESETS
+from asperity.study.config.schema import PRESETS
 from asperity.study.cost.plan import Scene, Target, assess, error_bounds, propose, read, scenes
 
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())

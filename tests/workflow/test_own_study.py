@@ -9,7 +9,7 @@ import yaml
 from project import OWN, ROOT, copy_project, snakemake
 
 from asperity.core.errors import ConfigError
-from asperity.study.config.defaults import contact_of, imposed_load
+from asperity.study.config.schema import contact_of, imposed_load
 from asperity.study.config.study import read_study
 
 SURFACE = {

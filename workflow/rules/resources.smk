@@ -3,8 +3,7 @@ import math
 import os
 
 from asperity.study.cost.model import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
-from asperity.study.config.defaults import default
-from asperity.study.config.defaults import imposed_load
+from asperity.study.config.schema import default, imposed_load
 
 
 def nodes(*names):

@@ -13,7 +13,6 @@ import xarray as xr
 
 from asperity.results import dataset
 from asperity.results.atomic import write_problem
-from asperity.study.config.reader import is_file
 
 OWN_BEGIN = {
     ".csv": rb"quantity,|[yx]_(um|cell_length),",
@@ -100,7 +99,7 @@ def check_out(outs: Iterable[tuple[str, str]], inputs: Iterable[str] = ()) -> No
     inputs : iterable of str
         Files that are read.
     """
-    read, written = [Path(path) for path in inputs if is_file(path)], set()
+    read, written = [Path(path) for path in inputs if os.path.isfile(path)], set()
     for option, out in outs:
         if not out:
             raise ValueError(f"{option} = '': the name of a file is needed")
@@ -110,7 +109,7 @@ def check_out(outs: Iterable[tuple[str, str]], inputs: Iterable[str] = ()) -> No
         if path in written:
             raise ValueError(f"{option} {out}: named twice, each file needs its own name")
         written.add(path)
-        if is_file(path):
+        if os.path.isfile(path):
             if any(path.samefile(each) for each in read):
                 raise ValueError(f"{option} {out}: is read too, another name is needed")
             with open(path, "rb") as file:

@@ -17,8 +17,7 @@ from asperity.core.errors import did_you_mean, fail, shown
 from asperity.core.version import __version__
 from asperity.paper.figures import known
 from asperity.study.config.check import needed_instead
-from asperity.study.config.defaults import default
-from asperity.study.config.schema import Entry, accepted, setting
+from asperity.study.config.schema import Entry, accepted, default, setting
 from asperity.surface.reading.formats import formats_in_words
 
 COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")

@@ -13,8 +13,7 @@ from asperity.core.units import shown_si, to_si
 from asperity.results import write_result
 from asperity.results.variables import in_si
 from asperity.study.config.check import ROUNDING, needed_instead
-from asperity.study.config.defaults import PRESETS, default
-from asperity.study.config.schema import setting
+from asperity.study.config.schema import PRESETS, default, setting
 from asperity.study.stages.surface import make_surface
 from asperity.surface.reading.height_map import MapError
 

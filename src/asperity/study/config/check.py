@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
@@ -13,9 +14,7 @@ from jsonschema import ValidationError
 
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent
-from asperity.study.config.defaults import LOAD_LABELS, complete
-from asperity.study.config.reader import is_file
-from asperity.study.config.schema import Entry, accepted, number, schema, setting
+from asperity.study.config.schema import LOAD_LABELS, Entry, accepted, complete, number, schema, setting
 
 _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
@@ -54,7 +53,7 @@ def check(config: Mapping[str, Any]) -> dict[str, Any]:
     Returns
     -------
     dict
-        As of `asperity.study.config.defaults.complete`.
+        As of `asperity.study.config.schema.complete`.
 
     Raises
     ------
@@ -77,7 +76,7 @@ AS_SAMPLE = {"periodic": "none", "undefined": "harmonic"}
 def check_files(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for the first measured map whose file does not exist."""
     for key, entry in maps_of(config).items():
-        if not is_file(entry["file"]):
+        if not os.path.isfile(entry["file"]):
             raise ConfigError(f"{key}.file = {shown(entry['file'])}: no such file")
 
 
@@ -164,7 +163,14 @@ def _check_schema(config: Mapping[str, Any]) -> None:
         needed = accepted(error.schema["properties"][missing])
         raise ConfigError(f"{'.'.join([*path, missing])}: missing; {needed} is needed")
     if error.validator == "additionalProperties":
-        raise ConfigError(_unknown_key(path, error.instance, error.schema))
+        unknown = next(name for name in error.instance if name not in error.schema["properties"])
+        key = ".".join([*path, _part(unknown)])
+        if unknown in (renamed := error.schema.get("renamed", {})):
+            raise ConfigError(f"{key}: is called {'.'.join([*path, renamed[unknown]])} now")
+        if unknown in (removed := error.schema.get("removed", {})):
+            raise ConfigError(f"{key}: does not exist any more; {removed[unknown]}")
+        known = ", ".join(error.schema["properties"])
+        raise ConfigError(f"{key}: unknown key; known here are {known}")
     if "propertyNames" in error.absolute_schema_path:
         name = ".".join([*path, shown(error.instance)])
         raise ConfigError(f"{name}: {accepted(error.schema)} is needed")
@@ -240,16 +246,6 @@ def _needed(error: ValidationError) -> str:
     if error.validator == "maxItems":
         return f"a list of at most {error.validator_value} values"
     return str(error.cause) if error.validator == "format" else accepted(error.schema)
-
-
-def _unknown_key(path: list[str], given: Mapping[str, Any], entry: Entry) -> str:
-    unknown = next(name for name in given if name not in entry["properties"])
-    key = ".".join([*path, _part(unknown)])
-    if unknown in (renamed := entry.get("renamed", {})):
-        return f"{key}: is called {'.'.join([*path, renamed[unknown]])} now"
-    if unknown in (removed := entry.get("removed", {})):
-        return f"{key}: does not exist any more; {removed[unknown]}"
-    return f"{key}: unknown key; known here are {', '.join(entry['properties'])}"
 
 
 def _part(name: Any) -> str:

@@ -8,6 +8,7 @@ content, so that a file from someone else does no harm. Plain scalars are those 
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -17,7 +18,7 @@ from typing import Any
 import yaml
 
 from asperity.core.errors import ConfigError, shown
-from asperity.study.config.defaults import LOAD_LABELS, without_load
+from asperity.study.config.schema import LOAD_LABELS, without_load
 
 _MAX_FILE_SIZE = 2**17
 """Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
@@ -65,14 +66,6 @@ _Loader.yaml_implicit_resolvers = {
 _Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 
 
-def is_file(path: str | Path) -> bool:
-    """True if a path is the name of an existing file; False also for text that cannot be a file name."""
-    try:
-        return Path(path).is_file()
-    except (OSError, ValueError):  # longer than a name may be; with a null character
-        return False
-
-
 def load(path: str | Path) -> dict[str, Any]:
     """Read a configuration or an overlay from a YAML file.
 
@@ -81,7 +74,7 @@ def load(path: str | Path) -> dict[str, Any]:
     ConfigError
         If the file is missing or too large, or its content is not accepted by `parse`.
     """
-    if not is_file(path):
+    if not os.path.isfile(path):
         raise ConfigError(f"{path}: no such file")
     try:
         with open(path, "rb") as file:

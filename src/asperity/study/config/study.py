@@ -15,9 +15,8 @@ from typing import Any
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent, message
 from asperity.study.config.check import check, check_files
-from asperity.study.config.defaults import LOAD_LABELS
 from asperity.study.config.reader import load, merged
-from asperity.study.config.schema import schema, setting
+from asperity.study.config.schema import LOAD_LABELS, schema, setting
 
 PAPER = "config/config.yaml"
 """Configuration of the paper, relative to the folder of the project."""

@@ -12,6 +12,7 @@ of the preset of the paper, whose errors are far smaller.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -25,16 +26,16 @@ import yaml
 from asperity.core.arguments import choice
 from asperity.core.errors import ConfigError, PlanError, shown
 from asperity.study.config.check import check
-from asperity.study.config.defaults import (
+from asperity.study.config.reader import load, merged, parse
+from asperity.study.config.schema import (
     PRESETS,
     AccuracySettings,
     accuracy_of,
     contact_of,
     imposed_load,
     overlay,
+    schema,
 )
-from asperity.study.config.reader import is_file, load, merged, parse
-from asperity.study.config.schema import schema
 from asperity.study.config.study import ALL_SURFACES, with_base, with_loads
 from asperity.study.cost.model import job_cost, minutes, time_factor
 
@@ -83,9 +84,9 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     config: dict[str, Any] = {}
     for text in given:
         try:
-            found = load(text) if is_file(text) else parse(text, shown(text))
+            found = load(text) if os.path.isfile(text) else parse(text, shown(text))
         except ConfigError as error:
-            if is_file(text) or ":" in text:
+            if os.path.isfile(text) or ":" in text:
                 raise
             raise ConfigError(
                 f"{shown(text)}: a file, or keys and values such as '{{hurst: 0.8, ...}}', is needed"

@@ -14,7 +14,7 @@ from asperity.core.types import Progress
 from asperity.elasticity.layer import Layer, simplest_solid
 from asperity.results.dataset import grid_of, height_of
 from asperity.stress.statistics.continuum import TOLERANCE, on_half_the_nodes, reason_against
-from asperity.study.config.defaults import imposed_load
+from asperity.study.config.schema import imposed_load
 
 SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poisson_contact")
 """Global attributes of result files that describe the solid."""
