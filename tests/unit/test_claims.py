@@ -30,7 +30,7 @@ from asperity.paper.claims.verdicts import (
 )
 from asperity.stress.analysis import SOUGHT
 from asperity.study.stages.contact import solve_contact
-from asperity.study.stages.statistics import LEVELS, seed_statistics
+from asperity.study.stages.statistics import QUANTILES, seed_statistics
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
@@ -62,7 +62,7 @@ def quantiles(*curves):
     """Statistics of a surface whose peaks of σ_xx have these quantiles, a curve for each Poisson's ratio."""
     return xr.Dataset(
         {"seed_peak_quantile": (("seed", "quantity", "poisson", "level"), np.array(curves)[None, None])},
-        coords={"seed": [1], "quantity": ["xx"], "poisson": [0.33, 0.5][: len(curves)], "level": LEVELS},
+        coords={"seed": [1], "quantity": ["xx"], "poisson": [0.33, 0.5][: len(curves)], "level": QUANTILES},
         attrs=ATTRIBUTES,
     )
 
@@ -130,12 +130,12 @@ def test_estimates_decide_with_their_errors(of, expected):
 def test_kolmogorov_distance_from_quantiles_is_hardly_low():
     """Bounds of docs/claims.md, against the distance of all peaks; exact for uniform distributions."""
     distance = Number("peak_quantile", ("one", "other"), ("xx",))
-    shifted = Evidence({"one": quantiles(LEVELS), "other": quantiles(LEVELS + 0.2)})
+    shifted = Evidence({"one": quantiles(QUANTILES), "other": quantiles(QUANTILES + 0.2)})
     np.testing.assert_allclose(distance(shifted).values, [0.2], rtol=1e-9)
     draw = np.random.default_rng(0)
     for count, bound in ((2000, 0.006), (10_000, 0.0025)):
         peaks = [draw.rayleigh(scale, count) for scale in (1.0, 1.04)]
-        one, other = (quantiles(np.quantile(values, LEVELS)) for values in peaks)
+        one, other = (quantiles(np.quantile(values, QUANTILES)) for values in peaks)
         low = ks_2samp(*peaks).statistic - distance(Evidence({"one": one, "other": other})).values.item()
         assert -2 / count < low < bound
 

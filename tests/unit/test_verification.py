@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 from small_study import SETTINGS, results_of
 
-from asperity.study.stages.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
-from asperity.study.stages.verification import VerificationError, table, verify_seed, verify_statistics
+from asperity.study.stages.statistics import (
+    QUANTILES,
+    SeedResults,
+    VerificationError,
+    seed_statistics,
+    surface_statistics,
+    verification_table,
+    verify_seed,
+    verify_statistics,
+)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +59,7 @@ def test_statistics_that_lose_peaks_are_found(chain):
 def test_a_broken_law_is_told_in_one_line():
     parts = {"seed 1": {"law": (2, 1), "fine": (0, 1), "other": (float("nan"), 1)}}
     with pytest.raises(VerificationError, match=r"^place: seed 1, law 2 > 1; seed 1, other nan > 1$"):
-        table("place", parts)
+        verification_table("place", parts)
 
 
 def test_seed_has_the_numbers_of_its_results(chain):
@@ -65,7 +73,7 @@ def test_seed_has_the_numbers_of_its_results(chain):
     largest = float(stress.largest_von_mises.sel(poisson=0.33).max()) / gradient
     assert float(found["seed_largest_von_mises"].sel(poisson=0.33)) == pytest.approx(largest)
     quantile = found["seed_peak_quantile"]
-    assert quantile.sizes["level"] == LEVELS.size
+    assert quantile.sizes["level"] == QUANTILES.size
     assert bool((quantile.diff("level") >= 0).all())
     assert bool((found["seed_peak_mean"] < quantile.sel(level=1.0)).all())
     assert bool((found["seed_decay_length_depth"] > 0).all())

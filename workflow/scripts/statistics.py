@@ -5,8 +5,13 @@ from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.study.job import job
-from asperity.study.stages.statistics import SeedResults, surface_statistics
-from asperity.study.stages.verification import table, verify_seed, verify_statistics
+from asperity.study.stages.statistics import (
+    SeedResults,
+    surface_statistics,
+    verification_table,
+    verify_seed,
+    verify_statistics,
+)
 
 files, params, output = snakemake.input, snakemake.params, snakemake.output
 name = snakemake.wildcards.surface
@@ -28,7 +33,7 @@ with job(snakemake):
         "seed": statistics["seed"].values.tolist(),
     }
     dataset.write(statistics, output.statistics, f"Statistics of rough surface {name}", settings)
-    checked = table(name, {**checks, "all seeds": verify_statistics(statistics)})
+    checked = verification_table(name, {**checks, "all seeds": verify_statistics(statistics)})
     write_table(checked, "verification", output.checks)
     page = markup.page(f"Verification of {name}", {"": checked.drop(columns="surface")})
     write_text(output.page, page)

@@ -2,7 +2,7 @@
 
 `surface_statistics` joins the numbers of each seed (`seed_statistics`) along `seed` and adds what is pooled
 over seeds. Figures, captions, claims and the drift check read this dataset; none of them computes such a
-number again.
+number again. `verify_seed` and `verify_statistics` compare the results with laws that they must obey.
 
 Stresses are divided by E* ḡ, ḡ being the rms gradient over the real contact. Lengths and depths are in units
 of the longer edge of the cell. Variables ``continuum_…`` are, along `kind`, the estimate of a number at
@@ -23,7 +23,7 @@ from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.results import dataset
-from asperity.results.dataset import grid_of
+from asperity.results.dataset import grid_of, settings_of
 from asperity.stress.peaks.selection import peaks, selection_for
 from asperity.stress.statistics.continuum import OnGrid, estimates, numbers_on
 from asperity.stress.statistics.density import bin_edges
@@ -40,7 +40,7 @@ PEAKS_PER_BIN = 20
 FEWEST_BINS = 10
 """Bins of the densities of however few peaks."""
 
-LEVELS = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
+QUANTILES = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
 """Shares of the peaks at which quantiles are kept: every percent, above 99 % every tenth of a percent."""
 
 LARGE_PATCH = 30
@@ -53,6 +53,27 @@ _OF_CONTACT = ("area_fraction", "gradient_rms_contact", "proportionality")
 _STRESSES = ("peak_deviation", "peak_quantile", "largest_von_mises")
 _LENGTHS = ("mean_depth", "mean_depth_highest", "decay_length_depth", "decay_length_plane")
 """Numbers that have continuum estimates: of the contact, stresses, and lengths."""
+
+LAW_BOUND = 1e-10
+"""Bound for laws that hold exactly except for rounding."""
+
+WORST_NODE = 100
+"""Factor by which a single node may exceed the solver's tolerance, which is a norm over all nodes."""
+
+REFINEMENT = 0.25
+"""Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
+
+CERTIFIED = {
+    "penetration": "penetration over its length scale",
+    "contact_gap": "gap under contact over its length scale",
+    "tension": "tension over the largest pressure",
+    "complementarity": "complementarity",
+    "load_imbalance": "load balance",
+}
+"""Attribute of the certificate → the law that it measures."""
+
+Checks = dict[str, tuple[float, float]]
+"""Name of a law → amount by which a result breaks it, and the amount that is allowed."""
 
 
 class SeedResults(NamedTuple):
@@ -67,7 +88,7 @@ class SeedResults(NamedTuple):
     def read(cls, surface: str, contact: str, stress: str) -> SeedResults:
         """Read the result files of one seed."""
         stages = [dataset.read(path) for path in (surface, contact, stress)]
-        return cls(dataset.settings_of(stages[-1])["seed"], *stages)
+        return cls(settings_of(stages[-1])["seed"], *stages)
 
 
 def surface_statistics(
@@ -191,9 +212,11 @@ def stress_numbers(
     """
     if half is not None:
         lost = half[0].attrs["lost_gradient"]
-        found, best, error = estimates(_on_grid(contact, stress), numbers_on(_on_grid(*half)), lost, LEVELS)
+        found, best, error = estimates(
+            _on_grid(contact, stress), numbers_on(_on_grid(*half)), lost, QUANTILES
+        )
     else:
-        found = numbers_on(_on_grid(contact, stress), LEVELS)
+        found = numbers_on(_on_grid(contact, stress), QUANTILES)
         best = error = found * np.nan
     found[["peak_mean", *_STRESSES]] /= found["gradient_rms_contact"]
     best[[*_STRESSES]] /= best["gradient_rms_contact"]
@@ -244,3 +267,90 @@ def _patch_correlations(
         depth_patch_correlation(depth[some], row[some], column[some], patches, radii) if some.size else np.nan
         for some in (np.arange(depth.size), highest, large)
     ]
+
+
+class VerificationError(RuntimeError):
+    """Results that break a law; the message names the laws and the amounts."""
+
+
+def verification_table(surface: str, parts: dict[str, Checks]) -> pd.DataFrame:
+    """The table ``verification`` of `asperity.results.tables.TABLES`.
+
+    A check is a law by its name, the amount by which a result breaks it, and the bound that this amount must
+    not exceed; NaN exceeds every bound.
+
+    Parameters
+    ----------
+    surface : str
+        Name of the surface.
+    parts : dict
+        Seed, or all seeds → its checks.
+
+    Raises
+    ------
+    VerificationError
+        If a check does not hold.
+    """
+    rows, broken = [], []
+    for part, checks in parts.items():
+        for name, (value, bound) in checks.items():
+            rows.append((surface, part, name, value, bound))
+            if not value <= bound:
+                broken.append(f"{part}, {name} {value:.3g} > {bound:.3g}")
+    if broken:
+        raise VerificationError(f"{surface}: {'; '.join(broken)}")
+    return pd.DataFrame(rows, columns=["surface", "of", "check", "value", "bound"])
+
+
+def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
+    """Checks of the contact and the stress of one seed: certificate, load path and peaks.
+
+    The conditions of contact are those of the certificate, which stage contact computes from the pressure
+    alone.
+    """
+    tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
+    checks = {
+        law: (float(contact.attrs[f"certificate_{name}"]), tolerance) for name, law in CERTIFIED.items()
+    }
+    for name, variable in {"area": "path_area_fraction", "load": "path_mean_pressure"}.items():
+        falls = float(np.sum(np.diff(contact[variable]) <= 0))
+        checks[f"falls of the {name} along the load path"] = falls, 0
+    height, width = grid_of(contact).length
+    reach = {"depth": float(stress["plane_depth"].max()), "y": height, "x": width}
+    outside = [
+        np.sum((stress[f"peak_{axis}"] < 0) | (stress[f"peak_{axis}"] > reach[axis])) for axis in reach
+    ]
+    excess = [
+        float(peaks(stress, "von_mises", ratio)["peak_value"].max() / largest.max() - 1)
+        for ratio, largest in stress["largest_von_mises"].groupby("poisson")
+    ]
+    return checks | {
+        "peaks outside the solid": (float(sum(outside)), 0),
+        "largest von Mises peak over the largest node": (max(0.0, *excess), REFINEMENT),
+        "peaks that are not finite": (float(np.sum(~np.isfinite(stress["peak_value"]))), 0),
+    }
+
+
+def verify_statistics(statistics: xr.Dataset) -> Checks:
+    """Checks of the statistics of one surface: densities integrate to one, and every peak is counted."""
+    width = np.diff(statistics["bin_edge"].values, axis=1)[None, :, None, :]
+    integral = np.sum(statistics["peak_density"].values * width, axis=-1)
+    counts = statistics["peak_counts"].sum("bin")
+    integral = np.where(counts.sum("seed") > 0, integral, 1.0)
+    heights = np.sum(statistics["height_density"].values * np.diff(statistics["height_edge"].values))
+    found = statistics["seed_peak_count"]
+    found = found.isel(lateral=0) if "lateral" in found.dims else found
+    lost = 0.0
+    for name in statistics["quantity"].values:
+        counted = counts.sel(quantity=name, selection=selection_for(str(name)))
+        lost += float(np.abs(counted - found.sel(quantity=name)).sum())
+    unlike = np.abs(statistics["joint_counts"].sum(("bin", "depth_bin")) - counts.sum("seed")).sum()
+    return {
+        "densities of the peaks against an integral of one": (
+            float(np.abs(integral - 1).max()),
+            LAW_BOUND,
+        ),
+        "density of the heights against an integral of one": (abs(float(heights) - 1), LAW_BOUND),
+        "peaks not counted": (lost, 0),
+        "peaks by value and depth against peaks by value": (float(unlike), 0),
+    }
