@@ -116,26 +116,23 @@ def replica_difference(contact_radius: float, y: ArrayLike, x: ArrayLike, period
     y, x : array_like
         Positions relative to an axis; they broadcast, and the result has their shape.
     """
-    coarse, fine = (
-        _windowed_difference(contact_radius / period, y, x, period, window)
-        for window in (_WINDOW, 2 * _WINDOW)
-    )
+    radius = contact_radius / period
+    y, x = np.asarray(y, float) / period, np.asarray(x, float) / period
+    sums = []
+    for window in (_WINDOW, 2 * _WINDOW):
+        index = np.arange(-window, window + 1)
+        inside = np.zeros(np.broadcast_shapes(y.shape, x.shape))
+        for row in index:
+            columns = index if row else index[index != 0]
+            here = unit_displacement(np.hypot(y[..., None] - row, x[..., None] - columns) / radius)
+            origin = unit_displacement(np.hypot(row, columns) / radius)
+            inside += np.sum(here - origin, axis=-1)
+        # A neighbour outside adds 4a/(3r), whose Laplacian is 4a/(3r³). The integral of 1/r³ outside a square
+        # of half-width w is 4√2/w, and by the symmetry of the lattice the change at r is r²/4 times the
+        # Laplacian.
+        outside = 4 / 3 * radius * 4 * np.sqrt(2) / (window + 0.5)
+        sums.append(inside + 0.25 * (x**2 + y**2) * outside)
+    coarse, fine = sums
     # The windows are 2n + 1 periods wide, and the remainder falls with the third power of the width.
     ratio = ((4 * _WINDOW + 1) / (2 * _WINDOW + 1)) ** 3
     return fine + (fine - coarse) / (ratio - 1)
-
-
-def _windowed_difference(radius: float, y: ArrayLike, x: ArrayLike, period: float, window: int) -> Array:
-    """Sum over the neighbours inside a window, plus the mean curvature caused by those outside."""
-    y, x = np.asarray(y, float) / period, np.asarray(x, float) / period
-    index = np.arange(-window, window + 1)
-    total = np.zeros(np.broadcast_shapes(y.shape, x.shape))
-    for row in index:
-        columns = index if row else index[index != 0]
-        here = unit_displacement(np.hypot(y[..., None] - row, x[..., None] - columns) / radius)
-        origin = unit_displacement(np.hypot(row, columns) / radius)
-        total += np.sum(here - origin, axis=-1)
-    # A neighbour outside adds 4a/(3r), whose Laplacian is 4a/(3r³). The integral of 1/r³ outside a square of
-    # half-width w is 4√2/w, and by the symmetry of the lattice the change at r is r²/4 times the Laplacian.
-    beyond = 4 / 3 * radius * 4 * np.sqrt(2) / (window + 0.5)
-    return total + 0.25 * (x**2 + y**2) * beyond

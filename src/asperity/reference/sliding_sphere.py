@@ -102,54 +102,51 @@ class SlidingSphere:
         y, x, z = np.broadcast_arrays(*(np.asarray(part, float) / a for part in (y, x, depth)))
         if np.any(z < 0):
             raise ValueError("depth must be ≥ 0 everywhere")
-        return self.friction * self.contact.largest_pressure * _unit_traction_stress(y, x, z, poisson)
+        # Of the traction √(1 − r²) along x on the unit circle, with z downward.
+        nu, s = poisson, x**2 + y**2
+        below = z + 1j
+        root = np.sqrt(s + below**2)
+        w = root + below
+        log = np.log(w)
 
+        def potential(upper: Array, lower: Array) -> Array:
+            """Derivative of φ_n / (2π) from those of L_n+3 and L_n+2."""
+            return upper.imag - lower.real
 
-def _unit_traction_stress(y: Array, x: Array, z: Array, nu: float) -> Array:
-    """Stress by the traction √(1 − r²) along x on the unit circle, z downward, (..., 6) with z up."""
-    s = x**2 + y**2
-    below = z + 1j
-    root = np.sqrt(s + below**2)
-    w = root + below
-    log = np.log(w)
+        # Infinite at the edge of contact, where it is a factor of terms that vanish at the surface.
+        inverse_root = np.divide(1, root, out=np.zeros_like(root), where=root != 0)
+        first = {1: 0.5 * inverse_root / w, 2: -0.5 / w, 3: -0.25 * (below / w + log)}
+        second = {
+            2: 0.25 * inverse_root / w**2,
+            3: -0.125 / w**2,
+            4: (1 / w + s / (3 * w**3)) / 16,
+            5: (log - 2 * s / (3 * w**2) - s**2 / (12 * w**4)) / 32,
+        }
+        third = {3: 0.125 * inverse_root / w**3, 4: -1 / (24 * w**3), 5: (1 / w**2 + s / (2 * w**4)) / 96}
 
-    def potential(upper: Array, lower: Array) -> Array:
-        """Derivative of φ_n / (2π) from those of L_n+3 and L_n+2."""
-        return upper.imag - lower.real
+        # Derivatives of φ0/(2π), φ1/(2π) and φ2/(2π) with respect to s; slope_z is that of φ0/(2π) along z.
+        slope0, bend0 = potential(first[3], first[2]), potential(second[3], second[2])
+        bend1, twist1 = potential(second[4], second[3]), potential(third[4], third[3])
+        bend2, twist2 = potential(second[5], second[4]), potential(third[5], third[4])
+        slope0_z = potential(first[2], first[1])
+        slope_z = potential(below * log - root, log)
 
-    # Infinite at the edge of contact, where it is a factor of terms that vanish at the surface.
-    inverse_root = np.divide(1, root, out=np.zeros_like(root), where=root != 0)
-    first = {1: 0.5 * inverse_root / w, 2: -0.5 / w, 3: -0.25 * (below / w + log)}
-    second = {
-        2: 0.25 * inverse_root / w**2,
-        3: -0.125 / w**2,
-        4: (1 / w + s / (3 * w**3)) / 16,
-        5: (log - 2 * s / (3 * w**2) - s**2 / (12 * w**4)) / 32,
-    }
-    third = {3: 0.125 * inverse_root / w**3, 4: -1 / (24 * w**3), 5: (1 / w**2 + s / (2 * w**4)) / 96}
+        def triple(bend: Array, twist: Array) -> tuple[Array, Array, Array]:
+            """Derivatives xxx, xyy and xxy of a function of s from its second and third derivative."""
+            return (
+                12 * x * bend + 8 * x**3 * twist,
+                4 * x * bend + 8 * x * y**2 * twist,
+                4 * y * bend + 8 * x**2 * y * twist,
+            )
 
-    # Derivatives of φ0/(2π), φ1/(2π) and φ2/(2π) with respect to s; slope_z is that of φ0/(2π) along z.
-    slope0, bend0 = potential(first[3], first[2]), potential(second[3], second[2])
-    bend1, twist1 = potential(second[4], second[3]), potential(third[4], third[3])
-    bend2, twist2 = potential(second[5], second[4]), potential(third[5], third[4])
-    slope0_z = potential(first[2], first[1])
-    slope_z = potential(below * log - root, log)
-
-    def triple(bend: Array, twist: Array) -> tuple[Array, Array, Array]:
-        """Derivatives xxx, xyy and xxy of a function of s from its second and third derivative."""
-        return (
-            12 * x * bend + 8 * x**3 * twist,
-            4 * x * bend + 8 * x * y**2 * twist,
-            4 * y * bend + 8 * x**2 * y * twist,
-        )
-
-    deep = [z * part for part in triple(bend1, twist1)]
-    plane = triple(bend2, twist2)
-    xx = 4 * (1 + nu) * x * slope0 + 2 * nu * plane[0] - deep[0]
-    yy = 4 * nu * x * slope0 + 2 * nu * plane[1] - deep[1]
-    xy = 2 * y * slope0 + 2 * nu * plane[2] - deep[2]
-    zz = -z * 2 * x * slope0_z
-    xz = slope_z - z * (2 * slope0 + 4 * x**2 * bend0)
-    yz = -z * 4 * x * y * bend0
-    # The shear stresses along z change sign with the direction of z.
-    return np.stack([xx, yy, zz, -yz, -xz, xy], axis=-1)
+        deep = [z * part for part in triple(bend1, twist1)]
+        plane = triple(bend2, twist2)
+        xx = 4 * (1 + nu) * x * slope0 + 2 * nu * plane[0] - deep[0]
+        yy = 4 * nu * x * slope0 + 2 * nu * plane[1] - deep[1]
+        xy = 2 * y * slope0 + 2 * nu * plane[2] - deep[2]
+        zz = -z * 2 * x * slope0_z
+        xz = slope_z - z * (2 * slope0 + 4 * x**2 * bend0)
+        yz = -z * 4 * x * y * bend0
+        # The shear stresses along z change sign with the direction of z.
+        scale = self.friction * self.contact.largest_pressure
+        return scale * np.stack([xx, yy, zz, -yz, -xz, xy], axis=-1)

@@ -10,6 +10,7 @@ import numpy as np
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
+from asperity.surface import roughness
 from asperity.surface.reading.agreement import MapFile, metres, repeated_height
 from asperity.surface.reading.formats import PROFILE
 from asperity.surface.reading.height_map import (
@@ -20,15 +21,6 @@ from asperity.surface.reading.height_map import (
     MapOptions,
 )
 from asperity.surface.reading.map_file import open_map
-from asperity.surface.roughness import (
-    core_roughness,
-    finest_tip,
-    moments,
-    rms_step,
-    sampling_error,
-    spectrum,
-    texture,
-)
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
 from asperity.surface.treatment.treatment import DESPIKE, ROUNDING, missing_options
 
@@ -104,12 +96,26 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     found = open_map(path, options)
     needed = [text for text in missing_options(found, CHOSEN) if text != ORIENTATION_NEEDED]
     choices = [text for text in missing_options(found, MapOptions()) if text not in needed]
-    properties, warnings = _of_file(found), []
-    if np.isfinite(found.map.height).any():
-        measures = MapMeasures(found.map)
-        is_profile = options.format == PROFILE
-        properties |= _of_heights(found.map, measures, found.edges_known, is_profile)
-        warnings = map_warnings(found.map, options, measures, found.edges_known)
+    surface, size, pixel = found.map, NOT_IN_FILE, NOT_IN_FILE
+    if found.edges_known:
+        size = f"{surface.shown_length(*surface.length, digits=4)} (y, x)"
+        pixel = surface.shown_length(*surface.spacing, digits=4)
+    stated = " in the file" if found.unit_stated else ", as given"
+    properties = {
+        "file": surface.name,
+        "channels": _channels(found),
+        "heights": ORIENTATION_WORDS[surface.orientation],
+        "unit": surface.unit + stated if surface.unit else NOT_IN_FILE,
+        "points": f"{surface.height.shape[0]} x {surface.height.shape[1]} (y, x)",
+        "size": size,
+        "pixel": pixel,
+        "without data": surface.shown_share(surface.missing) if surface.missing else "no points",
+    }
+    warnings = []
+    if np.isfinite(surface.height).any():
+        measures = MapMeasures(surface)
+        properties |= _of_heights(surface, measures, found.edges_known, options.format == PROFILE)
+        warnings = map_warnings(surface, options, measures, found.edges_known)
     return MapDescription(properties, needed, choices, warnings)
 
 
@@ -161,7 +167,7 @@ class MapMeasures:
         added, grid = self.rms_height - self.rms_height_without_bow, Grid(height.shape, surface.length)
         self.bow_counts = added > ROUNDING * float(np.abs(filled).max()) and (
             not self.rms_height_without_bow
-            or added > sampling_error(self.flat, grid) * self.rms_height_without_bow
+            or added > roughness.sampling_error(self.flat, grid) * self.rms_height_without_bow
         )
 
 
@@ -186,7 +192,8 @@ def map_warnings(
     elif surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
         warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")
     if edges_known and not repeated:
-        aspect, slope = max(surface.spacing) / min(surface.spacing), rms_step(found.level, surface.spacing)
+        aspect = max(surface.spacing) / min(surface.spacing)
+        slope = roughness.rms_step(found.level, surface.spacing)
         if surface.unit is not None and max(surface.length) >= LARGEST_EDGE:
             warnings.append(f"physical_size: an edge of {length(max(surface.length))}; is this right?")
         if aspect >= LARGEST_ASPECT:
@@ -210,26 +217,6 @@ def map_warnings(
     return warnings
 
 
-def _of_file(found: MapFile) -> dict[str, str]:
-    """Properties that the file states."""
-    surface, size, pixel = found.map, NOT_IN_FILE, NOT_IN_FILE
-    if found.edges_known:
-        size = f"{surface.shown_length(*surface.length, digits=4)} (y, x)"
-        pixel = surface.shown_length(*surface.spacing, digits=4)
-    return {
-        "file": surface.name,
-        "channels": _channels(found),
-        "heights": ORIENTATION_WORDS[surface.orientation],
-        "unit": (surface.unit + (" in the file" if found.unit_stated else ", as given"))
-        if surface.unit
-        else NOT_IN_FILE,
-        "points": f"{surface.height.shape[0]} x {surface.height.shape[1]} (y, x)",
-        "size": size,
-        "pixel": pixel,
-        "without data": surface.shown_share(surface.missing) if surface.missing else "no points",
-    }
-
-
 def _of_heights(
     surface: HeightMap, measures: MapMeasures, edges_known: bool, is_profile: bool
 ) -> dict[str, str]:
@@ -238,36 +225,36 @@ def _of_heights(
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)
 
-    def roughness(height: Array) -> dict[str, str]:
+    def parameters(height: Array) -> dict[str, str]:
         """Parameters that spikes and bow change, in words."""
-        _, skewness, kurtosis = moments(height.ravel(), np.full(height.size, 1 / height.size))
+        _, skewness, kurtosis = roughness.moments(height.ravel(), np.full(height.size, 1 / height.size))
         up = height if surface.orientation != LOWER_FACE else -height
-        core, peaks, valleys = core_roughness(up)
+        core, peaks, valleys = roughness.core_roughness(up)
         return {
             "Sq": length(float(np.std(height))),
             "Sa": length(float(np.mean(np.abs(height - height.mean())))),
             "Sz": length(float(np.ptp(height))),
             "Ssk": f"{skewness:.3g}",
             "Sku": f"{kurtosis:.3g}",
-            "Sdq": f"{rms_step(height, surface.spacing):.3g}",
+            "Sdq": f"{roughness.rms_step(height, surface.spacing):.3g}",
             "Sk": length(core),
             "Spk": length(peaks),
             "Svk": length(valleys),
         }
 
-    level, lies = measures.level, roughness(measures.spiky)
+    level, lies = measures.level, parameters(measures.spiky)
     if measures.spike_count:
-        lies = {name: f"{lies[name]}, without spikes {text}" for name, text in roughness(level).items()}
-    shortest, ratio, direction = texture(level, surface.spacing)
+        lies = {name: f"{lies[name]}, without spikes {text}" for name, text in parameters(level).items()}
+    shortest, ratio, direction = roughness.texture(level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
     sal, str_ = length(shortest), f"{ratio:.2g}"
     if measures.bow_counts:
         without = f", without {'spikes and ' if measures.spike_count else ''}bow"
-        lies = {name: f"{lies[name]}{without} {text}" for name, text in roughness(measures.flat).items()}
-        shortest, ratio, direction = texture(measures.flat, surface.spacing)
+        lies = {name: f"{lies[name]}{without} {text}" for name, text in parameters(measures.flat).items()}
+        shortest, ratio, direction = roughness.texture(measures.flat, surface.spacing)
         sal += f", without bow {length(shortest)}"
         str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
-    tip = finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
+    tip = roughness.finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)
     exponent = "" if math.isnan(hurst) else f", slope as for a Hurst exponent of {hurst:.2f}"
     step = edge_step(level)
@@ -281,7 +268,7 @@ def _of_heights(
         )
         spikes += f"of up to {length(measures.highest_spike)}"
         beyond += "; plasticity, Sal, Str, tip and waves are without them"
-    slope = rms_step(level, surface.spacing)
+    slope = roughness.rms_step(level, surface.spacing)
     found = {
         "spikes": f"{spikes}{beyond}",
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
@@ -333,7 +320,7 @@ def spectrum_summary(level: Array, surface: HeightMap) -> tuple[float, float, fl
     The map is multiplied with a Hann window, so that its edges add no short waves.
     """
     window = np.outer(*(np.hanning(n + 2)[1:-1] for n in level.shape))
-    wavenumber, power = spectrum(level * window, surface.length)
+    wavenumber, power = roughness.spectrum(level * window, surface.length)
     height = power * wavenumber
     gradient = height * wavenumber**2
     if not height.sum() > 0:

@@ -10,27 +10,17 @@ import numpy as np
 import pandas as pd
 
 from asperity.core import markup
+from asperity.paper.claims import verdicts
 from asperity.paper.claims.sources import OPTIONS
-from asperity.paper.claims.verdicts import (
-    DEPENDS,
-    FAILS,
-    HOLDS,
-    UNDECIDED,
-    UNTESTABLE,
-    Claim,
-    Finding,
-    Judgement,
-    conclude,
-    tally,
-)
+from asperity.paper.claims.verdicts import Claim, Finding, Judgement
 from asperity.results.tables import TABLES
 
 COUNTED = {
-    HOLDS: "hold under every interpretation",
-    FAILS: "hold under none",
-    DEPENDS: "depend on the interpretation",
-    UNDECIDED: "are not decided",
-    UNTESTABLE: "cannot be tested here",
+    verdicts.HOLDS: "hold under every interpretation",
+    verdicts.FAILS: "hold under none",
+    verdicts.DEPENDS: "depend on the interpretation",
+    verdicts.UNDECIDED: "are not decided",
+    verdicts.UNTESTABLE: "cannot be tested here",
 }
 """Verdict → what is said of the number of statements that have it."""
 
@@ -74,7 +64,7 @@ def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
     table["interpretation"] = table["interpretation"].map(json.loads)
     of_claim = {name: rows.drop(columns="identifier") for name, rows in table.groupby("identifier")}
     return [
-        conclude(claim, [Judgement(**row) for row in of_claim[claim.identifier].to_dict("records")])
+        verdicts.conclude(claim, [Judgement(**row) for row in of_claim[claim.identifier].to_dict("records")])
         for claim in claims
         if claim.identifier in of_claim
     ]
@@ -82,7 +72,7 @@ def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
 
 def counted(findings: Sequence[Finding]) -> str:
     """Number of statements with each verdict, in words."""
-    counts = tally(findings)
+    counts = verdicts.tally(findings)
     return ", ".join(f"{counts[verdict]} {text}" for verdict, text in COUNTED.items() if counts[verdict])
 
 
@@ -106,8 +96,9 @@ def markdown(findings: Sequence[Finding]) -> str:
 
 def found_in_words(finding: Finding) -> str:
     """The number of a claim and its interval, under several interpretations if these tell verdicts apart."""
-    if finding.verdict not in (DEPENDS, UNDECIDED) or not finding.choices:
-        reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
+    if finding.verdict not in (verdicts.DEPENDS, verdicts.UNDECIDED) or not finding.choices:
+        untestable = finding.claim.untestable if finding.verdict == verdicts.UNTESTABLE else ""
+        reason = finding.own.missing or untestable
         return "; ".join(filter(None, (_number(finding.own), reason)))
     return "; ".join(f"{_in_words(finding, one)}: {_number(one)} {one.verdict}" for one in finding.shown)
 

@@ -10,15 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from asperity.paper.figures.cases import (
-    Datasets,
-    contact_area,
-    curve_with_band,
-    distinct,
-    name,
-    title_panel,
-    with_band,
-)
+from asperity.paper.figures import cases
+from asperity.paper.figures.cases import Datasets, distinct, name
 from asperity.results.dataset import grid_of
 from asperity.views.maps import blocks
 from asperity.views.style import COLUMN, PAGE, label, panels
@@ -169,14 +162,14 @@ def draw_pressure(contact: Datasets) -> Figure:
         (bottom, left), (tall, wide) = (corner[0] * height, corner[1] * width), (ZOOM * height, ZOOM * width)
         near.set(xlim=(left, left + wide), ylim=(bottom, bottom + tall))
         axis.indicate_inset((left, bottom, wide, tall), edgecolor="k", alpha=1, lw=0.6)
-        title_panel(axis, label(data))
+        cases.title_panel(axis, label(data))
     figure.colorbar(image, ax=axes, label=r"$t_3 / E^* \bar{g}_r$", extend="max", shrink=0.8)
     return figure
 
 
 def caption_pressure(contact: Datasets) -> Iterator[str]:
     """Area in contact and load of each surface."""
-    return map(contact_area, contact.values())
+    return map(cases.contact_area, contact.values())
 
 
 def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None:
@@ -189,7 +182,8 @@ def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None
     for title, data, (width, dashes) in zip(titles, statistics.values(), looks, strict=False):
         edges = data["height_edge"].values
         middles = (edges[1:] + edges[:-1]) / 2
-        curve_with_band(axis, middles, *with_band(data, "height_density"), label=title, lw=width, ls=dashes)
+        band = cases.with_band(data, "height_density")
+        cases.curve_with_band(axis, middles, *band, label=title, lw=width, ls=dashes)
     apart = np.ptp(densities, axis=0).max() / np.max(densities)
     if len(densities) > 1 and apart < ALIKE:
         text = f"curves coincide\nwithin {100 * apart:.0f} %\nof the largest"

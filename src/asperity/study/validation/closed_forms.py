@@ -27,16 +27,8 @@ from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.reference.westergaard import Westergaard
 from asperity.stress.cycles.stress_cycles import stress_cycles
 from asperity.stress.planes.planes import stress_planes
-from asperity.study.validation.indenter import (
-    CURVATURE_RADIUS,
-    INDENTATION,
-    bonded_slab,
-    displacement_and_stress,
-    fitted_contact_radius,
-    largest_sample,
-    paraboloid,
-    slab_contact,
-)
+from asperity.study.validation import indenter
+from asperity.study.validation.indenter import CURVATURE_RADIUS, paraboloid
 from asperity.surface.self_affine import self_affine
 
 RTOL = 1e-8
@@ -121,8 +113,8 @@ def slab_load_area(
         Approach, area fraction, contact radius, mean pressure and stiffening (slab, step), and the load-area
         curve of the periodic Hertz contact on a half-space (curve).
     """
-    approach = INDENTATION / CURVATURE_RADIUS * np.outer(heights, np.linspace(0.5, 1.0, steps) ** 2)
-    slabs = [bonded_slab(0.33, height) for height in heights]
+    approach = indenter.INDENTATION / CURVATURE_RADIUS * np.outer(heights, np.linspace(0.5, 1.0, steps) ** 2)
+    slabs = [indenter.bonded_slab(0.33, height) for height in heights]
     area, radius, pressure = _contacts(points, method, slabs, approach=approach)
     hertz_load = [[Hertz.from_approach(depth, CURVATURE_RADIUS).load for depth in row] for row in approach]
     curve = np.geomspace(0.9 * radius.min(), 1.1 * radius.max(), 61)
@@ -151,7 +143,7 @@ def _contacts(points: int, method: str, layers: Sequence[Layer], **load: Array) 
     for (row, column), value in np.ndenumerate(loads):
         imposed: dict[str, Any] = {kind: float(value)}
         contact = solve(height, layers[row], method=method, rtol=1e-6, **imposed)
-        radius = fitted_contact_radius(contact.pressure, grid)
+        radius = indenter.fitted_contact_radius(contact.pressure, grid)
         found[:, row, column] = contact.area_fraction, radius, contact.mean_pressure
     return found
 
@@ -182,7 +174,9 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
     loads, indentations = (0.15, 0.27, 0.4, 0.52, 0.66), np.array([0.012, 0.015, 0.018, 0.021, 0.024])
     wave = np.array([[_wave_errors(n, load) for load in loads] for n in points])
     approaches, grids = indentations / CURVATURE_RADIUS, (*points, 2 * points[-1])
-    slab = np.array([[slab_contact(n, float(depth)).mean_pressure for depth in approaches] for n in grids])
+    slab = np.array(
+        [[indenter.slab_contact(n, float(depth)).mean_pressure for depth in approaches] for n in grids]
+    )
     errors = {
         "wave_pressure_error": wave[..., 0],
         "wave_approach_error": wave[..., 1],
@@ -246,14 +240,14 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
     planes = []
     for nu in poisson:
         layer = Layer(1 - nu**2, nu, lateral="free")
-        _, stress = displacement_and_stress(contact.pressure, grid, layer, 0.5, 0.5, axis_depth)
+        _, stress = indenter.displacement_and_stress(contact.pressure, grid, layer, 0.5, 0.5, axis_depth)
         on_axis = {"closed_form": single.stress(0.0, axis_depth, nu).von_mises}
         for name, lateral in (("free", 0.0), ("confined", nu / (1 - nu)), ("array", 0.5 + nu)):
             uniform = -lateral * array.mean_pressure * np.array([1, 1, 0, 0, 0, 0])
             on_axis[name] = von_mises(stress[:, 0] + uniform)
-        peaks = {name: largest_sample(values, axis_depth) for name, values in on_axis.items()}
+        peaks = {name: indenter.largest_sample(values, axis_depth) for name, values in on_axis.items()}
         layer, middle = Layer(1 - nu**2, nu), np.full(len(x), 0.5)
-        _, stress = displacement_and_stress(contact.pressure, grid, layer, middle, x + 0.5, depth)
+        _, stress = indenter.displacement_and_stress(contact.pressure, grid, layer, middle, x + 0.5, depth)
         exact = single.stress(np.abs(x), depth[:, None], nu)
         variables: dict[str, object] = {
             "von_mises_spectral": (("depth", "x"), von_mises(stress)),
@@ -298,7 +292,7 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         contact = solve(height, solid, grid.length, force=exact.load, boundary="free", rtol=RTOL)
         planes = stress_planes(contact, depth, poisson, ["von_mises"], tolerance=0)
         axis = np.array([plane.fields["von_mises"][0, middle, middle] for plane in planes])
-        solved, solved_depth = largest_sample(axis, depth)
+        solved, solved_depth = indenter.largest_sample(axis, depth)
         peak = exact.largest_von_mises_on_axis(poisson)
         largest = contact.pressure.max(), exact.largest_pressure
         rows.append([largest, (solved, peak.value), (solved_depth, peak.depth)])
@@ -363,9 +357,9 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
         height, nu = contact_radius / contact_ratios[i], poisson[j]
         layer = BondedLayer(height, nu)
         forms = layer.flat_punch(punch_radius, 1e-4), layer.paraboloid(contact_radius, CURVATURE_RADIUS)
-        for indenter, (face, expected) in enumerate(zip((flat_face, round_face), forms, strict=True)):
-            contact = solve(face, bonded_slab(nu, height), approach=expected.approach, rtol=RTOL)
-            solved[indenter, i, j], exact[indenter, i, j] = contact.mean_pressure, expected.load
+        for kind, (face, expected) in enumerate(zip((flat_face, round_face), forms, strict=True)):
+            contact = solve(face, indenter.bonded_slab(nu, height), approach=expected.approach, rtol=RTOL)
+            solved[kind, i, j], exact[kind, i, j] = contact.mean_pressure, expected.load
     return _dataset(
         {"load": (("indenter", "contact_ratio", "poisson"), solved, exact)},
         points,
@@ -440,7 +434,7 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
         [solve(height, Layer(1.0, 0.0), mean_pressure=p * wave.complete_pressure, rtol=RTOL) for p in loads]
         for loads in (small, nearly_complete)
     )
-    radius = [fitted_contact_radius(contact.pressure, grid) for contact in few]
+    radius = [indenter.fitted_contact_radius(contact.pressure, grid) for contact in few]
     exact_radius = [np.sqrt(wave.small_area_fraction(contact.mean_pressure) / np.pi) for contact in few]
     gap = [contact.gap.mean() for contact in most]
     exact_gap = [wave.nearly_complete_mean_gap(contact.mean_pressure) for contact in most]

@@ -10,13 +10,8 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.reference import finite_element
 from asperity.reference.finite_element import graded
-from asperity.study.validation.indenter import (
-    CURVATURE_RADIUS,
-    INDENTATION,
-    displacement_and_stress,
-    fitted_contact_radius,
-    slab_contact,
-)
+from asperity.study.validation import indenter
+from asperity.study.validation.indenter import CURVATURE_RADIUS
 
 COMPARED_FIELDS = {"displacement_z": 2, "stress_zz": 2, "stress_xx": 0, "stress_xz": 4}
 """Compared fields, with their index among the components of displacement or stress."""
@@ -24,7 +19,7 @@ COMPARED_FIELDS = {"displacement_z": 2, "stress_zz": 2, "stress_xx": 0, "stress_
 EDGE_DISTANCE = 0.05
 """Points within this distance of the edge of contact, in cell edges, count as near it."""
 
-APPROACH = INDENTATION / CURVATURE_RADIUS
+APPROACH = indenter.INDENTATION / CURVATURE_RADIUS
 """The paper's indentation depth for the cubic slab."""
 
 
@@ -49,7 +44,7 @@ def elements(
         elements on the outside of the quarter cell. Of all meshes, along ``mesh``, the variables of
         `largest_differences`.
     """
-    contact = slab_contact(points, APPROACH)
+    contact = indenter.slab_contact(points, APPROACH)
     compared = [_on_mesh(across, up, contact) for across, up in meshes]
     differences = xr.concat([largest_differences(one) for one in compared], "mesh")
     return compared[-1].merge(differences).assign_coords(mesh_elements=("mesh", [one for one, _ in meshes]))
@@ -65,11 +60,13 @@ def _on_mesh(across: int, up: int, contact: Contact) -> xr.Dataset:
     x, z, *by_elements = slab.on_diagonal(moved)
     order = np.argsort(1 - z)
     depth = (1 - z)[order]
-    spectral = displacement_and_stress(contact.pressure, contact.grid, contact.layer, x + 0.5, x + 0.5, depth)
+    spectral = indenter.displacement_and_stress(
+        contact.pressure, contact.grid, contact.layer, x + 0.5, x + 0.5, depth
+    )
     variables: dict[str, object] = {
         "load_spectral": contact.mean_pressure,
         "load_elements": 4 * float(push.sum()),
-        "contact_radius": fitted_contact_radius(contact.pressure, contact.grid),
+        "contact_radius": indenter.fitted_contact_radius(contact.pressure, contact.grid),
         "surface_displacement_elements": (("node_y", "axis_node"), moved[2, -1]),
         "rim_displacement_elements": (("component", "node_z", "axis_node"), moved[:, :, -1]),
     }
