@@ -10,7 +10,7 @@ from scipy.stats import ks_2samp
 from small_study import CONTACT, LAYER, STRESS
 
 from asperity.paper.claims import report
-from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Number, OfSeeds
+from asperity.paper.claims.numbers import Evidence, FixedNumber, MissingEvidenceError, Number, SeedNumbers
 from asperity.paper.claims.overview import draw
 from asperity.paper.claims.sources import roles
 from asperity.paper.claims.verdicts import (
@@ -40,12 +40,12 @@ ATTRIBUTES = {"poisson_contact": 0.33, "uniform_mode": "laterally confined"}
 
 def claim(values, region="larger", grid_error=0.0):
     found = xr.DataArray(values, dims="seed")
-    numbers = OfSeeds(found, xr.full_like(found, grid_error), found)
+    numbers = SeedNumbers(found, xr.full_like(found, grid_error), found)
     return Claim("name", "5.2", "sentence", "quantity", region, lambda evidence: numbers)
 
 
 def fixed(value, *untestable):
-    return Claim("n", "4.2", "s", "q", "one percent", lambda evidence: Fixed(value, 0.001), *untestable)
+    return Claim("n", "4.2", "s", "q", "one percent", lambda evidence: FixedNumber(value, 0.001), *untestable)
 
 
 def statistics(**variables):

@@ -71,7 +71,7 @@ def test_depths_end_below_most_peaks(chain):
         2,
     )
     (axis, *_) = peaks.draw_depths({"one": many}, "surfaces").axes
-    unit = cases.Case("", many).wavelength_short
+    unit = cases.FigureCase("", many).wavelength_short
     assert axis.get_ylim() == pytest.approx((float(many["depth_edge"][6]) / unit, 0))
     assert [text.get_text() for text in axis.texts] == ["2 of 2000 peaks\nbeyond the axes"]
 

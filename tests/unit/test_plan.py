@@ -15,10 +15,18 @@ from asperity.core.errors import PlanError
 from asperity.paper.figures import surfaces_with_load_area
 from asperity.study.config.check import check
 from asperity.study.config.schema import PRESETS
-from asperity.study.cost.plan import Scene, Target, assess, error_bounds, propose, read, scenes
+from asperity.study.cost.plan import (
+    PlannedContact,
+    Target,
+    assess,
+    error_bounds,
+    planned_contacts,
+    propose,
+    read,
+)
 
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
-UNSEEN = Scene(hurst=0.5, wavelength_long=1 / 4, wavelength_short=1 / 16, area_fraction=0.06)
+UNSEEN = PlannedContact(hurst=0.5, wavelength_long=1 / 4, wavelength_short=1 / 16, area_fraction=0.06)
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}"
 
 
@@ -65,15 +73,15 @@ def test_seeds_proposed_reach_the_error():
 
 
 @pytest.mark.parametrize(
-    ("scene", "accuracy"),
+    ("contact", "accuracy"),
     [
         (UNSEEN, replace(PRESETS["paper"], points_per_wavelength=2.0)),
         (replace(UNSEEN, area_fraction=0.001), PRESETS["paper"]),
         (UNSEEN, replace(PRESETS["paper"], contact_tolerance=0.1)),
     ],
 )
-def test_what_was_not_measured_has_no_bound(scene, accuracy):
-    assert (error_bounds(scene, accuracy).sum(axis=1) == float("inf")).all()
+def test_what_was_not_measured_has_no_bound(contact, accuracy):
+    assert (error_bounds(contact, accuracy).sum(axis=1) == float("inf")).all()
 
 
 def test_coarser_settings_have_larger_errors():
@@ -116,5 +124,5 @@ def test_loads_count_where_a_figure_shows_the_contact():
     text = f"surfaces: {{ground: {{label: a, {band}}}, lapped: {{label: b, {band}}}}}"
     contact = "contact: {path_area_fractions: [0.02, 0.05, 0.1]}"
     whole = read([text, contact])
-    found, _ = scenes(whole, surfaces_with_load_area(whole))
-    assert {name: scene.loads for name, scene in found.items()} == {"ground": 3, "lapped": 3}
+    found, _ = planned_contacts(whole, surfaces_with_load_area(whole))
+    assert {name: contact.loads for name, contact in found.items()} == {"ground": 3, "lapped": 3}

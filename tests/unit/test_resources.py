@@ -5,7 +5,7 @@ import pytest
 from asperity.study.config.schema import PRESETS
 from asperity.study.cost.benchmark import fitted, job_costs
 from asperity.study.cost.model import coefficients, job_cost
-from asperity.study.cost.plan import Scene, scene_cost
+from asperity.study.cost.plan import PlannedContact, contact_cost
 
 
 @pytest.mark.parametrize("stage", ["contact", "load-area curve", "stress", "statistics"])
@@ -18,8 +18,8 @@ def test_cost_is_linear_in_the_nodes(stage):
 
 
 def test_study_and_plan_have_the_same_times():
-    scene = Scene(0.8, 1 / 8, 1 / 64, 0.1, loads=3, ratios=2)
-    seconds, memory = scene_cost(scene, PRESETS["paper"])
+    contact = PlannedContact(0.8, 1 / 8, 1 / 64, 0.1, loads=3, ratios=2)
+    seconds, memory = contact_cost(contact, PRESETS["paper"])
     jobs = [job_cost("load-area curve", 512**2, 3), job_cost("stress", 512**2, 2)]
     assert seconds == pytest.approx(sum(job.seconds - job.fixed_seconds for job in jobs))
     assert memory == max(job.memory for job in jobs)

@@ -1,10 +1,10 @@
 from asperity.study.config.reader import load
 from asperity.study.config.study import PAPER
-from asperity.paper.claims.sources import CHOICES, DATASETS, deltas, roles
+from asperity.paper.claims.sources import CHOICES, DATASETS, surfaces_by_delta, roles
 
 # The statements are about the surfaces of the paper: a surface of another name has no role in them.
 ROLES = roles(STUDIES, {name: SURFACES[name] for name in load(PAPER)["surfaces"] if name in SURFACES})
-DELTAS = deltas(ROLES, SURFACES)
+DELTAS = surfaces_by_delta(ROLES, SURFACES)
 ROLES_OF_DELTA = ROLES | {role: name for found in DELTAS.values() for role, name in found.items()}
 CLAIMED = sorted({*ROLES_OF_DELTA.values()})
 # Of every choice, the study's own option first.

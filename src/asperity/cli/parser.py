@@ -160,7 +160,7 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
     facts = [] if "enum" in entry else [words or accepted(items)]
     if "unit" in entry and not words:
         facts.append(f"unit: {entry['unit']}")
-    if without := without or (str(value) if value is not None else entry.get("left_out")):
+    if without := without or (str(value) if value is not None else entry.get("default_text")):
         facts.append(f"default: {without}")
     text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
     return made | {"help": text.replace("`", "").replace("%", "%%")}

@@ -145,15 +145,15 @@ def _thin_state(of_shear: bool, h: float, t: float, materials: Materials) -> Sta
 
 
 @fused
-def _of_amplitudes(total: float, difference: float, d: float, k: float) -> State:
+def _of_amplitudes(plus: float, minus: float, d: float, k: float) -> State:
     """State at the scaled depth d of a half-space over e^(−d), from a₊ and a₋."""
-    far = d * difference
+    far = d * minus
     return (
-        0.5 * (total - k * difference) + far,
-        0.5 * (total + k * difference) + far,
-        0.5 * (total - difference) + far,
-        0.5 * (total + difference) + far,
-        0.5 * (3.0 * difference - total) - far,
+        0.5 * (plus - k * minus) + far,
+        0.5 * (plus + k * minus) + far,
+        0.5 * (plus - minus) + far,
+        0.5 * (plus + minus) + far,
+        0.5 * (3.0 * minus - plus) - far,
     )
 
 
@@ -174,11 +174,11 @@ def _coated_state(of_shear: bool, h: float, d: float, t: float, materials: Mater
     e2h = np.exp(-2.0 * h)
     scale = 1.0 / ((1.0 - rho * e2h) * (1.0 - sigma * e2h) - 4.0 * h * h * rho * e2h)
     sign, mixed = (1.0 if of_shear else -1.0), 2.0 * h * rho * e2h
-    total = scale * (sign * mixed - (1.0 - sigma * e2h - 2.0 * h * mixed))
-    difference = scale * (sign * (1.0 - rho * e2h) - mixed)
-    back_total, back_difference = -sigma * difference, -rho * (total + 2.0 * h * difference)
-    down = _of_amplitudes(total, difference, d, k)
-    up = _of_amplitudes(back_total, back_difference, t, k)
+    plus = scale * (sign * mixed - (1.0 - sigma * e2h - 2.0 * h * mixed))
+    minus = scale * (sign * (1.0 - rho * e2h) - mixed)
+    back_plus, back_minus = -sigma * minus, -rho * (plus + 2.0 * h * minus)
+    down = _of_amplitudes(plus, minus, d, k)
+    up = _of_amplitudes(back_plus, back_minus, t, k)
     near, far = np.exp(-d), np.exp(-h - t)
     return (
         near * down[0] + far * up[0],

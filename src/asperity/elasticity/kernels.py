@@ -63,10 +63,10 @@ _SINHC_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(1, 13))
 @fused_inlined
 def sinh_rest(square: float) -> float:
     """(sinh x / x − 1)/x² as a function of x², for x ≤ 1."""
-    total = 0.0
+    value = 0.0
     for coefficient in _SINH_SERIES:
-        total = total * square + coefficient
-    return total
+        value = value * square + coefficient
+    return value
 
 
 @fused_inlined
@@ -75,10 +75,10 @@ def cosh_rest(square: float) -> float:
 
     The difference `cosh_rest` − `sinh_rest` is (x cosh x − sinh x)/x³.
     """
-    total = 0.0
+    value = 0.0
     for coefficient in _COSH_SERIES:
-        total = total * square + coefficient
-    return total
+        value = value * square + coefficient
+    return value
 
 
 @fused_inlined
@@ -91,12 +91,12 @@ def double_sinh_rest(square: float) -> float:
 @fused_inlined
 def _sinhc_difference(square_a: float, square_b: float) -> float:
     """(sinh a / a − sinh b / b)/(a² − b²) as a function of a² and b², for b ≤ a ≤ 2."""
-    power, power_b, total = 0.0, 1.0, 0.0
+    power, power_b, value = 0.0, 1.0, 0.0
     for coefficient in _SINHC_SERIES:
         power = square_a * power + power_b
         power_b *= square_b
-        total += power * coefficient
-    return total
+        value += power * coefficient
+    return value
 
 
 @fused

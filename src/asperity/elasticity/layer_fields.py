@@ -57,7 +57,7 @@ MODES_AT_ONCE = 4096
 SCALINGS = 6
 """Number of times that rows and columns of a system are divided by the roots of their largest elements."""
 
-HELD = {"bonded": DISPLACEMENTS, "frictionless": DISPLACEMENTS[2:], "free": ()}
+ZERO_DISPLACEMENTS = {"bonded": DISPLACEMENTS, "frictionless": DISPLACEMENTS[2:], "free": ()}
 """Displacements that are zero on each bottom of a `Layer`."""
 
 _SERIES = [2 * k / math.factorial(2 * k + 1) for k in range(1, 11)]
@@ -93,15 +93,15 @@ class LayerFields:
     ----------
     layer : Layer
     grid : Grid
-    moved : (2, 3) array of truth values
+    displaced : (2, 3) array of truth values
         Top and bottom, x, y and z: True where the displacement is prescribed, False for σ_xz, σ_yz or σ_zz.
     modes : (2, 3, ny, nx // 2 + 1) complex array
         Coefficients of what is prescribed.
     """
 
-    def __init__(self, layer: Layer, grid: Grid, moved: Array, modes: Array) -> None:
+    def __init__(self, layer: Layer, grid: Grid, displaced: Array, modes: Array) -> None:
         self.layer, self.grid = layer, grid
-        self._mean = _mean_state(layer, moved, modes)
+        self._mean = _mean_state(layer, displaced, modes)
         # The response at a Nyquist q_y is the mean of those at q_y and −q_y, which is an additional row. The
         # real transform along x does the same for q_x.
         rows = np.append(np.arange(grid.shape[0]), np.flatnonzero(2 * grid.ky == grid.shape[0]))
@@ -111,11 +111,11 @@ class LayerFields:
         q = np.hypot(qx, qy)
         self._directions = np.array([q, qx / q, qy / q]).reshape(3, -1)
         self._parts = [slice(first, first + MODES_AT_ONCE) for first in range(0, q.size, MODES_AT_ONCE)]
-        held, data = moved.reshape(6, 1), modes[:, :, rows].reshape(6, -1)
+        fixed, data = displaced.reshape(6, 1), modes[:, :, rows].reshape(6, -1)
         data[[0, 1, 3, 4]] *= -1j
-        data *= np.where(held, q.ravel() * (layer.young / (1 + layer.poisson)), 1.0)
+        data *= np.where(fixed, q.ravel() * (layer.young / (1 + layer.poisson)), 1.0)
         solved = [
-            _amplitudes(layer, moved, data[:, part], *self._directions[:, part]) for part in self._parts
+            _amplitudes(layer, displaced, data[:, part], *self._directions[:, part]) for part in self._parts
         ]
         self._amplitudes = np.concatenate(solved, axis=1)
 
@@ -243,10 +243,10 @@ def layer_fields(
         raise ValueError(f"bottom = {shown(bottom)}: None is needed for a half-space")
     if layer.height is not None and layer.height < LOWEST * max(grid.length):
         raise ValueError(f"height = {layer.height:g}: {LOWEST:g} of the cell or more is needed")
-    below = dict.fromkeys(HELD[layer.bottom], 0.0) if bottom is None else bottom
+    below = dict.fromkeys(ZERO_DISPLACEMENTS[layer.bottom], 0.0) if bottom is None else bottom
     faces = [_prescribed(name, given, grid) for name, given in (("top", top), ("bottom", below))]
-    moved, modes = map(np.array, zip(*faces, strict=True))
-    return LayerFields(layer, grid, moved, modes)
+    displaced, modes = map(np.array, zip(*faces, strict=True))
+    return LayerFields(layer, grid, displaced, modes)
 
 
 def _prescribed(face: str, given: Any, grid: Grid) -> tuple[Array, Array]:
@@ -256,18 +256,18 @@ def _prescribed(face: str, given: Any, grid: Grid) -> tuple[Array, Array]:
     """
     if not isinstance(given, Mapping):
         raise TypeError(f"{face} = {shown(given)}: a mapping from {', '.join(PRESCRIBED)} is needed")
-    moved, modes = np.zeros(3, bool), np.zeros((3, *grid.half_shape), complex)
+    displaced, modes = np.zeros(3, bool), np.zeros((3, *grid.half_shape), complex)
     keys: dict[int, str] = {}
     for key, value in given.items():
         choice(f"a key of {face}", key, PRESCRIBED)
         axis = 2 if key == "pressure" else "xyz".index(key[-1])
         if axis in keys:
             raise ValueError(f"{face}: {keys[axis]} and {key} are given; only one of them is accepted")
-        keys[axis], moved[axis] = key, key.startswith("displacement")
+        keys[axis], displaced[axis] = key, key.startswith("displacement")
         modes[axis] = _coefficients(f"{face}[{key!r}]", value, grid)
-        if key == "pressure" or (face == "bottom" and not moved[axis]):
+        if key == "pressure" or (face == "bottom" and not displaced[axis]):
             modes[axis] *= -1
-    return moved, modes
+    return displaced, modes
 
 
 def _coefficients(name: str, value: Any, grid: Grid) -> Array:
@@ -288,7 +288,7 @@ def _coefficients(name: str, value: Any, grid: Grid) -> Array:
     return modes
 
 
-def _mean_state(layer: Layer, moved: Array, modes: Array) -> tuple[Array, Array, Array]:
+def _mean_state(layer: Layer, displaced: Array, modes: Array) -> tuple[Array, Array, Array]:
     """Mean displacements of the top and of the bottom, (3,) each, and mean stress, (6,).
 
     Raises
@@ -303,20 +303,20 @@ def _mean_state(layer: Layer, moved: Array, modes: Array) -> tuple[Array, Array,
     largest = np.abs(modes[:faces]).max(axis=(2, 3))
     middle, stretch, stress, rounding = np.zeros((4, 3))
     for axis, name in enumerate("xyz"):
-        held, unit = moved[:faces, axis], compliance[axis] or 1.0
+        fixed, unit = displaced[:faces, axis], compliance[axis] or 1.0
         half = 0.5 if compliance[axis] else 0.0
         # Displacement of the middle, and the stress times `unit`; the least ones if they are not unique.
-        system = np.where(held[:, None], [[1, half], [1, -half]][:faces], [0, 1])
-        scale = np.where(held, 1.0, unit)
+        system = np.where(fixed[:, None], [[1, half], [1, -half]][:faces], [0, 1])
+        scale = np.where(fixed, 1.0, unit)
         middle[axis], load = found = np.linalg.lstsq(system, scale * given[:, axis], rcond=None)[0]
         limit = BALANCE * (scale * largest[:, axis]).max()
         stretch[axis], stress[axis], rounding[axis] = 2 * half * load, load / unit, limit / unit
         if np.abs(system @ found - scale * given[:, axis]).max() > limit:
             both = f"{given[0, axis]:g} on top and {given[1, axis]:g} on the bottom"
-            kind, why = ("displacement_z", "poisson = 0.5") if held[0] else (f"σ_{name}z", "no net force")
+            kind, why = ("displacement_z", "poisson = 0.5") if fixed[0] else (f"σ_{name}z", "no net force")
             raise ValueError(f"mean {kind} = {both}: equal ones are needed for {why}")
-    loose = layer.height is not None and layer.lateral == "free" and not moved[:, 2].any()
-    if loose and (np.abs(stress) > rounding)[:2].any():
+    may_tilt = layer.height is not None and layer.lateral == "free" and not displaced[:, 2].any()
+    if may_tilt and (np.abs(stress) > rounding)[:2].any():
         shown_stress = f"mean σ_xz, σ_yz = {stress[0]:g}, {stress[1]:g}"
         raise ValueError(f"{shown_stress}: 0 is needed, as nothing bears their moment with lateral = 'free'")
     lateral = -stress[2] * layer.uniform_stress()[0]
@@ -324,16 +324,16 @@ def _mean_state(layer: Layer, moved: Array, modes: Array) -> tuple[Array, Array,
     return upper, lower, np.array([lateral, lateral, *stress[::-1], 0.0])
 
 
-def _amplitudes(layer: Layer, moved: Array, data: Array, q: Array, cosine: Array, sine: Array) -> Array:
+def _amplitudes(layer: Layer, displaced: Array, data: Array, q: Array, cosine: Array, sine: Array) -> Array:
     """Amplitudes of `_states`, (6, modes), for data of x, y, z of the top and of the bottom, (6, modes)."""
     h = q * (layer.height or np.inf)
     none, unit = np.zeros_like(h), np.broadcast_to(np.eye(6)[:, :, None], (6, 6, h.size))
     conditions = []
-    for depth, below, held in zip((none, h), (h, none), moved, strict=True):
+    for depth, below, fixed in zip((none, h), (h, none), displaced, strict=True):
         states = _to_axes(_states(unit, depth, below, layer.poisson), cosine, sine)
-        conditions += [states[axis if held[axis] else 3 + axis] for axis in range(3)]
+        conditions += [states[axis if fixed[axis] else 3 + axis] for axis in range(3)]
     system, right, thin = np.array(conditions), data.copy(), h < THIN
-    for axis in np.flatnonzero(moved[0] == moved[1]):
+    for axis in np.flatnonzero(displaced[0] == displaced[1]):
         for values in (system, right):
             top, bottom = values[axis][..., thin], values[3 + axis][..., thin]
             values[axis][..., thin], values[3 + axis][..., thin] = top + bottom, top - bottom

@@ -16,7 +16,7 @@ from asperity.fourier.grid import Grid
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.continuum import (
-    TOLERANCE,
+    HALF_TOLERANCE,
     OnGrid,
     extrapolate,
     on_half_the_nodes,
@@ -131,7 +131,7 @@ def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGri
         boundary=contact.boundary,
         mean_pressure=pressure,
         hardness=contact.hardness if math.isfinite(contact.hardness) else None,
-        rtol=TOLERANCE,
+        rtol=HALF_TOLERANCE,
     )
     if slip is None:
         return HalfGrid(half, lost, reason)
@@ -159,7 +159,7 @@ def estimates(
             depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interface),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
-            tolerance=TOLERANCE,
+            tolerance=HALF_TOLERANCE,
             friction=stress.attrs["friction"],
             sliding_direction=stress.attrs["sliding_direction"],
         )

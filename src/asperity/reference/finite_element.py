@@ -288,8 +288,8 @@ def press(
     contact = depth > 0.5 * approach
     displacement = np.zeros((3, *slab.shape))
     for _ in range(MAX_ACTIVE_SETS):
-        held = np.flatnonzero(contact)
-        displacement, force = slab.equilibrium(displacement, held, -depth[held], tolerance)
+        touching = np.flatnonzero(contact)
+        displacement, force = slab.equilibrium(displacement, touching, -depth[touching], tolerance)
         push = -force[2, -1].ravel()
         penetration = depth + displacement[2, -1].ravel()
         settled = np.where(contact, push > 0, penetration > 0)

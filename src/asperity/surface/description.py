@@ -22,7 +22,7 @@ from asperity.surface.reading.height_map import (
 )
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
-from asperity.surface.treatment.treatment import DESPIKE, ROUNDING, missing_options
+from asperity.surface.treatment.treatment import DESPIKE, FLAT, missing_options
 
 SHORT_WAVE_PIXELS = 8
 """Waves shorter than this number of pixels are called not resolved: the slopes of a contact on fewer nodes a
@@ -165,7 +165,7 @@ class MapMeasures:
         self.flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
         self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(self.flat))
         added, grid = self.rms_height - self.rms_height_without_bow, Grid(height.shape, surface.length)
-        self.bow_counts = added > ROUNDING * float(np.abs(filled).max()) and (
+        self.bow_counts = added > FLAT * float(np.abs(filled).max()) and (
             not self.rms_height_without_bow
             or added > roughness.sampling_error(self.flat, grid) * self.rms_height_without_bow
         )
@@ -296,8 +296,8 @@ def _of_heights(
     if is_profile:
         rest = {name: text for name, text in found.items() if name not in ("Sal", "Str")}
         found = {name.replace("S", "R", 1): text for name, text in rest.items()}
-    left_out = NEED_EDGES if not edges_known else ()
-    return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in left_out}
+    unknown = () if edges_known else NEED_EDGES
+    return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in unknown}
 
 
 def _channels(found: MapFile) -> str:

@@ -301,33 +301,33 @@ def with_heights(
     grid = Grid(values.shape)
     modes = Fourier(grid).forward(values)
     modes[0, 0] = 0
-    held = np.abs(modes) > IN_BAND * np.abs(modes).max()
-    held &= (2 * np.abs(grid.ky[:, None]) < grid.shape[0]) & (2 * grid.kx[None, :] < grid.shape[1])
-    rows, columns = np.nonzero(held)
+    in_band = np.abs(modes) > IN_BAND * np.abs(modes).max()
+    in_band &= (2 * np.abs(grid.ky[:, None]) < grid.shape[0]) & (2 * grid.kx[None, :] < grid.shape[1])
+    rows, columns = np.nonzero(in_band)
     if not rows.size:
         raise ValueError("height: waves below the Nyquist wavenumber are needed, this surface has none")
     largest = int(np.abs(grid.ky[rows]).max()), int(grid.kx[columns].max())
-    own = Grid(
+    iteration_grid = Grid(
         (good_size(NODES_PER_WAVE * max(largest[0], 1)), good_size(NODES_PER_WAVE * max(largest[1], 1)))
     )
-    fourier, modes = Fourier(own), resample(modes, grid, own)
+    fourier, modes = Fourier(iteration_grid), resample(modes, grid, iteration_grid)
     amplitude = np.abs(modes)
-    before = fourier.inverse(modes)
-    rms_height = before.std()
-    target = _sorted_heights(before.size, moments, plateau, sample)
+    field = fourier.inverse(modes)
+    rms_height = field.std()
+    target = _sorted_heights(field.size, moments, plateau, sample)
     target *= rms_height / target.std()
 
     residuals = [np.inf, 2.0]
     while len(residuals) < MOST_ITERATIONS + 2 and residuals[-1] <= (1 - SLOWEST) * residuals[-2]:
-        before.flat[np.argsort(before, axis=None)] = target
-        wanted = fourier.forward(before)
+        field.flat[np.argsort(field, axis=None)] = target
+        wanted = fourier.forward(field)
         modes = amplitude * np.exp(1j * np.angle(wanted))
-        before = fourier.inverse(modes)
-        difference = np.sort(before, axis=None) - target
+        field = fourier.inverse(modes)
+        difference = np.sort(field, axis=None) - target
         residuals.append(float(np.sqrt(np.mean(difference**2)) / rms_height))
-    found = Fourier(grid).inverse(resample(modes, own, grid))
+    found = Fourier(grid).inverse(resample(modes, iteration_grid, grid))
     require_finite("with_heights", {"height": found})
-    reached = np.abs(resample(Fourier(grid).forward(found), grid, own))
+    reached = np.abs(resample(Fourier(grid).forward(found), grid, iteration_grid))
     error = np.linalg.norm(reached - amplitude) / np.linalg.norm(amplitude)
     return ShapedSurface(found, residuals[-1], float(error), len(residuals) - 2)
 

@@ -84,13 +84,13 @@ def self_affine(
     ky, kx, deviate = _deviates(grid, wavelength_short, seed)
     wavenumber = 2 * np.pi * np.hypot(ky / grid.length[0], kx / grid.length[1])
     amplitude = np.sqrt(_power_law(wavenumber, hurst, wavelength_long, wavelength_short))
-    held = (amplitude > 0) & (2 * np.abs(ky) < grid.shape[0]) & (2 * kx < grid.shape[1])
-    if not held.any():
+    in_band = (amplitude > 0) & (2 * np.abs(ky) < grid.shape[0]) & (2 * kx < grid.shape[1])
+    if not in_band.any():
         raise ValueError(
             f"wavelength_long = {wavelength_long!r}, wavelength_short = {wavelength_short!r}: "
             f"no wave of this band fits the cell {grid.length} on {grid.shape} nodes"
         )
-    ky, kx, mode = ky[held], kx[held], (amplitude * deviate)[held]
+    ky, kx, mode = ky[in_band], kx[in_band], (amplitude * deviate)[in_band]
     coefficients = np.zeros(grid.half_shape, complex)
     coefficients[ky, kx] = mode
     axis = kx == 0

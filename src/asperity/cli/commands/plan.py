@@ -6,7 +6,7 @@ import argparse
 
 from asperity.cli.parser import section
 from asperity.paper.figures import surfaces_with_load_area
-from asperity.study.cost.plan import PEAKS, Target, assess, propose, read, report, scenes
+from asperity.study.cost.plan import PEAK_OUTPUTS, Target, assess, planned_contacts, propose, read, report
 
 _GIB = 2**30
 
@@ -14,8 +14,8 @@ _GIB = 2**30
 def run(options: argparse.Namespace) -> None:
     """Print cost and error of the settings that are given, or of the settings proposed for a target."""
     config = read(options.config, section(options, "contact").get("area_fraction"))
-    surfaces, accuracy = scenes(config, surfaces_with_load_area(config))
-    outputs = options.output or PEAKS
+    surfaces, accuracy = planned_contacts(config, surfaces_with_load_area(config))
+    outputs = options.output or PEAK_OUTPUTS
     memory = None if options.memory is None else options.memory * _GIB
     if options.error is None and options.seconds is None and memory is None:
         found = assess(list(surfaces.values()), accuracy, options.one_surface)

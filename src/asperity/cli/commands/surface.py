@@ -12,7 +12,7 @@ from asperity.core.errors import one_line, shown
 from asperity.core.units import shown_si, to_si
 from asperity.results import write_result
 from asperity.results.variables import in_si
-from asperity.study.config.check import ROUNDING, needed_instead
+from asperity.study.config.check import TWO_NODES_SLACK, needed_instead
 from asperity.study.config.schema import PRESETS, default, setting
 from asperity.study.stages.surface import make_surface
 from asperity.surface.reading.height_map import MapError
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> None:
     )
     if needed := needed_instead(points, setting("surfaces.NAME.points")):
         raise ValueError(f"--points = {points}, the default: {needed} is needed")
-    if points * parameters["wavelength_short"] < 2 - ROUNDING:
+    if points * parameters["wavelength_short"] < 2 - TWO_NODES_SLACK:
         fewest = round(2 / parameters["wavelength_short"])
         raise ValueError(
             f"--points = {points}: at least {fewest} are needed, two on --wavelength-short = "

@@ -39,14 +39,14 @@ class MissingEvidenceError(LookupError):
     """The configuration has no surface, or the study no dataset, for a claim."""
 
 
-class Fixed(NamedTuple):
+class FixedNumber(NamedTuple):
     """A number that does not depend on a random surface, and its numerical uncertainty."""
 
     value: float
     uncertainty: float = 0.0
 
 
-class OfSeeds(NamedTuple):
+class SeedNumbers(NamedTuple):
     """A number of each seed, along `seed`.
 
     Parameters
@@ -129,8 +129,8 @@ class Number:
     unscaled : bool
         Multiply by ḡ, the rms gradient over the real contact: of stresses in units of E* instead of E* ḡ.
     factor : float
-    follows : sequence of str
-        Choices of the interpretation that the number follows besides ``lateral`` and ``delta``.
+    depends_on : sequence of str
+        Choices of the interpretation on which the number depends besides ``lateral`` and ``delta``.
     """
 
     variable: str
@@ -140,7 +140,7 @@ class Number:
     level: float | None = None
     unscaled: bool = False
     factor: float = 1.0
-    follows: Sequence[str] = ()
+    depends_on: Sequence[str] = ()
 
     @property
     def choices(self) -> tuple[str, ...]:
@@ -148,9 +148,9 @@ class Number:
         stress = self.variable.startswith(_OF_STRESS)
         lateral = stress and (not self.quantity or set(self.quantity) & {*_OF_MEAN_MODE})
         skewed = set(self.of) & {*SKEWED}
-        return (*(("lateral",) if lateral else ()), *self.follows, *(("delta",) if skewed else ()))
+        return (*(("lateral",) if lateral else ()), *self.depends_on, *(("delta",) if skewed else ()))
 
-    def __call__(self, evidence: Evidence) -> OfSeeds:
+    def __call__(self, evidence: Evidence) -> SeedNumbers:
         """The number of each seed; the errors that the grid leaves in its terms are taken as independent."""
         count = max(len(self.of), len(self.quantity), len(self.poisson))
         on_grid, best, errors = zip(*(self._term(evidence, number) for number in range(count)), strict=True)
@@ -163,7 +163,7 @@ class Number:
                 for factor in (1 + error, 1 - error)
             )
             squares += np.maximum(up, down) ** 2
-        return OfSeeds(values, squares**0.5, self._combined(on_grid))
+        return SeedNumbers(values, squares**0.5, self._combined(on_grid))
 
     def _combined(self, terms: Sequence[xr.DataArray]) -> xr.DataArray:
         """The number of each seed from its first term, and its second if it has one."""
@@ -175,7 +175,7 @@ class Number:
 
     def _term(self, evidence: Evidence, number: int) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
         """The first or the second term: on the grid, its best value, and the relative error of that."""
-        options = {name: evidence.options[name] for name in self.follows if name in evidence.options}
+        options = {name: evidence.options[name] for name in self.depends_on if name in evidence.options}
         statistics = evidence.statistics(self.of[number % len(self.of)])
         variable, chosen = self.variable, {}
         if (patches := options.get("patches", "every_peak")) != "every_peak":
@@ -216,7 +216,7 @@ def _kinds(
     return on_grid, best.fillna(on_grid), error.fillna(0)
 
 
-Measure = Callable[[Evidence], OfSeeds | Fixed]
+Measure = Callable[[Evidence], SeedNumbers | FixedNumber]
 """Takes the number of a claim from the evidence: one for each seed, or one for all.
 
 Raises `MissingEvidenceError` if the evidence lacks a surface or a dataset."""
@@ -243,33 +243,33 @@ def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
     return xr.DataArray(distances, coords={"seed": one["seed"]})
 
 
-def hertz_area(evidence: Evidence) -> Fixed:
+def hertz_area(evidence: Evidence) -> FixedNumber:
     """Largest relative error of the contact radius at given load, where the contact is resolved."""
     found = evidence.dataset("load_area")
     resolved = found.hertz_contact_radius * found.attrs["grid_points"] >= RESOLVED
     error = np.abs(found.solved_contact_radius / found.hertz_contact_radius - 1)
-    return Fixed(float(error.where(resolved).max()))
+    return FixedNumber(float(error.where(resolved).max()))
 
 
-def stiffness_of_poisson(evidence: Evidence) -> Fixed:
+def stiffness_of_poisson(evidence: Evidence) -> FixedNumber:
     """Load over area at the largest Poisson's ratio over that at the smallest, the smallest of all loads."""
     found = evidence.dataset("load_area").sortby("poisson")
     slope = found.imposed_mean_pressure_young / found.solved_area_fraction
-    return Fixed(float((slope[-1] / slope[0]).min()))
+    return FixedNumber(float((slope[-1] / slope[0]).min()))
 
 
-def tractions_of_poisson(evidence: Evidence) -> Fixed:
+def tractions_of_poisson(evidence: Evidence) -> FixedNumber:
     """Largest relative change of the area with Poisson's ratio at given load over E*."""
     area = evidence.dataset("load_area").solved_area_fraction
-    return Fixed(float((area.max("poisson") / area.min("poisson") - 1).max()))
+    return FixedNumber(float((area.max("poisson") / area.min("poisson") - 1).max()))
 
 
-def slab_stiffer_at_depth(evidence: Evidence) -> Fixed:
+def slab_stiffer_at_depth(evidence: Evidence) -> FixedNumber:
     """Load of a slab over that of the half-space at the same approach, the smallest over heights."""
-    return Fixed(float(evidence.dataset("slab_load_area").slab_stiffening.min()))
+    return FixedNumber(float(evidence.dataset("slab_load_area").slab_stiffening.min()))
 
 
-def slab_stiffer_at_area(evidence: Evidence) -> Fixed:
+def slab_stiffer_at_area(evidence: Evidence) -> FixedNumber:
     """Load of the cubic slab over that of the half-space at the same, largest, area of contact.
 
     The load is proportional to the cube of the radius, whose relative error is that on the half-space.
@@ -279,34 +279,34 @@ def slab_stiffer_at_area(evidence: Evidence) -> Fixed:
     area = np.pi * float(cubic.slab_contact_radius) ** 2
     half_space = float(np.interp(area, found.curve_area_fraction, found.curve_mean_pressure))
     value = float(cubic.slab_mean_pressure) / half_space
-    return Fixed(value, 3 * value * hertz_area(evidence).value)
+    return FixedNumber(value, 3 * value * hertz_area(evidence).value)
 
 
-def slab_tractions_of_poisson(evidence: Evidence) -> Fixed:
+def slab_tractions_of_poisson(evidence: Evidence) -> FixedNumber:
     """Largest change with ν of E* × compliance of a bonded cubic slab, over waves that fit in the cell."""
     q = 2 * np.pi * np.sqrt(np.arange(1.0, 4096.0))
     ratios = (0.0, 0.25, 0.33, 0.5)
     layers = [Layer(1 - nu**2, nu, height=1.0, bottom="bonded") for nu in ratios]
     compliance = np.array([layer.surface_compliance(q) for layer in layers])
-    return Fixed(float((compliance.max(axis=0) / compliance.min(axis=0) - 1).max()))
+    return FixedNumber(float((compliance.max(axis=0) / compliance.min(axis=0) - 1).max()))
 
 
-def coarse_grid(evidence: Evidence) -> Fixed:
+def coarse_grid(evidence: Evidence) -> FixedNumber:
     """Relative error of the load at given approach on a grid of 32 × 32 nodes."""
     found = evidence.dataset("grid_convergence")
     if COARSE_GRID not in found.grid_points:
         raise MissingEvidenceError(f"no grid of {COARSE_GRID} × {COARSE_GRID}")
-    return Fixed(float(found.slab_load_error.sel(grid_points=COARSE_GRID)))
+    return FixedNumber(float(found.slab_load_error.sel(grid_points=COARSE_GRID)))
 
 
-def punch_of_poisson(evidence: Evidence) -> Fixed:
+def punch_of_poisson(evidence: Evidence) -> FixedNumber:
     """Largest von Mises stress under a punch at the smallest ν over that at the largest.
 
     Uncertain by the difference to the closed form.
     """
     found = evidence.dataset("punch").sortby("poisson")
     peak, exact = found.peak_von_mises_array.values, found.peak_von_mises_closed_form.values
-    return Fixed(float(peak[0] / peak[-1]), float(abs(peak[0] / peak[-1] - exact[0] / exact[-1])))
+    return FixedNumber(float(peak[0] / peak[-1]), float(abs(peak[0] / peak[-1] - exact[0] / exact[-1])))
 
 
 def _element_difference(fields: Sequence[str], where: Sequence[str]) -> Measure:
@@ -319,18 +319,18 @@ def _element_difference(fields: Sequence[str], where: Sequence[str]) -> Measure:
         ``"edge"``: near the edge of contact; ``"away"``: farther away.
     """
 
-    def measure(evidence: Evidence) -> Fixed:
+    def measure(evidence: Evidence) -> FixedNumber:
         found = evidence.dataset("elements").sel(field=[*fields])
         coarser, value = np.max([found[f"difference_{part}"].max("field") for part in where], axis=0)[-2:]
-        return Fixed(float(value), float(abs(value - coarser)))
+        return FixedNumber(float(value), float(abs(value - coarser)))
 
     return measure
 
 
-def elements_at_edge(evidence: Evidence) -> Fixed:
+def elements_at_edge(evidence: Evidence) -> FixedNumber:
     """Largest difference to the finite elements near the edge of contact over the largest farther away."""
     found = evidence.dataset("elements").isel(mesh=-1)
-    return Fixed(float(found.difference_edge.max() / found.difference_away.max()))
+    return FixedNumber(float(found.difference_edge.max() / found.difference_away.max()))
 
 
 _NORMAL, _LATERAL = ("displacement_z", "stress_zz"), ("stress_xx", "stress_xz")

@@ -65,7 +65,7 @@ def role_of_delta(role: str, delta: float) -> str:
     return f"{role}, delta {delta:g}"
 
 
-def deltas(
+def surfaces_by_delta(
     by_role: Mapping[str, str], surfaces: Mapping[str, Mapping[str, Any]]
 ) -> dict[float, dict[str, str]]:
     """Surfaces of study ``skewness`` and those that differ from them in their δ alone.

@@ -26,7 +26,14 @@ from scipy.special import stdtrit
 
 from asperity.core.data import packaged_yaml
 from asperity.paper.claims import numbers
-from asperity.paper.claims.numbers import Evidence, Fixed, Measure, MissingEvidenceError, Number, Options
+from asperity.paper.claims.numbers import (
+    Evidence,
+    FixedNumber,
+    Measure,
+    MissingEvidenceError,
+    Number,
+    Options,
+)
 from asperity.paper.claims.sources import CHOICES
 
 
@@ -211,12 +218,12 @@ def judge(claim: Claim, evidence: Evidence) -> Judgement:
         found = claim.measure(evidence)
     except MissingEvidenceError as lacking:
         return Judgement(options, *region, missing=str(lacking))
-    values = np.atleast_1d(found.value if isinstance(found, Fixed) else found.values)
+    values = np.atleast_1d(found.value if isinstance(found, FixedNumber) else found.values)
     if unknown := int(np.sum(~np.isfinite(values))):
         missing = f"nothing to measure in {unknown} of {values.size} numbers"
         return Judgement(options, *region, missing=missing)
     value, error, half = float(values.mean()), np.nan, np.nan
-    if isinstance(found, Fixed):
+    if isinstance(found, FixedNumber):
         seeds, on_grid, of_grid = 0, value, np.nan
         error = half = found.uncertainty
     else:

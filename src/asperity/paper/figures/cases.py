@@ -32,7 +32,7 @@ far above, which would flatten all curves; those of random surfaces stay below 6
 
 
 @dataclass(frozen=True)
-class Case:
+class FigureCase:
     """A curve or a panel: statistics of one surface at one Poisson's ratio.
 
     Parameters
@@ -74,26 +74,27 @@ class Case:
         return f"{int(peaks['peak_counts'].sum())} peaks, {', '.join(parts)}"
 
 
-def of_surfaces(statistics: Datasets) -> list[Case]:
+def of_surfaces(statistics: Datasets) -> list[FigureCase]:
     """A case for each surface, at the Poisson's ratio of its contact."""
     return [
-        Case(label(data), data.sel(poisson=data.attrs["poisson_contact"])) for data in statistics.values()
+        FigureCase(label(data), data.sel(poisson=data.attrs["poisson_contact"]))
+        for data in statistics.values()
     ]
 
 
-def of_ratios(statistics: Datasets) -> list[Case]:
+def of_ratios(statistics: Datasets) -> list[FigureCase]:
     """A case for each Poisson's ratio of a single surface."""
     (data,) = statistics.values()
-    return [Case(rf"$\nu = {ratio:g}$", data.sel(poisson=ratio)) for ratio in data["poisson"].values]
+    return [FigureCase(rf"$\nu = {ratio:g}$", data.sel(poisson=ratio)) for ratio in data["poisson"].values]
 
 
-def extreme_ratios(statistics: Datasets) -> list[Case]:
+def extreme_ratios(statistics: Datasets) -> list[FigureCase]:
     """The cases of the largest and of the smallest Poisson's ratio of a single surface."""
     cases = sorted(of_ratios(statistics), key=lambda case: float(case.statistics["poisson"]), reverse=True)
     return [cases[0], cases[-1]] if len(cases) > 1 else cases
 
 
-def shortest_waves(statistics: Datasets) -> list[Case]:
+def shortest_waves(statistics: Datasets) -> list[FigureCase]:
     """The cases of the two surfaces with the shortest waves, the shorter one last."""
     return sorted(of_surfaces(statistics), key=lambda case: case.wavelength_short)[:2][::-1]
 
@@ -182,14 +183,14 @@ def title_panel(axis: Axes, title: str) -> None:
     axis.set_title(title.replace(", ", ",\n") + "\n" if ", " in title else title, loc="center")
 
 
-def von_mises_densities(axis: Axes, cases: Sequence[Case]) -> None:
+def von_mises_densities(axis: Axes, cases: Sequence[FigureCase]) -> None:
     """Draw the probability density of the von Mises peaks, one curve for each case."""
     for case in cases:
         peak_density(axis, case, "von_mises", label=case.title)
     finish_densities(axis, r"\sigma_\mathrm{VM}")
 
 
-def peak_density(axis: Axes, case: Case, quantity: str, compression: bool = False, **look: Any) -> None:
+def peak_density(axis: Axes, case: FigureCase, quantity: str, compression: bool = False, **look: Any) -> None:
     """Draw the probability density of the peaks of a quantity; of a shear stress that of the magnitude.
 
     With `compression`, compressive stresses are drawn to the right.

@@ -13,8 +13,8 @@ from asperity.core.types import Array
 from asperity.paper.figures.cases import (
     CASES,
     LARGEST_OVER_MEDIAN,
-    Case,
     Datasets,
+    FigureCase,
     curve_with_band,
     distinct,
     extreme_ratios,
@@ -257,7 +257,7 @@ def caption_decay(statistics: Datasets, cases: str) -> Iterator[str]:
         )
 
 
-def _units(compared: Sequence[Case], cases: str) -> list[float]:
+def _units(compared: Sequence[FigureCase], cases: str) -> list[float]:
     """Unit of depth of each case."""
     units = [case.wavelength_short for case in compared]
     return units[:1] * len(units) if cases == "shortest waves" else units
@@ -268,7 +268,7 @@ def _end_of_most(edges: Array, counts: Array) -> float:
     return float(edges[1:][np.searchsorted(np.cumsum(counts), MOST * counts.sum())])
 
 
-def _joint_density(case: Case, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:
+def _joint_density(case: FigureCase, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:
     """Edges of value and of depth in a unit, and the density of the von Mises peaks, masked where zero."""
     peaks = case.peaks("von_mises")
     value, depth = peaks["bin_edge"].values, peaks["depth_edge"].values / unit

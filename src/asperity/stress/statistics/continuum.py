@@ -36,7 +36,7 @@ from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 from asperity.stress.peaks.selection import peak_numbers
 from asperity.stress.statistics.covariance import decay_lengths
 
-TOLERANCE = 1e-4
+HALF_TOLERANCE = 1e-4
 """Of the second solution and of the planes of its stress: far below the error of the grid."""
 
 LEAST_NODES = 200

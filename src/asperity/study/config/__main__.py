@@ -82,11 +82,11 @@ def with_settings(text: str) -> str:
 def _table(title: str, description: str, rows: Iterable[tuple[str, Entry]]) -> str:
     lines = []
     for key, entry in rows:
-        left_out = entry.get("left_out", "")
+        default_text = entry.get("default_text", "")
         if "default" in entry:
             value = entry["default"]
-            left_out = f"`{str(value).lower() if isinstance(value, bool) else value}`"
-        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), left_out, entry["description"])
+            default_text = f"`{str(value).lower() if isinstance(value, bool) else value}`"
+        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), default_text, entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([f"### {title}", "", description, "", *_HEAD, *lines])
 

@@ -19,7 +19,7 @@ from asperity.study.config.schema import LOAD_LABELS, Entry, accepted, complete,
 _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
 
-ROUNDING = 1e-9
+TWO_NODES_SLACK = 1e-9
 """Two nodes on the shortest wavelength may be missed by this much, as 1/3 in decimal digits misses them."""
 
 _FEWEST_PLANES = 4
@@ -194,7 +194,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         short, long = surface["wavelength_short"], surface["wavelength_long"]
         if short > long:
             yield f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed"
-        if short * points < 2 - ROUNDING:
+        if short * points < 2 - TWO_NODES_SLACK:
             yield (
                 f"{key}.points = {points!r}: at least {round(2 / short)} are needed, "
                 f"two on wavelength_short = {short!r}"

@@ -51,7 +51,7 @@ def _group(entry: Entry) -> Entry:
         "type": "object",
         "properties": below,
         "additionalProperties": _group(named) if named else False,
-        "required": [name for name, each in below.items() if not {"default", "left_out"} & each.keys()],
+        "required": [name for name, each in below.items() if not {"default", "default_text"} & each.keys()],
     }
 
 

@@ -41,7 +41,7 @@ from asperity.study.cost.model import job_cost, minutes, time_factor
 
 
 @dataclass(frozen=True)
-class Scene:
+class PlannedContact:
     """A contact to be calculated.
 
     Parameters
@@ -62,7 +62,7 @@ class Scene:
     ratios: int = 1
 
 
-OF_NO_PLAN = {"label": "surface", "rms_height": 1e-3}
+UNPLANNED = {"label": "surface", "rms_height": 1e-3}
 """Settings of a random surface that a study needs and on which no plan depends."""
 
 
@@ -97,7 +97,7 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     config = with_base(config)
     surfaces = config.get("surfaces")
     if isinstance(surfaces, dict):
-        both = {name: OF_NO_PLAN | given for name, given in surfaces.items() if isinstance(given, dict)}
+        both = {name: UNPLANNED | given for name, given in surfaces.items() if isinstance(given, dict)}
         config["surfaces"] = surfaces | both
     config = with_loads(config)
     if area_fraction is not None:
@@ -109,14 +109,14 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     return whole
 
 
-def scenes(
+def planned_contacts(
     config: Mapping[str, Any], load_area: Collection[str]
-) -> tuple[dict[str, Scene], AccuracySettings]:
-    """Scenes of a complete configuration, and settings of accuracy.
+) -> tuple[dict[str, PlannedContact], AccuracySettings]:
+    """Planned contacts of a complete configuration, and settings of accuracy.
 
-    The scenes are the random surfaces of all studies, or all surfaces if no study names any. The settings are
-    those of the surface with the fewest nodes per wavelength. A figure shows the load-area curves of the
-    surfaces in `load_area`.
+    They are those of the random surfaces of all studies, or of all surfaces if no study names any. The
+    settings are those of the surface with the fewest nodes per wavelength. A figure shows the load-area
+    curves of the surfaces in `load_area`.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def scenes(
                 f"contact.{kind} = {area!r}: area_fraction is needed in its place, for which costs and "
                 "errors were measured"
             )
-        found[name] = Scene(
+        found[name] = PlannedContact(
             hurst=surface["hurst"],
             wavelength_long=surface["wavelength_long"],
             wavelength_short=surface["wavelength_short"],
@@ -146,13 +146,13 @@ def scenes(
     return found, settings
 
 
-PEAKS = ("pressure_p90", "pressure_p99", "von_mises_p90", "von_mises_p99")
+PEAK_OUTPUTS = ("pressure_p90", "pressure_p99", "von_mises_p90", "von_mises_p99")
 """Outputs that a plan is made for if none is named."""
 
 MAX_SEEDS = 1000
 """Largest number of seeds that is proposed."""
 
-MARGIN = 1.5
+ERROR_MARGIN = 1.5
 """Bound over the largest error that was measured."""
 
 STUDENT_95 = 2.36
@@ -165,7 +165,7 @@ MEASURED_WAVELENGTH = 0.125
 MEASURED_RANGES = {"hurst": (0.2, 0.8), "area_fraction": (0.02, 0.1)}
 """Properties of the surfaces that were measured."""
 
-SETTINGS = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space_tolerance")
+VARIED = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space_tolerance")
 """Parameters whose error grows with their value."""
 
 
@@ -201,7 +201,7 @@ class Target:
     error : float, optional
         Largest relative error; the settings that take least time are proposed.
     seconds : float, optional
-        Processor time for all scenes and seeds on one thread. Without an error, the settings with the
+        Processor time for all contacts and seeds on one thread. Without an error, the settings with the
         smallest error are proposed.
     memory : float, optional
         Bytes of one process.
@@ -214,7 +214,7 @@ class Target:
         If no limit is given.
     """
 
-    outputs: Sequence[str] = PEAKS
+    outputs: Sequence[str] = PEAK_OUTPUTS
     error: float | None = None
     seconds: float | None = None
     memory: float | None = None
@@ -233,7 +233,7 @@ class Proposal:
     ----------
     accuracy : AccuracySettings
     seconds : float
-        Processor time on one thread for all scenes and seeds.
+        Processor time on one thread for all contacts and seeds.
     memory : float
         Peak memory of one process in bytes.
     errors : data frame
@@ -256,31 +256,31 @@ class Proposal:
         return float(self.of(names).sum(axis=1).max())
 
 
-def scene_cost(scene: Scene, accuracy: AccuracySettings) -> tuple[float, float]:
+def contact_cost(contact: PlannedContact, accuracy: AccuracySettings) -> tuple[float, float]:
     """Processor time (s) and peak memory (bytes) of one surface and one seed, from the spectrum to the peaks.
 
     The stages are calculated one after the other; the start of their processes is not counted.
     """
-    nodes = accuracy.points(scene.wavelength_short) ** 2
-    contact = "contact" if scene.loads == 1 else "load-area curve"
+    nodes = accuracy.points(contact.wavelength_short) ** 2
+    job = "contact" if contact.loads == 1 else "load-area curve"
     costs = [
-        job_cost(contact, nodes, scene.loads),
-        job_cost("stress", nodes, scene.ratios, accuracy.depth_spacing),
+        job_cost(job, nodes, contact.loads),
+        job_cost("stress", nodes, contact.ratios, accuracy.depth_spacing),
     ]
     return sum(cost.calculation_seconds for cost in costs), max(cost.memory for cost in costs)
 
 
 def assess(
-    scenes: Sequence[Scene],
+    contacts: Sequence[PlannedContact],
     accuracy: AccuracySettings,
     one_surface: bool = False,
     factor: float | None = None,
 ) -> Proposal:
-    """Cost of all scenes and seeds, one after the other, and the largest error bounds of any of them.
+    """Cost of all contacts and seeds, one after the other, and the largest error bounds of any of them.
 
     Parameters
     ----------
-    scenes : sequence of Scene
+    contacts : sequence of PlannedContact
     accuracy : AccuracySettings
     one_surface : bool
         As in `Target`.
@@ -289,21 +289,23 @@ def assess(
         `asperity.study.cost.model.time_factor`.
     """
     factor = time_factor() if factor is None else factor
-    costs = [scene_cost(scene, accuracy) for scene in scenes]
-    bounds = [error_bounds(scene, accuracy, one_surface) for scene in scenes]
+    costs = [contact_cost(contact, accuracy) for contact in contacts]
+    bounds = [error_bounds(contact, accuracy, one_surface) for contact in contacts]
     errors = pd.concat(bounds).groupby(level=0, sort=False).max()
     seconds = factor * accuracy.seeds * sum(seconds for seconds, _ in costs)
     return Proposal(accuracy, seconds, max(memory for _, memory in costs), errors)
 
 
-def error_bounds(scene: Scene, accuracy: AccuracySettings, one_surface: bool = False) -> pd.DataFrame:
+def error_bounds(
+    contact: PlannedContact, accuracy: AccuracySettings, one_surface: bool = False
+) -> pd.DataFrame:
     """Bounds of the relative errors as in `Proposal`, infinite where nothing was measured.
 
-    The errors at the largest measured area that is not above that of the scene hold: they grow as the area
+    The errors at the largest measured area that is not above that of the contact hold: they grow as the area
     falls.
     """
     table = measured()
-    areas = table["area_fraction"][table["area_fraction"] <= scene.area_fraction * (1 + 1e-9)]
+    areas = table["area_fraction"][table["area_fraction"] <= contact.area_fraction * (1 + 1e-9)]
     if areas.empty:
         return pd.DataFrame(math.inf, outputs(), ["grid", "settings", "seeds"])
     table = table[table["area_fraction"] == areas.max()].set_index("output")
@@ -319,7 +321,7 @@ def error_bounds(scene: Scene, accuracy: AccuracySettings, one_surface: bool = F
         return rows["error"][values == coarser.min()]
 
     paper = PRESETS["paper"]
-    limits = {name: getattr(accuracy, name) for name in SETTINGS}
+    limits = {name: getattr(accuracy, name) for name in VARIED}
     # It was varied on the grid of the paper; the errors of the grids hold that of the spacing there.
     limits["depth_spacing"] *= paper.points_per_wavelength / accuracy.points_per_wavelength
     if limits["depth_spacing"] <= paper.depth_spacing:
@@ -329,23 +331,23 @@ def error_bounds(scene: Scene, accuracy: AccuracySettings, one_surface: bool = F
     if accuracy.precision == "float32":
         settings += table["error"][table["parameter"] == "precision"]
     spread = table["error"][table["parameter"] == "seeds"]
-    interval = STUDENT_95 * scene.wavelength_long / MEASURED_WAVELENGTH / math.sqrt(accuracy.seeds)
+    interval = STUDENT_95 * contact.wavelength_long / MEASURED_WAVELENGTH / math.sqrt(accuracy.seeds)
     return pd.DataFrame(
         {
-            "grid": MARGIN * largest("points_per_wavelength", accuracy.points_per_wavelength),
-            "settings": MARGIN * settings,
+            "grid": ERROR_MARGIN * largest("points_per_wavelength", accuracy.points_per_wavelength),
+            "settings": ERROR_MARGIN * settings,
             "seeds": (0.0 if one_surface else interval) * spread,
         },
         index=outputs(),
     )
 
 
-def propose(scenes: Sequence[Scene], target: Target, factor: float | None = None) -> Proposal:
+def propose(contacts: Sequence[PlannedContact], target: Target, factor: float | None = None) -> Proposal:
     """The cheapest settings within an error, or the most accurate within a time and a memory.
 
     Parameters
     ----------
-    scenes : sequence of Scene
+    contacts : sequence of PlannedContact
         One or more; the settings are the same for all of them.
     target : Target
     factor : float, optional
@@ -361,9 +363,9 @@ def propose(scenes: Sequence[Scene], target: Target, factor: float | None = None
     found = []
     for points in map(float, grids):
         accuracy = replace(PRESETS["paper"], points_per_wavelength=points, depth_spacing=spacing_of(points))
-        single = assess(scenes, accuracy, target.one_surface, factor)
+        single = assess(contacts, accuracy, target.one_surface, factor)
         seeds = 1 if target.one_surface else _seeds_needed(single, target)
-        found.append(assess(scenes, replace(accuracy, seeds=seeds), target.one_surface, factor))
+        found.append(assess(contacts, replace(accuracy, seeds=seeds), target.one_surface, factor))
     seconds, memory = target.seconds or math.inf, target.memory or math.inf
     affordable = [each for each in found if each.seconds <= seconds and each.memory <= memory]
     if not affordable:
@@ -392,15 +394,18 @@ def _seeds_needed(single: Proposal, target: Target) -> int:
 
 
 def report(
-    proposal: Proposal, scenes: Mapping[str, Scene], outputs: Sequence[str], one_surface: bool = False
+    proposal: Proposal,
+    contacts: Mapping[str, PlannedContact],
+    outputs: Sequence[str],
+    one_surface: bool = False,
 ) -> str:
     """Text of a proposal: its cost, its error bounds by source, and the configuration keys that set it.
 
     Parameters
     ----------
     proposal : Proposal
-    scenes : mapping
-        Name of each surface → its scene.
+    contacts : mapping
+        Name of each surface → its contact.
     outputs : names
     one_surface : bool
         As in `Target`.
@@ -411,19 +416,19 @@ def report(
         If an output is unknown.
     """
     accuracy = proposal.accuracy
-    largest = max(accuracy.points(scene.wavelength_short) for scene in scenes.values())
+    largest = max(accuracy.points(contact.wavelength_short) for contact in contacts.values())
     subject = "this very surface" if one_surface else "the mean of its kind, to 95 %"
     bounds = proposal.of(outputs)
     bounds = bounds.drop(columns="seeds") if one_surface else bounds
     bounds["together"] = bounds.sum(axis=1)
     warnings = {
-        name: f"# {name} = {getattr(scene, name):g} is outside what was measured, {low:g} to {high:g}"
-        for scene in scenes.values()
+        name: f"# {name} = {getattr(contact, name):g} is outside what was measured, {low:g} to {high:g}"
+        for contact in contacts.values()
         for name, (low, high) in MEASURED_RANGES.items()
-        if not low <= getattr(scene, name) <= high
+        if not low <= getattr(contact, name) <= high
     }
     lines = [
-        f"{len(scenes)} {'surface' if len(scenes) == 1 else 'surfaces'}, {accuracy.seeds} "
+        f"{len(contacts)} {'surface' if len(contacts) == 1 else 'surfaces'}, {accuracy.seeds} "
         f"{'seed' if accuracy.seeds == 1 else 'seeds'}, at most {largest} x {largest} nodes",
         f"about {minutes(proposal.seconds)} on one thread, {proposal.memory / 2**30:.2f} GiB; errors of "
         f"{subject}, corrected for the grid",
@@ -433,7 +438,7 @@ def report(
         "settings, to lay over a configuration:",
         *warnings.values(),
         yaml.safe_dump(
-            overlay(accuracy, {name: scene.wavelength_short for name, scene in scenes.items()}),
+            overlay(accuracy, {name: contact.wavelength_short for name, contact in contacts.items()}),
             default_flow_style=None,
             sort_keys=False,
         ).rstrip(),

@@ -13,7 +13,7 @@ from asperity.contact import solve, solve_path
 from asperity.core.types import Progress
 from asperity.elasticity.layer import Layer, simplest_solid
 from asperity.results.dataset import grid_of, height_of
-from asperity.stress.statistics.continuum import TOLERANCE, on_half_the_nodes, reason_against
+from asperity.stress.statistics.continuum import HALF_TOLERANCE, on_half_the_nodes, reason_against
 from asperity.study.config.schema import imposed_load
 
 SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poisson_contact")
@@ -161,5 +161,7 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
         return None
     layer, record = solid(layer_settings)
     height, grid, lost = on_half_the_nodes(height, grid_of(contact))
-    half = solve(height, layer, grid.length, mean_pressure=float(contact["mean_pressure"]), rtol=TOLERANCE)
+    half = solve(
+        height, layer, grid.length, mean_pressure=float(contact["mean_pressure"]), rtol=HALF_TOLERANCE
+    )
     return half.to_dataset().assign_attrs(record, lost_gradient=lost)

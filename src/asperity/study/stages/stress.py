@@ -13,7 +13,7 @@ from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.results.dataset import grid_of
 from asperity.stress.analysis import SOUGHT, analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
-from asperity.stress.statistics.continuum import TOLERANCE
+from asperity.stress.statistics.continuum import HALF_TOLERANCE
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, contact_on_half_the_nodes, solid
 from asperity.study.stages.statistics import stress_numbers
 
@@ -73,7 +73,7 @@ def stress_of_seed(
     found = compute_stresses(contact, layer_settings, stress_settings, laterals, quantities, progress)
     halves: dict[str, tuple[xr.Dataset, xr.Dataset]] = {}
     if (half := contact_on_half_the_nodes(contact, layer_settings)) is not None:
-        settings = {**stress_settings, "tolerance": TOLERANCE}
+        settings = {**stress_settings, "tolerance": HALF_TOLERANCE}
         of_half = compute_stresses(half, layer_settings, settings, laterals, quantities)
         halves = {lateral: (half, stress) for lateral, stress in of_half.items()}
     each = [stress_numbers(contact, stress, halves.get(lateral)) for lateral, stress in found.items()]

@@ -27,7 +27,7 @@ from asperity.surface.reading.height_map import (
 LARGEST_HEIGHT = 1e6
 """Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
 
-REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, ROUNDING = 1e-3, 10, 2**16, 1e-9
+REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, EQUAL_HEIGHTS = 1e-3, 10, 2**16, 1e-9
 """Smallest share of the points that have the height of those without data, its ratio to that of the next
 heights, the points of the sample in which it is looked for, and the difference of equal heights relative to
 their interquartile range. Neighbouring steps of a coarse quantisation have about as many points; plateaus of
@@ -228,7 +228,7 @@ def repeated_height(height: Array) -> tuple[float, int] | None:
     if low == high:
         return None
     bins, first, counts = np.unique(
-        np.rint(sample / (ROUNDING * (high - low))), return_index=True, return_counts=True
+        np.rint(sample / (EQUAL_HEIGHTS * (high - low))), return_index=True, return_counts=True
     )
     if bins.size < 2:
         return None

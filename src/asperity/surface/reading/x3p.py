@@ -48,8 +48,8 @@ def read_x3p(file: BinaryIO) -> FileContent:
         def text(path: str) -> str:
             return (root.findtext("/".join(f"{{*}}{part}" for part in path.split("/"))) or "").strip()
 
-        def number(path: str, without: float) -> float:
-            return float(text(path).replace(",", ".") or without)
+        def number(path: str, default: float) -> float:
+            return float(text(path).replace(",", ".") or default)
 
         kind, size_z = text("Record1/FeatureType").upper(), text("Record3/MatrixDimension/SizeZ") or "1"
         if kind not in ("SUR", "PRF", "") or size_z != "1":
