@@ -10,8 +10,6 @@ draws layers with q height from 0.01 to 10, ν from −0.9 to 0.5, both bottoms,
 that of `asperity.Layer`, the fields are its eigenvalues; the phase is searched in steps of five degrees.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -14,8 +14,6 @@ of a double one that it takes, measured in the same process.
 With ``--threads`` the contact is solved on one thread and on two alternately, and ``threads.csv`` is written.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -9,8 +9,6 @@ to its pixels, half of the nodes lose waves. The shares that the estimates use w
 surfaces of this kind.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Iterator

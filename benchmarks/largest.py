@@ -6,8 +6,6 @@ Each group of 4 of the 400 cells predicts the largest pressure and von Mises str
 an elastic contact and once under a hardness. A prediction is met if the true value is in its 95 % interval.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -3,8 +3,6 @@
 OMP_NUM_THREADS=1 python benchmarks/moving.py --grid 128 --seeds 3
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 

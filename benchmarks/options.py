@@ -3,8 +3,6 @@
 python benchmarks/options.py --grid 1024 --out options.csv
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Callable, Iterator

@@ -6,8 +6,6 @@ the files of ``tests/data``, which hold one surface. The second is the processor
 1 GB are allowed.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import os

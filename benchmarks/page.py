@@ -6,8 +6,6 @@ runs the benchmarks of all parts, or of those named, and writes the page from th
 docs/performance; with ``--page`` it writes the page alone.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import platform

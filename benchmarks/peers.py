@@ -9,8 +9,6 @@ slippy 0.5.2 is not among them: it needs numpy before 1.21, which Python 3.11 ca
 ends with an error on today's scipy.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import re

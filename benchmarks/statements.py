@@ -6,8 +6,6 @@ The surfaces of both Hurst exponents lie in a cell a quarter as wide as the stud
 same load on both grids.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

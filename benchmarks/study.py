@@ -8,8 +8,6 @@ keeps its rows in ``study.csv``. Processor time is that of all jobs and of Snake
 any process.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import resource

@@ -12,8 +12,6 @@ Written are ``src/asperity/study/cost/errors.csv``, from which `asperity plan` i
 ``docs/tradeoff.md`` and ``config/README.md``, and the figure of both ``docs`` and ``paper``.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import time

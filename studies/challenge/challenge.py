@@ -12,8 +12,6 @@ M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65 (
 10.1007/s11249-017-0900-2.
 """
 
-from __future__ import annotations
-
 import argparse
 import resource
 import time

@@ -10,8 +10,6 @@ Every surface has the waves of one Gaussian surface of its seed, so that seeds a
 is the mean of the logarithmic ratios over seeds, and its error that over seeds and those of the grid.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from pathlib import Path

@@ -10,8 +10,6 @@ is the root mean square of what is left of ln(y/s) after subtracting the mean of
 all surfaces and areas. All errors are standard errors of the jackknife over surfaces.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence

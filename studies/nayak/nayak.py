@@ -9,8 +9,6 @@ configuration the page is written from the table that is kept. Run it in the pro
 ḡ_r of the rough surface over the real contact, where it equals the deformed one.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Mapping, Sequence

@@ -7,8 +7,6 @@ solved, refused with a message that names the setting, or ends with `Convergence
 defect. A solution counts only if `solution_check` confirms it.
 """
 
-from __future__ import annotations
-
 import math
 import time
 import warnings

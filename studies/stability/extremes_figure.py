@@ -1,7 +1,5 @@
 """Extremes: outcomes of contacts with one or two settings at the ends of their ranges."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from extremes import NO_CELL, OUTCOMES, REFUSED

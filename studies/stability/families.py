@@ -5,8 +5,6 @@ multiplies the relief by a height and adds an offset. Its settings are drawn fro
 one. The study of stability, the random search and the tests draw from here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any

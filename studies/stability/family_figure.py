@@ -1,7 +1,5 @@
 """Families: outcome and work of contacts of every family of surfaces with every level of every setting."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import xarray as xr

@@ -5,8 +5,6 @@ solved and confirmed by `solution_check`, or refused with a message that names a
 a defect.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -9,8 +9,6 @@ that holds.
 precision of the arguments. Equation numbers are those of the paper. z is measured upward from the bottom.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -15,8 +15,6 @@ Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected
 ``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Layer`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Stability: rounding errors of the formulas of the layer, over q · height."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -21,8 +21,6 @@ change, in the norm of the energy. The inverse of a compliance restricted to som
 restriction of the inverse. With a free boundary it is the inverse of a dense matrix, up to `FREE_NODES`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

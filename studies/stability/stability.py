@@ -6,8 +6,6 @@ computes them in two minutes and writes docs/stability.md with its three figures
 in the project's folder.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

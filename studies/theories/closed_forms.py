@@ -5,8 +5,6 @@ all is the mean square of the heights. Integrals of the theories over the spectr
 sums, 2π ∫ q C f dq → Σ power f.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf

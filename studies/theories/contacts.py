@@ -4,8 +4,6 @@ Pressures are in units of E*ḡ, lengths in rms heights or λ_s. Names end in ``
 the nodes along both edges.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

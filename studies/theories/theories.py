@@ -7,8 +7,6 @@ then the page (``theories.py page``). Intervals are 95 % intervals of the mean o
 errors of the grid are beside them.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from itertools import pairwise

@@ -24,8 +24,6 @@ D. M. Burmister, J. Appl. Phys. 16 (1945) 89, DOI 10.1063/1.1707558, for the sur
 form. The forms that do not cancel are new here.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -25,8 +25,6 @@ and the series are new here; `asperity.reference.state_space` is the independent
 against.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

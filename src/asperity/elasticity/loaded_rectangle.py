@@ -17,8 +17,6 @@ Methods Comput. Phys. 9 (1970) 135; S. Liu, Q. Wang, G. Liu, Wear 243 (2000) 101
 10.1016/S0043-1648(00)00427-0).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

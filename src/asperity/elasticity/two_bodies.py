@@ -6,8 +6,6 @@ half-spaces 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. The stress in ea
 the layer of that body.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ and the captions of the figures those in docs/figures.md. The verdicts in docs/c
 README.md are written from the table.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 import textwrap

@@ -5,8 +5,6 @@ The crate follows RO-Crate 1.1 and the profiles Workflow RO-Crate 1.0 and Workfl
 https://w3id.org/ro/wfrun/workflow/0.5).
 """
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Sequence
 from datetime import UTC, datetime

@@ -1,7 +1,5 @@
 """The report of a study: its figures, verdicts, checks and costs on one HTML page that needs no network."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping
 from pathlib import Path

@@ -24,8 +24,6 @@ The mean gap is the integral over the circle of the crack opening at r, divided 
     4/(π E*) ∫_r^b dt/√(t² − r²) ∫_0^t (p* − p̄ − p* k² s²/4) s ds/√(t² − s²).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

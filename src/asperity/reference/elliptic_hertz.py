@@ -29,8 +29,6 @@ I_x and I_y are Carlson's elliptic integrals R_D, in which, unlike in Legendre's
 cancels when the ellipse becomes a circle.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 

@@ -18,8 +18,6 @@ Arrays are ordered (z, y, x), with z up from the bottom; the axis of the indente
 are in any unit, stresses in that of Young's modulus.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import product
 

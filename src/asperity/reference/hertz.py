@@ -10,8 +10,6 @@ u)(1 − c²)``, ``depth = c √u`` with ``u ≥ 0`` and ``0 ≤ c ≤ 1``. In t
 the axis, at the surface or far away.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 

@@ -7,8 +7,6 @@ of the sign of x, the stress is in closed form (E. McEwen, Phil. Mag. 40 (1949) 
 7.8; the traction along y is in antiplane shear, with the analytic function m − z + i (x − n) of x + iz).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

@@ -11,8 +11,6 @@ Here the sum runs over |k|, |l| ≤ n, neighbours outside this window enter by t
 leading term, and the remainder, which falls as n⁻³, is removed by extrapolating from n and 2n.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ Computers & Operations Research 21 (1994) 587, DOI 10.1016/0305-0548(94)90106-6)
 not iterate on pressures, and it has no tolerance but rounding.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 

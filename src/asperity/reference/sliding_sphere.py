@@ -36,8 +36,6 @@ Nothing cancels on the axis, at the surface or at the edge of contact. Far away,
 errors grow as (d/a)³.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

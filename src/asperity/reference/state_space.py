@@ -13,8 +13,6 @@ Conventions are those of the package. Numbers are `mpmath` numbers; `digits` is 
 which a thin layer loses about four times the decimal logarithm of 1/(q · height).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import mpmath as mp

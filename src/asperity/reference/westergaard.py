@@ -13,8 +13,6 @@ as ``σ_zz = Re Z + depth Im Z'``, ``σ_xx = Re Z − depth Im Z'``, ``σ_xz = d
 uniform part of σ_xx; the slope of the surface is ``2 Im Z / E*``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

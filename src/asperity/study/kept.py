@@ -1,7 +1,5 @@
 """Kept results and pages of the small studies in the folder ``studies``."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Before and after a run of the study: memory and disk space, compilation, and manifest of its results."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Description of a height map before anything is computed: size, gaps, spikes, roughness, spectrum."""
 
-from __future__ import annotations
-
 import math
 import os
 from typing import NamedTuple

@@ -6,8 +6,6 @@ square rings of growing integer wavenumber. One seed is therefore **the same sur
 and a smaller shortest wavelength adds waves without changing the longer ones.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from asperity.core.arguments import LARGEST, SMALLEST, magnitude, number, require_finite, whole_number

@@ -1,7 +1,5 @@
 """Overview picture of the claims: each number with its interval, and the region that the paper wants."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tables of the verdicts: for a reader, and as data frames from which they can be read again."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from typing import Any

@@ -3,8 +3,6 @@
 The workflow asks for them in every job: this module imports nothing that takes time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

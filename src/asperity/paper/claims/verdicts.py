@@ -14,8 +14,6 @@ holds under one and does not under another; it is *not decided* if one interpret
 no other contradicts. A claim whose surfaces or datasets the configuration lacks stays, with *no data*.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product

@@ -7,8 +7,6 @@ drawn: libraries for plotting take a second to import, and the workflow asks in 
 figures need.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

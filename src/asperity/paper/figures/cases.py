@@ -1,7 +1,5 @@
 """Cases that figures compare: surfaces at one Poisson's ratio, their densities of peaks, and captions."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

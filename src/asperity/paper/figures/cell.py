@@ -1,7 +1,5 @@
 """The cell in three dimensions: a block of solid with its deformed surface, and the indenter above it."""
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 from matplotlib.cm import ScalarMappable

@@ -1,7 +1,5 @@
 """Hertzian contacts in a periodic cell: load, area and stress beside closed forms and finite elements."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Statistics of rough surfaces: loads, and distributions and decay of the stress peaks."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rough surfaces: spectra, distributions of heights, cross-sections, and the pressure on them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 import numpy as np

@@ -6,8 +6,6 @@ accepted.
 ``describe`` prints tables of all settings; ``describe README`` writes them into that file.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Check of a configuration against the schema, and of its settings against each other."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping

@@ -6,8 +6,6 @@ content, so that a file from someone else does no harm. Plain scalars are those 
 ``no`` is false and ``1e-6`` is text. The end of the module reads the maps of a case file of ``asperity run``.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections import Counter

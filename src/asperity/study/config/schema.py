@@ -8,8 +8,6 @@ itself overrides the preset. Cost and errors of each preset, after the correctio
 ``benchmarks/tradeoff.py``.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

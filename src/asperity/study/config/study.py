@@ -4,8 +4,6 @@ A study stands alone: what its files do not ask for is not made. A file with ``b
 or the name of another study, changes that one: the settings of the file beneath hold where it gives none.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Mapping, Sequence

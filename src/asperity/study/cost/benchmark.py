@@ -1,7 +1,5 @@
 """Processor time and memory that the jobs of a study took, from the files of their ``benchmark:``."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

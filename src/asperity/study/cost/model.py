@@ -8,8 +8,6 @@ the repetitions of a job (loads, Poisson's ratios, seeds). `jobs.csv` holds the 
 this machine with it.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import time

@@ -9,8 +9,6 @@ A proposal chooses the nodes on the shortest wavelength and the number of seeds.
 of the preset of the paper, whose errors are far smaller.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Collection, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Stage contact: the solid of the study pressed against a rough surface, and its load-area curve."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Any

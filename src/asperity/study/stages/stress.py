@@ -1,7 +1,5 @@
 """Stage stress: the stress inside the solid under a contact, its peaks and its decay."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Stage surface: a random or measured rough surface, its roughness parameters and its spectrum."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any

@@ -4,8 +4,6 @@ Each goes through the whole chain, from the height of the indenter to the quanti
 units of the edge of the cell, stresses in units of E* unless said otherwise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

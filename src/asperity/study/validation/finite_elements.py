@@ -1,7 +1,5 @@
 """Comparison with finite elements: a paraboloid pressed into a bonded cubic slab."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ is on the middle node of the grid. The model is linear: all stresses scale with 
 indenter.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -4,8 +4,6 @@
 table (``results/validation/table.csv``), and ``tests/physics/test_validation.py`` asserts each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -3,8 +3,6 @@
 The options must not contradict the file. Everything that is wrong or missing is reported at once.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import NamedTuple

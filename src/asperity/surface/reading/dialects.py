@@ -1,7 +1,5 @@
 """Files of instruments that SurfaceTopography reads wrongly or not at all, rewritten as it expects them."""
 
-from __future__ import annotations
-
 import re
 import struct
 import zlib

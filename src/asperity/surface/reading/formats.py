@@ -3,8 +3,6 @@
 `formats.yaml` lists the formats, and the words in the names of channels.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import zipfile

@@ -4,8 +4,6 @@ Text, arrays of NumPy, pictures and surfaces of asperity are read here, files of
 SurfaceTopography.
 """
 
-from __future__ import annotations
-
 import gzip
 import io
 import math

@@ -5,8 +5,6 @@ table is refused with its line. Points x, y, z on a regular grid are a map; thos
 field in quotation marks may hold the separator, as a decimal comma or between thousands.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

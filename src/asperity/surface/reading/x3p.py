@@ -4,8 +4,6 @@ The archive holds ``main.xml`` at its top or in a folder. Heights are in a binar
 XML; a checksum that is stated has to be right. Lengths are in metres.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 import posixpath

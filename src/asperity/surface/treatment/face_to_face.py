@@ -11,8 +11,6 @@ the lower face of an indenter as `asperity.solve` takes it. Turned about the axi
 against x. A map whose heights are those of a lower face already faces down and is not turned.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

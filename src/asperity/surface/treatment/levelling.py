@@ -1,7 +1,5 @@
 """Operations on the heights of a map: scan lines, spikes, missing points, trends, filters, windows."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
