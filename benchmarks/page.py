@@ -24,6 +24,7 @@ import psutil
 from matplotlib.figure import Figure
 
 from asperity.core.markup import markdown
+from asperity.study.kept import rendered
 
 mpl.use("Agg")
 
@@ -43,98 +44,6 @@ SOLVERS = {
     "tamaas": ("#D55E00", "D", "tamaas"),
     "ContactMechanics": ("#CC79A7", "v", "ContactMechanics"),
 }
-
-HEAD = """# Performance
-
-## Contact at equal true error
-
-Each program solves the same problem on one thread, at several tolerances of its own; the processor time at
-which the pressure has a true relative error of 1e-6 is interpolated (≤: the least accurate run is more
-accurate than that). In parentheses, times relative to asperity.
-
-{periodic}
-With a free boundary:
-
-{free}
-![Processor time against the grid, and true error against processor time](performance/contact.png)
-
-| program | version | iterations on the finest grid | ms an iteration |
-|---|---|---|---|
-{programs}
-
-Iterations are those of the most accurate run on {largest}² nodes, H = 0.8, periodic.
-[ASPHER](https://github.com/cofebem/aspher) has nested grids, mixed precision and a certificate, as asperity
-has; pip builds it from its source. tamaas is the release build of its wheel. GFMD is the damped dynamics of
-the paper, `method="gfmd"`. slippy 0.5.2 needs numpy before 1.21, which Python 3.11 cannot install, and was
-not run.
-"""
-
-CONTACT = """
-## Growth and memory
-
-asperity at its default tolerance, 1e-6:
-
-{runs}
-The time grows with the number of nodes to the power {exponents}.
-"""
-
-METHOD = """
-## How it is measured
-
-`make bench` measures and writes this page; `make bench GRIDS="512 1024 2048"` leaves out the large grids, and
-`make bench PARTS="contact stress"` measures these parts anew. All runs are in `docs/performance`. Other
-programs need `pip install ".[peers]"`, with cmake, a C++17 compiler and Eigen for ASPHER.
-
-Machine: {machine}.
-
-Times are processor times on one thread unless a table says *wall*. A run is repeated up to three times, as
-long as that takes less than 10 s, and the shortest counts. Other jobs on the machine share its memory
-bandwidth and caches: *load* is the mean number of running processes in the minute before.
-
-The surface is self-affine, with eight nodes on the shortest wave, λ_l = L/8, seed 1, on a half-space under a
-mean pressure of 0.05 E\\* ḡ, with ḡ the rms gradient. True errors are relative L2 errors of the pressure,
-against a solution at an estimated error of 1e-10. *Pair equivalents* are pairs of transforms in double
-precision on the finest grid: transforms of coarser grids count in proportion to their nodes, those in single
-precision by the time that they take. Memory is the peak of the process, with Python and its libraries.
-
-{contact}
-{free}"""
-
-THREADS = """
-## Two threads
-
-{command}
-Wall times of a contact on one thread and on two, alternately in one process; the shortest count.
-
-{runs}"""
-
-STRESS = """
-## Stress in the body
-
-{command}
-The whole analysis of a contact at ten per cent area, H = 0.8, five Poisson's ratios, tolerance 1e-4. A *plane
-equivalent* is the work of eight real transforms of the grid. Memory is the peak of the process, and that
-before the analysis began.
-
-{runs}"""
-
-OPTIONS = """
-## Options
-
-{command}
-Hardness, load curves, cycles, coatings, partial slip and the gap on {points}² nodes under a mean pressure of
-0.02 E\\* ḡ: processor time over that of what they are added to.
-
-{runs}"""
-
-STUDY = """
-## The study
-
-{command}
-From nothing, in a new folder. `python workflow/cost.py` prints processor time and memory of each rule of a
-finished study; [Beyond one machine](scaling.md) has those of each job.
-
-{runs}"""
 
 
 def commands(grids: list[int]) -> dict[str, str]:
@@ -205,14 +114,14 @@ def number(value: float, form: str = ".3g") -> str:
 
 def table_of(rows: list[dict[str, Any]]) -> str:
     """A table in Markdown."""
-    return markdown(pd.DataFrame(rows)) + "\n"
+    return markdown(pd.DataFrame(rows))
 
 
 def command_of(part: str) -> str:
     """The command that measured a part, with its date and load."""
     row = read("commands").set_index("part").loc[part]
     load = f"load {row['load_before']} before and {row['load_after']} after"
-    return f"    {row['command']}\n\n{row['date']}, {row['minutes']} min, {load}.\n"
+    return f"    {row['command']}\n\n{row['date']}, {row['minutes']} min, {load}."
 
 
 def fast_runs(hurst: float) -> pd.DataFrame:
@@ -228,23 +137,16 @@ def largest_compared(table: pd.DataFrame) -> int:
     return int(programs.index[programs > programs.max() / 2].max())
 
 
-def compared() -> str:
-    """All programs at equal true error, by grid."""
+def programs(largest: int) -> str:
+    """Rows of the other programs: version, iterations and time of the most accurate run on a grid."""
     table = contact_runs()
     others = table[~table["solver"].str.contains("float") & table["error"].notna()]
-    largest = largest_compared(table)
     last = others[(others["points"] == largest) & (others["hurst"] == 0.8)]
-    programs = [
+    return "\n".join(
         f"| {SOLVERS[solver][2]} | {run['program'].split()[1]} | {number(run['iterations'], '.0f')} "
-        f"| {number(1e3 * run['seconds'] / run['iterations'])} |\n"
+        f"| {number(1e3 * run['seconds'] / run['iterations'])} |"
         for solver, runs in last.groupby("solver")
         for run in [runs.sort_values("error").iloc[0]]
-    ]
-    return HEAD.format(
-        periodic=equal(table),
-        free=equal(contact_runs("free")),
-        programs="".join(programs),
-        largest=largest,
     )
 
 
@@ -266,9 +168,8 @@ def equal(table: pd.DataFrame) -> str:
     return table_of(rows)
 
 
-def contact() -> str:
+def growth() -> str:
     """Times, memory and transforms by grid."""
-    hursts = sorted(contact_runs()["hurst"].unique())
     runs = [
         {
             "nodes": f"{run['points']}²",
@@ -285,15 +186,20 @@ def contact() -> str:
             "bytes a node": number(run["bytes_per_node"], ".0f"),
             "load": number(run["load_average"], ".1f"),
         }
-        for hurst in hursts
+        for hurst in sorted(contact_runs()["hurst"].unique())
         for _, run in fast_runs(hurst).iterrows()
     ]
-    exponents = []
-    for hurst in hursts:
+    return table_of(runs)
+
+
+def exponents() -> str:
+    """Powers of the number of nodes with which the time grows."""
+    found = []
+    for hurst in sorted(contact_runs()["hurst"].unique()):
         ends = fast_runs(hurst).iloc[[0, -1]]
         slope = np.log(ends["seconds"]).diff().iloc[1] / (2 * np.log(ends["points"]).diff().iloc[1])
-        exponents.append(f"{slope:.2f} for H = {hurst}")
-    return CONTACT.format(runs=table_of(runs), exponents=", ".join(exponents))
+        found.append(f"{slope:.2f} for H = {hurst}")
+    return ", ".join(found)
 
 
 def draw() -> None:
@@ -341,7 +247,7 @@ def threads() -> str:
         }
         for run in read("threads").to_dict("records")
     ]
-    return THREADS.format(command=command_of("threads"), runs=table_of(runs))
+    return table_of(runs)
 
 
 def stress() -> str:
@@ -361,15 +267,7 @@ def stress() -> str:
         }
         for run in read("stress").to_dict("records")
     ]
-    return STRESS.format(command=command_of("stress"), runs=table_of(runs))
-
-
-def options() -> str:
-    """Cost of the options."""
-    table = read("options")
-    runs = [{**run, "ratio": number(run["ratio"])} for run in table.drop(columns="points").to_dict("records")]
-    command = command_of("options")
-    return OPTIONS.format(command=command, points=table["points"].iloc[0], runs=table_of(runs))
+    return table_of(runs)
 
 
 def study() -> str:
@@ -386,7 +284,7 @@ def study() -> str:
         }
         for run in read("study").to_dict("records")
     ]
-    return STUDY.format(command=command_of("study"), runs=table_of(runs))
+    return table_of(runs)
 
 
 def main() -> None:
@@ -402,12 +300,24 @@ def main() -> None:
     for part in [] if given.page else given.parts or every:
         measure(part, every[part])
     draw()
-    method = METHOD.format(
+    largest, options = largest_compared(contact_runs()), read("options")
+    page = rendered(
+        Path(__file__).with_name("page.md.j2"),
+        command=command_of,
+        equal=equal,
+        periodic=contact_runs(),
+        free=contact_runs("free"),
+        programs=programs(largest),
+        largest=largest,
+        growth=growth(),
+        exponents=exponents(),
+        threads=threads(),
+        stress=stress(),
+        points=options["points"].iloc[0],
+        options=markdown(options.drop(columns="points").assign(ratio=options["ratio"].map(number))),
+        study=study(),
         machine=(FOLDER / "machine.txt").read_text("utf-8").strip(),
-        contact=command_of("contact"),
-        free=command_of("free"),
     )
-    page = "".join([compared(), contact(), threads(), stress(), options(), study(), method])
     (ROOT / "docs/performance.md").write_text(page, encoding="utf-8")
     print("docs/performance.md written")
 

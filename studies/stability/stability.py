@@ -15,8 +15,8 @@ import family_figure
 import family_outcomes
 import rounding
 import rounding_figure
-from jinja2 import Environment, StrictUndefined
 
+from asperity.study.kept import rendered
 from asperity.views.style import save, style
 
 DOCS = Path("docs")
@@ -37,10 +37,8 @@ def main() -> None:
     captions["elements"] = rounding.element_errors()
     times = family_figure.times_by_grid(found["families"][1])
     times.to_csv(DOCS / "families.csv", index=False, float_format="%.3g")
-    environment = Environment(undefined=StrictUndefined)
-    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
-    page = environment.from_string(text).render(captions)
-    (DOCS / "stability.md").write_text(page + "\n", encoding="utf-8")
+    page = rendered(Path(__file__).with_name("page.md.j2"), **captions)
+    (DOCS / "stability.md").write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

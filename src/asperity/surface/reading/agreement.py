@@ -35,8 +35,19 @@ AGREEMENT = 1e-3
 """Relative difference up to which what the caller says is what the file says: one pixel of a map of 1000."""
 
 
+GIB = 2**30
+
 # Units of files that pint reads as something else, or not at all.
 _METRES = {"~m": 1e-6, **dict.fromkeys(("A", "Å", "\u212b"), 1e-10)}
+
+
+def require_size(size: float, limit: float) -> None:
+    """Raise `ValueError` if a file holds more bytes of data than `limit` GiB."""
+    if size > limit * GIB:
+        raise ValueError(
+            f"max_memory = {limit:g} GiB: the file holds {size / GIB:.3g} GiB of data or more when it is "
+            "unpacked; set it to more if that is right"
+        )
 
 
 class FileContent(NamedTuple):

@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from asperity.surface.reading.agreement import FileContent, metres
+from asperity.surface.reading.agreement import FileContent, metres, require_size
 
 HEADING = 512
 """Bytes at the begin of a file by which `corrected` knows what it needs."""
@@ -27,7 +27,7 @@ def as_expected(format_name: str, file: BinaryIO, limit: float) -> bytes | None:
     Raises
     ------
     ValueError
-        If it unpacks to more than `limit` bytes, or is damaged.
+        If it unpacks to more than `limit` GiB, or is damaged.
     """
     if format_name == "sur":
         return _sur(file.read(), limit)
@@ -79,8 +79,7 @@ def _sur(content: bytes, limit: float) -> bytes:
     header[:12] = b"DIGITAL SURF"
     bits, size = struct.unpack_from("<H", header, 98)[0], struct.unpack_from("<I", header, 116)[0]
     wanted = bits * size // 8
-    if wanted > limit:
-        raise ValueError(f"max_memory: the file holds {wanted / 2**30:.3g} GiB of data when it is unpacked")
+    require_size(wanted, limit)
     begin = 512 + sum(struct.unpack_from("<HH", header, 334))
     (count,) = struct.unpack_from("<I", content, begin)
     sizes = struct.unpack_from(f"<{2 * count}I", content, begin + 4)[1::2]

@@ -8,7 +8,7 @@ import numpy as np
 
 from asperity.core.arguments import plane_axes, rising
 from asperity.fourier.grid import grid_of
-from asperity.surface.reading.agreement import FileContent, metres
+from asperity.surface.reading.agreement import FileContent, metres, require_size
 from asperity.surface.reading.formats import Channel, choose_channel
 from asperity.surface.reading.height_map import LOWER_FACE, ORIENTATIONS, MapOptions
 
@@ -75,10 +75,7 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
         channels = tuple(Channel(name, (opened[name].shape[0], opened[name].shape[1])) for name in maps)
         index, undecided = choose_channel(channels, options.channel)
         chosen = opened[maps[index]]
-        if 8.0 * chosen.size > options.max_memory * 2**30:
-            raise ValueError(
-                f"max_memory = {options.max_memory:g} GiB: the file holds more data; set it to more"
-            )
+        require_size(8.0 * chosen.size, options.max_memory)
         values = rising(chosen.load())
     default = LOWER_FACE if "lower face" in str(values.attrs.get("long_name")) else None
     orientation = str(values.attrs.get("orientation", default))

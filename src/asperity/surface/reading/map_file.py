@@ -26,7 +26,7 @@ import numpy as np
 from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.surface.reading import dialects, formats
-from asperity.surface.reading.agreement import FileContent, MapFile, metres
+from asperity.surface.reading.agreement import GIB, FileContent, MapFile, metres, require_size
 from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
@@ -41,8 +41,6 @@ PROFILE_LINES = 4
 
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
-
-GIB = 2**30
 
 _SAID_BY_FILE = re.compile(
     r"(channel|missing|unit|height_factor|physical_size)\b(?: = |: the file itself).*"
@@ -169,7 +167,7 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     if zipfile.is_zipfile(file):
         with zipfile.ZipFile(file) as archive:
             size = sum(member.file_size for member in archive.infolist())
-    _require_size(size, options.max_memory)
+    require_size(size, options.max_memory)
     file.seek(0)
     if dialect is not None:
         form, content = _table_map(NumberTable(_text(file.read()), dialect), options)
@@ -221,7 +219,7 @@ def _first_readable(
         file.seek(place) == place and file.read(8) == HDF5 for place in (0, 512)
     ):  # 512 in those of MATLAB
         require(("h5py",))
-        _require_size(largest_chunk(file), options.max_memory)
+        require_size(largest_chunk(file), options.max_memory)
     for form in possible:
         file.seek(0)
         if form.name in ("npy", "npz"):
@@ -237,14 +235,6 @@ def _first_readable(
         except _OtherFormatError as error:
             reasons.append(str(error))
     raise ValueError(f"{UNREADABLE} ({reasons[0]})")
-
-
-def _require_size(size: float, limit: float) -> None:
-    if size > limit * GIB:
-        raise ValueError(
-            f"max_memory = {limit:g} GiB: the file holds {size / GIB:.3g} GiB of data or more when it is "
-            "unpacked; set it to more if that is right"
-        )
 
 
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
@@ -307,7 +297,7 @@ def _array(file: BinaryIO, options: MapOptions) -> FileContent:
     channels = tuple(Channel(name, array.shape) for name, array in arrays.items())
     index, undecided = choose_channel(channels, options.channel)
     chosen = channels[index].name
-    _require_size(8.0 * arrays[chosen].size, options.max_memory)
+    require_size(8.0 * arrays[chosen].size, options.max_memory)
     return FileContent(arrays[chosen].astype(float), chosen, channels, undecided, orientation=None)
 
 
@@ -319,13 +309,13 @@ def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
             import tifffile
 
             pages = tifffile.TiffFile(file).pages
-            _require_size(8.0 * math.prod(pages[0].shape), options.max_memory)
+            require_size(8.0 * math.prod(pages[0].shape), options.max_memory)
             values = pages[0].asarray() if len(pages) == 1 else np.empty(0)
         else:
             from PIL import Image
 
             image = Image.open(file)
-            _require_size(8.0 * math.prod(image.size), options.max_memory)
+            require_size(8.0 * math.prod(image.size), options.max_memory)
             values = np.asarray(image) if image.mode in ("L", "I", "F", "I;16", "I;16B") else np.empty(0)
     except Exception as error:  # of damaged files of any kind
         raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
@@ -379,7 +369,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
         try:
             original = b"" if form.name in TEXT_FORMATS else file.read(dialects.HEADING)
             file.seek(0)
-            rewritten = dialects.as_expected(form.name, file, options.max_memory * GIB)
+            rewritten = dialects.as_expected(form.name, file, options.max_memory)
             file.seek(0)
             reader = opened(file if rewritten is None else io.BytesIO(rewritten))
             if form.name == "gwy":
@@ -400,7 +390,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
                 shape = 1, info.nb_grid_pts[0]
             if shape is None or info.is_uniform is False:
                 raise ValueError(f"{LINE_SCAN} or scattered points")
-            _require_size(8.0 * math.prod(shape), options.max_memory)
+            require_size(8.0 * math.prod(shape), options.max_memory)
             sizes = info.physical_sizes
             known_size = sizes is not None and all(size is not None for size in sizes)
             assumed = {} if known_size else {"physical_sizes": tuple(map(float, info.nb_grid_pts))}
