@@ -44,9 +44,15 @@ def field_of(shape: tuple[int, int], nodes: Array, values: Array, out: Array | N
     """Field [y, x] of values on nodes, zero on all others; `out` is an array for it."""
     if out is None:
         out = np.empty(shape, values.dtype)
-    out.fill(0)
-    out.reshape(-1)[nodes.astype(np.intp)] = values  # in less than half the time of other integers
+    _write_field(nodes, values, out.reshape(-1))
     return out
+
+
+@compiled
+def _write_field(nodes: Any, values: Any, out: Any) -> None:
+    out[:] = 0
+    for k in range(nodes.size):
+        out[nodes[k]] = values[k]
 
 
 @compiled_with_arrays
@@ -138,7 +144,8 @@ def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
 
 @compiled
 def restrict(indices: Any, values: Any, width: int, field: Any) -> None:
-    """Add values on nodes to a flattened field on the coarse-grid nodes, by transposed interpolation."""
+    """Write values on nodes to a flattened field on the coarse-grid nodes, by transposed interpolation."""
+    field[:] = 0
     half = np.float32(0.5)
     for k in range(indices.size):
         index, value = np.int64(indices[k]), values[k]

@@ -18,7 +18,7 @@ from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.operators import Operators
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, vectorised_sums
-from asperity.core.parallel import STRIP, apply, run_tasks, sum_parts
+from asperity.core.parallel import STRIP, apply, in_strips, run_tasks, sum_parts
 from asperity.core.types import Array
 
 # The amount by which the pressures change together is found by Newton's method, which is exact once the same
@@ -28,6 +28,9 @@ LOAD_ROUNDING = 1e-10
 
 # Rounding error of a level h + u, as a fraction of the spacing of floating-point numbers of its size.
 ROUNDING_FRACTION = 0.1
+
+# Nodes whose levels are compared with a bound at a time.
+_BLOCK = 64
 
 
 @dataclass(frozen=True)
@@ -171,13 +174,13 @@ class Iterate:
         real_bound = height.dtype.type(bound)
 
         def found_in(start: int) -> tuple[Array, Array]:
-            level = height[start : start + STRIP] + displacement[start : start + STRIP]
-            below = level < real_bound
-            edges = np.array((start, start + level.size), np.uint32)
+            strip = slice(start, start + STRIP)
+            edges = np.array((start, min(start + STRIP, height.size)), np.uint32)
             contact_nodes = self.nodes[slice(*np.searchsorted(self.nodes, edges))]
-            below[contact_nodes.astype(np.intp) - start] = False
-            found = np.flatnonzero(below)
-            return found.astype(np.uint32) + edges[0], level[found]
+            found, level = np.empty(STRIP, np.uint32), np.empty(STRIP, height.dtype)
+            fields = height[strip], displacement[strip]
+            count = _write_free_nodes_below(*fields, real_bound, contact_nodes, start, found, level)
+            return found[:count].copy(), level[:count].copy()
 
         tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
         nodes, levels = zip(*run_tasks(tasks, self.problem.fourier.threads), strict=True)
@@ -203,7 +206,11 @@ class Iterate:
         displaced[plastic] = self.displacement.reshape(-1)[self.nodes[plastic]]
         field.reshape(-1)[self.nodes] = self.pressure - stiffness * displaced
         out = self.problem.response.resampled(field, finer.grid)
-        out -= stiffness * (finer.height - level)
+
+        def subtract_gap(rows: slice) -> None:
+            out[rows] -= stiffness * (finer.height[rows] - level)
+
+        in_strips(subtract_gap, out.shape, finer.fourier.threads)
         return Pressure.of_field(out, self.load)
 
 
@@ -496,6 +503,34 @@ def _response_of_layer(problem: Problem, system: System, stiffness: Array) -> fl
     coefficients = (fourier.forward(overlap) * stiffness).astype(fourier.complex)
     pressure = fourier.inverse(coefficients, overwrite=True).take(nodes)
     return float(np.linalg.norm(pressure - pressure.mean() if system.fixed_load else pressure))
+
+
+@compiled
+def _write_free_nodes_below(
+    height: Any, displacement: Any, bound: Any, contact: Any, first: int, nodes: Any, levels: Any
+) -> int:
+    """Write nodes with a level h + u below a bound, except contact nodes, and their levels; their number.
+
+    The first node has the index `first`. Nodes are taken in blocks, by loops without a branch on each node.
+    """
+    count, place = 0, 0
+    for start in range(0, height.size, _BLOCK):
+        h, u = height[start : start + _BLOCK], displacement[start : start + _BLOCK]
+        block = levels[count : count + h.size]
+        for i in range(h.size):
+            block[i] = h[i] + u[i]
+        while place < contact.size and np.int64(contact[place]) < first + start + h.size:
+            block[np.int64(contact[place]) - first - start] = np.inf
+            place += 1
+        below = False
+        for i in range(h.size):
+            below |= block[i] < bound
+        if below:
+            for i in range(h.size):
+                level = block[i]
+                nodes[count], levels[count] = first + start + i, level
+                count += level < bound
+    return count
 
 
 @compiled

@@ -38,6 +38,8 @@ mean of σ.
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -59,6 +61,8 @@ from asperity.contact.response import Response, multiply, multiply_rows
 from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.parallel import in_parts, in_strips, sum_parts
 from asperity.core.types import Array
+from asperity.elasticity.two_bodies import Solid
+from asperity.fourier.engine import Engine
 from asperity.fourier.grid import Fourier, Grid
 
 # The far field is multiplied by exp(−(CUTOFF q / q_c)⁴), with the shortest wave q_c of the coarser grid. The
@@ -77,7 +81,7 @@ MAX_SPACING_RATIO = 1.5
 # the spacing the division errs by more than the shortest waves are displaced.
 MAX_STEEPNESS = 2.0
 
-# Nodes on the edge of the small map on which the stencil is computed.
+# Nodes on the edge of the small map on which the stencils are computed.
 _TILE = 64
 
 # Nodes on the edge of a cell of the coarse grid. Found by trial on rough surfaces of 512² nodes: with 32
@@ -142,7 +146,12 @@ class InnerResponse:
         self._response: Response | None = None
         if divided and _can_be_divided(response):
             self._far = FarField(response, 1 / self._unit)
-            self._stencil = near_stencil(response)
+            self._stencil = near_stencil(
+                type(response),  # type: ignore[arg-type]
+                response.solid,
+                _spacing_of_stencils(response),
+                response.fourier.engine,
+            )
         else:
             single = response.fourier.real == np.float32
             self._response = response if single else response.in_precision("float32")
@@ -223,7 +232,6 @@ class FarField:
 
     def restrict(self, pressure: Array, indices: Any) -> None:
         """Write the sums of pressures on nodes over the coarse-grid nodes."""
-        self._padded[:] = 0
         restrict(indices, pressure, self._padded.shape[1], self._padded.reshape(-1))
 
     def convolve(self) -> None:
@@ -252,8 +260,19 @@ class FarField:
         in_parts(add, out.size, self._fourier.threads)
 
 
-def near_stencil(response: Response) -> Array:
+@lru_cache(maxsize=16)
+def near_stencil(kind: type[Response], solid: Solid, spacing: tuple[float, float], engine: Engine) -> Array:
     """Displacements near one node under pressure that the far field lacks, in units of the nodal compliance.
+
+    Parameters
+    ----------
+    kind : type
+        `Response` or `FreeResponse`.
+    solid : Layer or TwoBodies
+    spacing : (float, float)
+        Along y and x.
+    engine : Engine
+        Of the transforms.
 
     Returns
     -------
@@ -261,9 +280,8 @@ def near_stencil(response: Response) -> Array:
         A stencil of `asperity.contact.contact_nodes.whole_stencil`.
     """
     radius = RADIUS
-    spacing = response.grid.spacing
     tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
-    of_tile = type(response)(response.solid, response.transforms(tile))
+    of_tile = kind(solid, kind.transforms(tile, engine=engine))
     far = FarField(of_tile, 1.0, "float64")
     everywhere = far.indices(np.arange(tile.size, dtype=np.uint32))
     offsets = np.arange(-radius, radius + 1)
@@ -284,8 +302,20 @@ def near_stencil(response: Response) -> Array:
         weights = np.where(inside, around, 0)
         # The remainder beyond the stencil is added to its edge, so that uniform pressures are right.
         weights[edge] += (missing.sum() - weights.sum()) / np.count_nonzero(edge)
-        out[row, column] = weights[radius:, radius:] / response.nodal_compliance
+        out[row, column] = weights[radius:, radius:] / of_tile.nodal_compliance
     return whole_stencil(out)
+
+
+def _spacing_of_stencils(response: Response) -> tuple[float, float]:
+    """Spacing of a grid, or a multiple of it for which the stencils of the solid have the same numbers.
+
+    A half-space has no length of its own, and a power of two rounds nothing.
+    """
+    dy, dx = response.grid.spacing
+    if response.solid.height is not None or response.solid.interface is not None:
+        return dy, dx
+    exponent = -math.frexp(max(dy, dx))[1]
+    return math.ldexp(dy, exponent), math.ldexp(dx, exponent)
 
 
 def _can_be_divided(response: Response) -> bool:
@@ -320,7 +350,10 @@ class Preconditioner:
 
     def __init__(self, response: Response, products: StencilProduct) -> None:
         grid = response.grid
-        quadrants = inverse_stencil(response)
+        radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
+        quadrants = inverse_stencil(
+            response.solid, _spacing_of_stencils(response), radius, response.fourier.engine
+        )
         self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
         self.grid, self.products, self.threads = grid, products, response.fourier.threads
         self.stencil = whole_stencil(quadrants)
@@ -405,6 +438,7 @@ class NodePreconditioner:
         whole, fourier = self._whole, self._whole.coarse
         residual = whole.on_coarse_grid(cell_sums * (whole.cells.size / whole.grid.size))
         y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
+        fields = [field.reshape(-1) for field in (residual, z, self._sigma, direction, image, response)]
         coefficients = np.empty(fourier.grid.half_shape, fourier.complex)
         drop = min(whole.coarse_drop, 6.0 / max(residual.shape))
         first = previous = 0.0
@@ -412,13 +446,12 @@ class NodePreconditioner:
             fourier.forward(residual, coefficients)
             multiply_rows(coefficients, self._inverse_for_mean)
             fourier.inverse(coefficients, z, overwrite=True)
-            product = dot(residual.reshape(-1), z.reshape(-1))
+            product = dot(fields[0], fields[1])
             first = first or product
             if not product > drop**2 * first:
                 break
             ratio = np.float32(product / previous) if iteration else np.float32(0)
             previous = product
-            fields = (field.reshape(-1) for field in (residual, z, self._sigma, direction, image, response))
             curvature = _next_direction(ratio, self._mean_sigma, *fields)
             if not curvature > 0:
                 break
@@ -429,20 +462,19 @@ class NodePreconditioner:
         return y[:ny, :nx].reshape(-1)
 
 
-def inverse_stencil(response: Response) -> Array:
+@lru_cache(maxsize=16)
+def inverse_stencil(solid: Solid, spacing: tuple[float, float], radius: int, engine: Engine) -> Array:
     """Kernel of E* |q| / 2 in real space times spacing / E*, as a stencil that is the same for all nodes.
 
-    It is zero beyond `RADIUS` nodes, or fewer on a small grid. Under a coating it is that of one over the
-    compliance.
+    It is zero beyond a radius in nodes. Under a coating it is that of one over the compliance.
     """
-    grid = response.grid
-    tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
-    modes = 0.5 * tile.wavenumber() * min(grid.spacing)
-    if response.solid.interface is not None:
-        compliance = response.solid.surface_compliance(tile.wavenumber())
-        modes = np.divide(response.nodal_compliance, compliance, where=compliance > 0, out=0 * modes)
-    kernel = Fourier(tile).inverse(modes / tile.size + 0j)
-    radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
+    tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
+    modes = 0.5 * tile.wavenumber() * min(spacing)
+    if solid.interface is not None:
+        compliance = solid.surface_compliance(tile.wavenumber())
+        nodal_compliance = min(spacing) / solid.effective_modulus
+        modes = np.divide(nodal_compliance, compliance, where=compliance > 0, out=0 * modes)
+    kernel = Fourier(tile, engine=engine).inverse(modes / tile.size + 0j)
     row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
     weights = np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)
     return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32)

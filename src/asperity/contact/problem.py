@@ -15,6 +15,7 @@ from threading import Event
 import numpy as np
 
 from asperity.contact.response import Response
+from asperity.core.parallel import in_strips
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
@@ -214,10 +215,15 @@ class Units:
 
     def heights(self, height: Array) -> Array:
         """Heights above the datum, clipped."""
-        out = height - self.datum
-        if min(self.below, self.above) < math.inf:
-            np.clip(out, -self.below, self.above, out=out)
-        out *= 1 / self.height
+        out = np.empty(height.shape)
+
+        def write(rows: slice) -> None:
+            np.subtract(height[rows], self.datum, out=out[rows])
+            if min(self.below, self.above) < math.inf:
+                np.clip(out[rows], -self.below, self.above, out=out[rows])
+            out[rows] *= 1 / self.height
+
+        in_strips(write, height.shape, 1)
         return out
 
     def clipped_by(self, height: Array) -> Array | None:

@@ -30,7 +30,7 @@ from asperity.core.arguments import (
 )
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, did_you_mean, shown
-from asperity.core.parallel import map_parts
+from asperity.core.parallel import in_strips, map_parts
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
@@ -431,9 +431,13 @@ def _contact_of(
         exact_gap += problem.height
         exact_gap -= approach
     # In these units the heights are not needed any more.
-    gap = problem.height
-    gap += displacement
-    gap -= gap.dtype.type(approach)
+    gap, displaced, level = problem.height, displacement, problem.height.dtype.type(approach)
+
+    def write_gap(rows: slice) -> None:
+        gap[rows] += displaced[rows]
+        gap[rows] -= level
+
+    in_strips(write_gap, gap.shape, threads)
     largest = max(part[4] for part in parts)
     load = state.load if control.kind == "mean_pressure" else None
     certificate = checked_certificate(
