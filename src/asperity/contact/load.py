@@ -260,7 +260,9 @@ def extended(
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
-    up = MAX_LOAD_CHANGE * load / slope
+    # Area grows nearly in proportion to the load: twice the change expected from that is far enough.
+    largest = MAX_LOAD_CHANGE if converged else min(MAX_LOAD_CHANGE, 2 * abs(area.log_ratio(count)) + 0.01)
+    up = largest * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = system.held_after(iterate, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
