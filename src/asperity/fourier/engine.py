@@ -25,7 +25,7 @@ from tempfile import NamedTemporaryFile
 from typing import Any
 
 import numpy as np
-from scipy import fft
+import scipy  # whose transforms are loaded when they are first used
 
 from asperity.core.errors import shown
 from asperity.core.packages import ENGINES as ENGINES
@@ -259,18 +259,18 @@ class ScipyEngine:
 
     def forward(self, values: Array, out: Array, threads: int = 1) -> None:
         rows = len(values)
-        self._transform(fft.rfft, values, out[:rows], threads)
+        self._transform(scipy.fft.rfft, values, out[:rows], threads)
         out[rows:] = 0
-        self._transform(fft.fft, out.T, out.T, threads, overwrite_x=True)
+        self._transform(scipy.fft.fft, out.T, out.T, threads, overwrite_x=True)
 
     def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
         out[...] = coefficients
         for plane in _planes(out):
-            self._transform(fft.ifft, plane.T, plane.T, threads, overwrite_x=True)
+            self._transform(scipy.fft.ifft, plane.T, plane.T, threads, overwrite_x=True)
 
     def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
         for source, target in zip(_planes(coefficients), _planes(out), strict=True):
-            self._transform(fft.irfft, source, target, threads, n=target.shape[1])
+            self._transform(scipy.fft.irfft, source, target, threads, n=target.shape[1])
 
     def _transform(
         self, function: Callable[..., Array], source: Array, target: Array, threads: int, **settings: Any

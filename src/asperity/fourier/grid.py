@@ -35,8 +35,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy  # whose transforms are loaded when they are first used
 from numpy.typing import ArrayLike, DTypeLike
-from scipy import fft
 
 from asperity.core.arguments import finite_array, magnitude, real_array, whole_number
 from asperity.core.errors import shown
@@ -300,7 +300,7 @@ def _require_shape(name: str, values: Array, shape: tuple[int, int]) -> None:
 
 def good_size(minimum: int) -> int:
     """Smallest even number of nodes ≥ `minimum` whose only prime factors are 2, 3 and 5."""
-    return 2 * fft.next_fast_len(-(-int(minimum) // 2), real=True)
+    return 2 * scipy.fft.next_fast_len(-(-int(minimum) // 2), real=True)
 
 
 def resample(coefficients: Array, source: Grid, target: Grid) -> Array:

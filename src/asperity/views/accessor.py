@@ -1,4 +1,7 @@
-"""What a dataset of xarray can do with a result of asperity, as ``dataset.asperity``."""
+"""What a dataset of xarray can do with a result of asperity, as ``dataset.asperity``.
+
+What a method needs is imported when it is called: this module is imported with the first name of asperity.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
-
-from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.stress.peaks.selection import peaks as select_peaks
-from asperity.stress.section import stress_section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,6 +84,9 @@ class ResultAccessor:
             If the dataset is no contact that describes its solid.
         """
         self._needed("section")
+        from asperity.elasticity.loaded_solid import LoadedSolid
+        from asperity.stress.section import stress_section
+
         return stress_section(LoadedSolid.from_dataset(self._dataset), *arguments, **settings)
 
     def to_vtk(
@@ -134,7 +136,9 @@ class ResultAccessor:
             If the dataset is no result of a stress analysis, or has not the quantity.
         """
         self._needed("peaks")
-        return select_peaks(self._dataset, quantity, poisson, selection)
+        from asperity.stress.peaks.selection import peaks
+
+        return peaks(self._dataset, quantity, poisson, selection)
 
     def _needed(self, method: str) -> str:
         """The stage, if it is one of those that a method takes."""
