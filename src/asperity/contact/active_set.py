@@ -320,18 +320,20 @@ class ActiveSet:
             if extension is not None:
                 correction, held, load = extension
             self.iterations += correction.iterations
-            step = Step.of(iterate, system, correction, held)
-            if self._to_double_precision(system, stagnation) or extension is not None:
+            step, keeps_load = Step.of(iterate, system, correction, held), extension is None
+            del correction, held, extension  # the next iterate takes their memory
+            if self._to_double_precision(system, stagnation) or not keeps_load:
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
                 if self._exact is not None:
                     self._exact = Stagnation()
                 target, problem = step.pressure_after(1.0, load), self._problems[0]
                 out = iterate.displacement if iterate.problem is problem else None
-                del iterate, system, step, held  # the fields in single precision are not needed any more
+                del iterate, system, step  # the fields in single precision are not needed any more
                 iterate = self._evaluated(problem, target, out)
             else:
                 iterate = self._next(iterate, system, step, stagnation)
+                del system, step
         raise AssertionError  # the loop returns
 
     def _evaluated(self, problem: Problem, pressure: Pressure, out: Array | None = None) -> Iterate:
