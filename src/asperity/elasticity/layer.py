@@ -240,7 +240,7 @@ class Layer:
 
     @property
     def _materials(self) -> Materials:
-        """Those of a coating and its base, as its kernels take them."""
+        """Poisson's ratios of coating and base, and their shares in the sum of their shear moduli."""
         assert self.base is not None
         stiff, soft = (body.young / (1 + body.poisson) for body in (self, self.base))
         return self.poisson, self.base.poisson, 1 / (1 + soft / stiff), 1 / (1 + stiff / soft)

@@ -38,7 +38,7 @@ LARGEST_EDGE, LARGEST_ASPECT, SLOPES = 1.0, 1.9, (1e-5, 3.0)
 instrument scans a metre, and a superpolished mirror has gradients of 1e-5."""
 
 CHOSEN = MapOptions(periodic="mirrored", undefined="harmonic")
-"""Treatment by asperity run of a map that is not periodic and lacks points."""
+"""Treatment that asperity run chooses for a map that is not periodic and has points without data."""
 
 NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
@@ -66,9 +66,9 @@ class MapDescription(NamedTuple):
     properties : dict
         Name of a property → the property in words.
     needed : list of str
-        What every calculation needs to be told besides the file; each begins with a field of `MapOptions`.
+        Options that every calculation needs besides the file; each text begins with a field of `MapOptions`.
     choices : list of str
-        What asperity solve and a study need too, and asperity run chooses by itself.
+        Options that asperity solve and a study need too, and that asperity run chooses by itself.
     warnings : list of str
         Those of `map_warnings`.
     """

@@ -36,20 +36,21 @@ DIRECTIONS = 180
 """Directions over half a turn in which the autocorrelation is followed."""
 
 MOST_STEPS = 16
-"""Most steps along a direction, per point of the longer edge of the map: 1.4 are half a pixel where pixels
-are squares, and more where they are not."""
+"""Largest number of steps along a direction, per point of the longer edge of the map. Square pixels take 1.4
+for steps of half a pixel, oblong ones more."""
 
 LAY_FILTER = 0.125
 """Standard deviation of the Gaussian filter before the slopes that give the lay, over the shortest length of
-the texture. Without it white noise as high as ridges of four such lengths turns their lay by 13°, with it by
-3°; twice as wide a filter leaves fewer independent slopes of short ridges."""
+the texture. Without the filter, white noise of the rms height of ridges that are four such lengths apart
+turns their lay by 13°, with it by 3°; twice as wide a filter leaves fewer independent slopes of short
+ridges."""
 
 LEAST_FILTER = 0.85
-"""The least of it in pixels, with which ridges of three pixels are found to 1°; differences of neighbouring
-heights alone miss them by 6°."""
+"""Smallest standard deviation of this filter in pixels. With it the lay of ridges three pixels wide is found
+to 1°, with differences of neighbouring heights alone to 6°."""
 
 TIP_SAFETY = 0.5
-"""Curvature of the sharpest peaks over that of the tip up to which the tip has not rounded them."""
+"""Largest curvature of the sharpest peaks, over that of the tip, at which the tip has not rounded them."""
 
 
 def checked_heights(height: ArrayLike) -> Array:

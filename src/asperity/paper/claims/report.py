@@ -20,7 +20,7 @@ COUNTED = {
     verdicts.UNDECIDED: "are not decided",
     verdicts.UNTESTABLE: "cannot be tested here",
 }
-"""Verdict → what is said of the number of statements that have it."""
+"""Verdict → words after the number of statements that have it."""
 
 WORDS = {option: words for one in OPTIONS.values() if isinstance(one, dict) for option, words in one.items()}
 """Option of a choice → the interpretation in words."""

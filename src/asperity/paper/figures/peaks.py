@@ -30,10 +30,10 @@ LARGEST_DISTANCE = 6.0
 """Largest depth or distance drawn, in units of the shortest wavelength."""
 
 MOST = 0.999
-"""Share of the peaks before the end of each axis of value and depth."""
+"""Share of the peaks that an axis, of value or of depth, shows."""
 
 DEPARTURE = 0.05
-"""Difference between curves of the decay, over the variance, that is marked: the paper finds none."""
+"""Difference between decay curves, over the variance, from which it is marked: the paper finds none."""
 
 SMALLEST_SHARE = 1e-4
 """Smallest joint density drawn, over the largest: the range of the colours."""

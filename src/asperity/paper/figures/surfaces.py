@@ -24,14 +24,14 @@ ZOOM = 0.125
 """Edge of the magnified part of a map of pressure, over that of the cell."""
 
 ALIKE = 0.1
-"""Largest difference of densities, over the largest one, that is called coincidence."""
+"""Largest difference of densities, over the largest density, at which curves are said to coincide."""
 
 PIXELS = 512
 """Smallest number of pixels along an edge of a map, where the grid has as many nodes."""
 
 WIDEST = 4.0
-"""Largest end of the colours over that of the surface with the smallest pressure: one surface with spikes
-does not make the others pale."""
+"""Largest ratio of the upper end of the colours to the largest pressure of the surface with the smallest
+pressures: one surface with spikes does not make the others pale."""
 
 
 def draw_spectrum(surface: Datasets) -> Figure:

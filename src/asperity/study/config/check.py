@@ -18,7 +18,7 @@ _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
 
 TWO_NODES_SLACK = 1e-9
-"""Two nodes on the shortest wavelength may be missed by this much, as 1/3 in decimal digits misses them."""
+"""Amount by which a grid may miss two nodes on the shortest wavelength: 1/3 has no finite decimals."""
 
 _FEWEST_PLANES = 4
 """Planes of the stress that a layer must hold: verification needs one away from both faces."""
@@ -88,7 +88,7 @@ def maps_of(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def needed_instead(value: Any, entry: Entry) -> str:
-    """Values that a setting needs in place of this one, in words; empty if the schema accepts the value."""
+    """Accepted values of a setting in words, if the schema refuses this value; otherwise empty."""
     error = next(_Validator(entry, format_checker=_FORMATS).iter_errors(value), None)
     return "" if error is None else _needed(error)
 

@@ -19,16 +19,16 @@ from asperity.core.errors import ConfigError, shown
 from asperity.study.config.schema import LOAD_LABELS, without_load
 
 _MAX_FILE_SIZE = 2**17
-"""Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
+"""Largest size of a file in bytes, which are read in three seconds; the paper's has four thousand."""
 
 _MAX_SCALAR = 2000
-"""Characters of a text or number; long numbers take long to convert."""
+"""Largest number of characters of a text or number: long numbers take long to convert."""
 
 _MAX_VALUES = 100_000
-"""Values in a file, each alias counted as all that it stands for; aliases of aliases grow without bound."""
+"""Largest number of values in a file, each alias counted as all that it stands for: aliases can be nested."""
 
 _MAX_DEPTH = 32
-"""Levels of nested keys and lists; a configuration has six."""
+"""Largest number of nested levels of keys and lists; a configuration has six."""
 
 
 _SCALARS = {
@@ -164,12 +164,12 @@ CASE_SUFFIXES = (".yaml", ".yml")
 
 
 def pool_of(paths: Sequence[str]) -> dict[str, Any]:
-    """Settings of one case file that names several maps, or pools them; empty of other files.
+    """Settings of a case file that names several maps, or pools them; empty for any other file.
 
     Raises
     ------
     ConfigError
-        If the file cannot be read, or lists of its maps are not alike in length.
+        If the file cannot be read, or the lists that belong to its maps differ in length.
     """
     if len(paths) > 1 or Path(paths[0]).suffix not in CASE_SUFFIXES:
         return {}
@@ -192,7 +192,7 @@ def pool_of(paths: Sequence[str]) -> dict[str, Any]:
 
 
 def names_of_maps(paths: Sequence[str]) -> list[str]:
-    """Names of the folders of several answers: those of the files, alike ones after their folders' names."""
+    """Names of folders for several answers: those of the files; equal ones get the folder's name in front."""
     stems = [Path(path).stem for path in paths]
     count = Counter(stems)
     return [

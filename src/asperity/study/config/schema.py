@@ -180,9 +180,9 @@ def overlay(settings: AccuracySettings, wavelengths: Mapping[str, float]) -> dic
 
 
 LOAD_LABELS = {"area_fraction": "$A/A_0$ = ", "mean_pressure": r"$\bar{p}/E^*$ = ", "approach": "approach "}
-"""Settings of section ``contact`` of which one holds, and their names in figures.
+"""Settings of section ``contact`` that impose the load, with their names in figures; one of them is given.
 
-Without any of them it is the default of the first.
+Without any, the default of the first holds.
 """
 
 
@@ -249,7 +249,7 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def complete_map(surface: Mapping[str, Any]) -> dict[str, Any]:
-    """An entry of ``measured`` with the trend that is subtracted if it names none."""
+    """An entry of ``measured`` with a trend to subtract: its own, or a tilt if the map is made periodic."""
     seam = surface.get("periodic") in ("mirrored", "windowed")
     return {"detrend": "tilt" if seam else "none", **surface}
 

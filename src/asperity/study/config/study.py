@@ -94,7 +94,7 @@ def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str,
     ----------
     config : mapping
     above : sequence of str
-        Files that have led to this configuration.
+        Files whose ``based_on`` has led to this configuration.
 
     Raises
     ------

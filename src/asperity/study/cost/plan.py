@@ -61,7 +61,7 @@ class PlannedContact:
 
 
 UNPLANNED = {"label": "surface", "rms_height": 1e-3}
-"""Settings of a random surface that a study needs and on which no plan depends."""
+"""Values of settings that a study needs and on which neither cost nor errors depend."""
 
 
 def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, Any]:
@@ -145,7 +145,7 @@ def planned_contacts(
 
 
 PEAK_OUTPUTS = ("pressure_p90", "pressure_p99", "von_mises_p90", "von_mises_p99")
-"""Outputs that a plan is made for if none is named."""
+"""Outputs whose errors a plan limits if none is named."""
 
 MAX_SEEDS = 1000
 """Largest number of seeds that is proposed."""
@@ -161,10 +161,10 @@ MEASURED_WAVELENGTH = 0.125
 """Longest wavelength over the cell of the surfaces that were measured; the spread of seeds grows with it."""
 
 MEASURED_RANGES = {"hurst": (0.2, 0.8), "area_fraction": (0.02, 0.1)}
-"""Properties of the surfaces that were measured."""
+"""Ranges of the properties of the surfaces on which the errors were measured."""
 
 VARIED = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space_tolerance")
-"""Parameters whose error grows with their value."""
+"""Settings whose error grows with their value."""
 
 
 @cache

@@ -30,7 +30,7 @@ from asperity.study.validation.indenter import CURVATURE_RADIUS, paraboloid
 from asperity.surface.self_affine import self_affine
 
 RTOL = 1e-8
-"""Tolerance of the solver where it must not matter."""
+"""Tolerance of the solver, whose error is then far below those that are compared."""
 
 SEMI_MINOR = 0.3
 """Smaller semi-axis of the contacts on an isolated map, over the shorter edge of the map."""

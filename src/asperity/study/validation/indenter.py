@@ -1,4 +1,4 @@
-"""Paraboloid that the comparisons press into a half-space or a slab, its contact radius and the fields below.
+"""The paraboloid that is pressed into a half-space or a slab, its contact radius, and the fields below.
 
 Lengths are in units of the edge of the square cell and stresses in units of E*. The axis of the paraboloid
 is on the middle node of the grid. The model is linear: all stresses scale with the curvature of the

@@ -26,13 +26,13 @@ LARGEST_HEIGHT = 1e6
 """Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
 
 REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, EQUAL_HEIGHTS = 1e-3, 10, 2**16, 1e-9
-"""Smallest share of the points that have the height of those without data, its ratio to that of the next
-heights, the points of the sample in which it is looked for, and the difference of equal heights relative to
-their interquartile range. Neighbouring steps of a coarse quantisation have about as many points; plateaus of
-one exact height are named too."""
+"""A height stands for missing data if more than this share of the points has it, and this many times as many
+points as have any of the next heights. It is sought in a sample of so many points; heights closer than this
+fraction of the interquartile range are equal. Neighbouring steps of a coarse quantisation have about as many
+points as each other; a plateau of one exact height is reported too."""
 
 AGREEMENT = 1e-3
-"""Relative difference up to which what the caller says is what the file says: one pixel of a map of 1000."""
+"""Relative difference up to which a value of the caller agrees with that of the file: one pixel of 1000."""
 
 
 GIB = 2**30
@@ -62,7 +62,7 @@ class FileContent(NamedTuple):
     channels : tuple of Channel
         All of them, if there are others.
     undecided : str
-        Reason why it is not sure that this channel holds the heights; empty if it is.
+        Why it is doubtful that this channel holds the heights; empty if it is sure.
     length : (length_y, length_x), optional
         Edges in `length_unit`.
     length_unit : str, optional
@@ -108,7 +108,7 @@ class MapFile:
     problems : list of str
         What is missing or contradicts the file; empty if the map can be used.
     options : MapOptions
-        Those given, with the channel of a file with several.
+        The options given; for a file with several channels, with the one that was chosen.
     edges_known, unit_stated : bool
         True if the edges are known, and if the file says its unit.
     """
@@ -223,7 +223,7 @@ class MapFile:
 
 
 def repeated_height(height: Array) -> tuple[float, int] | None:
-    """A height that more points have than chance gives, as those without data have, and their number.
+    """A height that so many points share that it may stand for missing data, and their number.
 
     More than `REPEATED_SHARE` of the points have it, and `REPEATED_RATIO` times as many as have any of the
     next heights. It is looked for in a sample of the points, if they are not mostly equal.

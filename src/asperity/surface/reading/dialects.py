@@ -11,18 +11,18 @@ import numpy as np
 from asperity.surface.reading.agreement import FileContent, metres, require_size
 
 HEADING = 512
-"""Bytes at the begin of a file by which `corrected` knows what it needs."""
+"""Bytes at the begin of a file from which `corrected` takes the units."""
 
 LARGEST_NANOFOCUS_PIXEL = 0.1
-"""Pixel of a NanoFocus file from which it is in nm, as instruments write it, and not in mm: no microscope has
-pixels of 0.1 mm, and none resolves 0.1 nm."""
+"""Largest pixel of a NanoFocus file in mm; above it the lengths are in nm, as instruments write them. No
+microscope has pixels of 0.1 mm, and none resolves 0.1 nm."""
 
 _LENGTH = re.compile(r"[GMkmunpfµμ~]?m|Å|A")
 """Units of length in files of instruments."""
 
 
 def as_expected(format_name: str, file: BinaryIO, limit: float) -> bytes | None:
-    """The content of a file as SurfaceTopography reads it; None if that is the file itself, or is not known.
+    """Content of a file rewritten for SurfaceTopography; None where nothing is to be rewritten.
 
     Raises
     ------
@@ -218,7 +218,7 @@ def _gwyddion_unit(field: dict[str, Any], axis: str) -> str:
 
 
 def corrected(format_name: str, begin: bytes, info: Any, content: FileContent) -> FileContent:
-    """The content of a file with the units and gaps that SurfaceTopography takes for others.
+    """The content with those units and missing points put right that SurfaceTopography reads wrongly.
 
     Parameters
     ----------

@@ -15,12 +15,12 @@ from asperity.core.data import packaged_yaml
 from asperity.core.errors import one_line, shown
 
 PROFILE = "profile"
-"""Format that declares a line scan, in text or in the format of an instrument, as a map."""
+"""Format by which the user declares a line scan, in text or in an instrument's format, to be a map."""
 
 TEXT_FORMATS = ("asc", "xyz", PROFILE)
 
 ASKED_FOR = ("asc", "hgt", PROFILE)
-"""Formats that no name stands for: any file of a suitable size could be ``hgt``, and a table a line scan."""
+"""Formats read only on request: any file of a suitable size could be ``hgt``, any table a line scan."""
 
 BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
 """First bytes of a text in UTF-16."""
@@ -179,16 +179,22 @@ class Channel(NamedTuple):
 
 
 def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tuple[int, str]:
-    """Number of the channel that is wanted, or that holds the heights; and why that is in doubt, if it is.
+    """Index of the requested channel, or of the one that holds the heights; and why the choice is in doubt.
 
-    Heights are in a channel whose data are of this kind and whose name has a word of them and none of others;
-    if there is no such name, in one without a word of others. Of two directions of a scan the forward one is
-    taken.
+    A channel holds heights if its data are of the kind ``height`` and its name has one of the words for
+    heights and none of those for other quantities. If no name has such a word, a channel without a word for
+    another quantity is taken. Of the two directions of a scan the forward one is taken.
+
+    Returns
+    -------
+    index : int
+    doubt : str
+        Empty if the choice is sure.
 
     Raises
     ------
     ValueError
-        If there is none, or not the one that is wanted.
+        If the requested channel does not exist.
     """
     names = [str(channel.name) for channel in channels]
     if wanted is not None:
@@ -197,7 +203,7 @@ def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tup
         if str(wanted).isdecimal() and int(wanted) < len(names):
             return int(wanted), ""
         raise ValueError(f"channel = {shown(wanted)}: one of {_listed(names, range(len(names)))} is needed")
-    # 2 for a channel that is a height by its name, 1 for one that may be, 0 for one that is not.
+    # 2 for a channel that holds heights by its name, 1 for one that may, 0 for one that does not.
     ranks = [
         0
         if channel.kind != "height" or not WORDS["others"].isdisjoint(_words(channel.name))

@@ -1,4 +1,4 @@
-"""Arrays in HDF5 and NetCDF: what a file must not do to its reader, and maps over named axes with units."""
+"""HDF5 and NetCDF files: limits that protect the reader, and maps over named axes with units."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def largest_chunk(file: BinaryIO) -> int:
 def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     """A map in a NetCDF file, over axes with the names of rows and columns; None if there is none.
 
-    Axes are ordered by their names and positions, which have their own units. A surface of asperity says its
-    orientation, and is one period.
+    Rows and columns follow from the names of the axes and their positions, which have units of their own. A
+    surface that asperity wrote states its orientation, and is one period.
 
     Raises
     ------

@@ -37,7 +37,7 @@ ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
 
 PROFILE_LINES = 4
-"""Lines of the map that stands for a line scan; they are equal, and so are all others."""
+"""Number of equal lines in the map that stands for a line scan, which does not vary along y."""
 
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
@@ -46,7 +46,7 @@ _SAID_BY_FILE = re.compile(
     r"(channel|missing|unit|height_factor|physical_size)\b(?: = |: the file itself).*"
     r"(; leave it out|: one of .* is needed)$"
 )
-"""Problems with an option that is in contradiction with a file."""
+"""Messages about an option that contradicts the file."""
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a file in HDF5, and in NetCDF-4."""
@@ -123,7 +123,7 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
 
 
 def open_shared_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
-    """Read a map as `open_map`, without those of the options for several files that its file contradicts."""
+    """Read one of several maps that share options; those that this file contradicts are ignored."""
     try:
         found = open_map(path, options)
         problems = tuple(found.problems)
@@ -238,7 +238,7 @@ def _first_readable(
 
 
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
-    """A matrix of heights, or points, and which of them a table is."""
+    """Content of a table, and its format: a matrix of heights, points, or a line scan."""
     matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
     columns = len(table.rows[0])
     if options.format == PROFILE:

@@ -184,7 +184,7 @@ class NumberTable:
         return heights
 
     def with_unlike_channels(self) -> list[str]:
-        """Header and lines; the name of a channel that an earlier block of the table has is numbered."""
+        """Header and lines, in which a repeated name of a channel gets a number."""
         lines, names = [*self.header, *self.lines], Counter[str]()
         for number, line in enumerate(lines):
             if (found := _CHANNEL_NAME.match(line)) and (names := names + Counter([found[1]]))[found[1]] > 1:
@@ -192,7 +192,7 @@ class NumberTable:
         return lines
 
     def units(self, columns: int = 3) -> list[str]:
-        """Units in the header: one of all columns, or one for each of some columns; else none."""
+        """Units in the header: one for all columns, or one for each of `columns` columns; otherwise none."""
         stated = {found[1].lower(): found[2] for line in self.header if (found := _STATED_UNIT.search(line))}
         units = [unit for line in self.header for unit in _UNIT.findall(line)]
         if "lateral" in stated and "value" in stated:
@@ -235,7 +235,7 @@ def _has_thousands(lines: list[str]) -> bool:
 
 
 def _row(line: str) -> tuple[str, list[float] | None]:
-    """A line with ``nan`` for missing numbers, and its numbers: none in a comment, None if a word is none."""
+    """A line with ``nan`` for missing numbers, and its numbers: [] of a comment, None if one is no number."""
     if _is_comment(line):
         return line, []
     for text in (line, _MISSING.sub("nan", line)):

@@ -1,4 +1,4 @@
-"""Maps in the format X3P of ISO 25178-72 (earlier ISO 5436-2), as all its writers make them.
+"""Maps in the format X3P of ISO 25178-72 (earlier ISO 5436-2), in all variants that programs write.
 
 The archive holds ``main.xml`` at its top or in a folder. Heights are in a binary member, or listed in the
 XML; a checksum that is stated has to be right. Lengths are in metres.
@@ -84,7 +84,7 @@ def read_x3p(file: BinaryIO) -> FileContent:
 
 
 def _plain(name: str) -> str:
-    """A name of a member as it is compared: of any case, with any separator, also begun by a point."""
+    """Name of a member in one form: small letters, slashes, no point at its begin."""
     return posixpath.normpath(name.replace("\\", "/")).lstrip("/").lower()
 
 

@@ -41,7 +41,8 @@ def find_spikes(height: Array, threshold: float) -> Array:
     replaced by the local median and the search is repeated until it finds no more. Mean and median are those
     of `MEDIAN_POINTS` squared points; the median is taken of the medians of their rows (P. M. Narendra, IEEE
     Trans. Pattern Anal. Mach. Intell. 3 (1981) 20, doi 10.1109/TPAMI.1981.4767047). The difference from the
-    mean is Gaussian for a Gaussian surface; that from the median is not, and its spread is no measure.
+    mean is Gaussian for a Gaussian surface, so that its spread is a standard deviation; the difference from
+    the median is not.
 
     Parameters
     ----------
