@@ -51,7 +51,7 @@ HEIGHTS = (0.5, 1.0)
 
 SHOWN = {
     "area_fraction": "area at given load",
-    "proportionality": "κ",
+    "proportionality": "κ_r",
     "pressure_p99": "p99 of pressure",
     "von_mises_p99": "p99 of von Mises",
     "peak_depth": "depth of peaks",

@@ -74,7 +74,7 @@ def continuum(
     dataset
         Along `kind`, the value ``on_grid``, that ``on_half`` of the nodes, the ``estimate`` at vanishing
         spacing, and the relative ``error`` of the estimate: ``area_fraction``, ``gradient_rms_contact``, and
-        ``proportionality`` κ, their product times the effective modulus over the mean pressure. With a
+        ``proportionality`` κ_r, their product times the effective modulus over the mean pressure. With a
         stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
         ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest tenth;
         along `poisson` the ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the

@@ -127,7 +127,7 @@ class Number:
     level : float, optional
         Share of the peaks below a quantile.
     unscaled : bool
-        Multiply by ḡ, the rms gradient over the real contact: of stresses in units of E* instead of E* ḡ.
+        Multiply by ḡ_r, the rms gradient over the real contact: of stresses in units of E* instead of E* ḡ_r.
     factor : float
     depends_on : sequence of str
         Choices of the interpretation on which the number depends besides ``lateral`` and ``delta``.

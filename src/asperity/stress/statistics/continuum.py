@@ -97,7 +97,7 @@ and what the lost squared gradient adds at small areas. The last one is over the
 what it gives is added."""
 
 OF_PROPORTIONALITY = 0.9
-"""Relative error of κ over the root of the sum of squares of those of its factors."""
+"""Relative error of κ_r over the root of the sum of squares of those of its factors."""
 
 OF_MISSED = {"pressure": 0.16, "von_mises": 0.16}
 """Quantity → relative error of its highest peaks over the share of peaks that the grid missed."""

@@ -1,6 +1,6 @@
 """Statistics of the peaks, profiles and decays of one surface, pooled over its seeds, with their uncertainty.
 
-Each seed is scaled before it is pooled: stresses are divided by E* ḡ, where ḡ is the rms gradient of the
+Each seed is scaled before it is pooled: stresses are divided by E* ḡ_r, where ḡ_r is the rms gradient of the
 deformed surface over the real contact of that seed. Scaled variables are named ``scaled_…``. Counts are
 kept beside densities, so that other bins need no new analysis.
 
@@ -53,7 +53,7 @@ def pool_peaks(
         Results of `asperity.stress.analysis.analyse_stress` with the same planes, quantities and Poisson's
         ratios.
     gradients : sequence of float
-        ḡ of each seed.
+        ḡ_r of each seed.
     bins : int
     resamples : int
         Number of bootstrap resamples, at most `MOST_RESAMPLES`.

@@ -4,8 +4,8 @@
 over seeds. Figures, captions, claims and the drift check read this dataset; none of them computes such a
 number again. `verify_seed` and `verify_statistics` compare the results with laws that they must obey.
 
-Stresses are divided by E* ḡ, ḡ being the rms gradient over the real contact. Lengths and depths are in units
-of the longer edge of the cell. Variables ``continuum_…`` are, along `kind`, the estimate of a number at
+Stresses are divided by E* ḡ_r, ḡ_r being the rms gradient over the real contact. Lengths and depths are in
+units of the longer edge of the cell. Variables ``continuum_…`` are, along `kind`, the estimate of a number at
 vanishing grid spacing, and its relative error. NaN where there is nothing to measure or to estimate.
 """
 
