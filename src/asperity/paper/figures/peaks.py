@@ -159,7 +159,12 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     figure, axes = panels(columns=len(compared), height=66, width=PAGE if len(compared) > 1 else COLUMN)
     for axis, case in zip(axes, compared, strict=True):
         title_panel(axis, case.title)
-    densities = [_joint_density(*each) for each in zip(compared, _units(compared, cases), strict=True)]
+    densities: list[tuple[Array, Array, np.ma.MaskedArray]] = []
+    every = [case.peaks("von_mises")["joint_counts"].values for case in compared]
+    for case, unit, counts in zip(compared, _units(compared, cases), every, strict=True):
+        value, depth = (case.peaks("von_mises")[edges].values for edges in ("bin_edge", "depth_edge"))
+        area = np.diff(value)[:, None] * np.diff(depth / unit)[None, :]
+        densities.append((value, depth / unit, np.ma.masked_equal(counts / max(counts.sum(), 1) / area, 0)))
     shown = [(value, depth, density) for value, depth, density in densities if density.count()]
     if not shown:  # as under contacts of a few nodes
         for axis in axes:
@@ -174,7 +179,6 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     )
     reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
     widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
-    every = [case.peaks("von_mises")["joint_counts"].values for case in compared]
     ends = [
         (_end_of_most(value, counts.sum(axis=1)), _end_of_most(depth, counts.sum(axis=0)))
         for (value, depth, _), counts in zip(densities, every, strict=True)
@@ -264,12 +268,3 @@ def _units(compared: Sequence[FigureCase], cases: str) -> list[float]:
 def _end_of_most(edges: Array, counts: Array) -> float:
     """Upper edge of the bin in which the share `MOST` of the counts is reached."""
     return float(edges[1:][np.searchsorted(np.cumsum(counts), MOST * counts.sum())])
-
-
-def _joint_density(case: FigureCase, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:
-    """Edges of value and of depth in a unit, and the density of the von Mises peaks, masked where zero."""
-    peaks = case.peaks("von_mises")
-    value, depth = peaks["bin_edge"].values, peaks["depth_edge"].values / unit
-    counts = peaks["joint_counts"].values
-    area = np.diff(value)[:, None] * np.diff(depth)[None, :]
-    return value, depth, np.ma.masked_equal(counts / max(counts.sum(), 1) / area, 0)

@@ -156,7 +156,14 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
         for name in ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
     )
     outside = max(float(surface["rms_gradient"]) ** 2 - area * gradient**2, 0) / max(1 - area, 1e-12)
-    exponent, change = _load_area_curve(contact, area)
+    # Exponent of the area over the scaled load, and change of their ratio, up to the area of the study.
+    exponent = change = np.nan
+    path = contact["path_area_fraction"].values
+    kept = (path >= _SMALLEST_AREA * (1 - 1e-3)) & (path <= 1.001 * area)
+    if kept.sum() >= 3:
+        load = (contact["path_mean_pressure"] / contact["path_gradient_rms_contact"]).values[kept]
+        exponent = float(np.polyfit(np.log(load), np.log(path[kept]), 1)[0])
+        change = float(path[kept][-1] / load[-1] / (path[kept][0] / load[0]))
     radii = contact_patches(contact["pressure"].values > 0).radii
     spacing = np.sqrt(np.prod(grid_of(contact).spacing))
     numbers = {
@@ -174,21 +181,6 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     }
     of_stress = [name for name in stress if str(name).startswith(("seed_", "continuum_"))]
     return xr.Dataset(numbers).merge(stress[of_stress] if of_stress else stress_numbers(contact, stress))
-
-
-def _load_area_curve(contact: xr.Dataset, area: float) -> tuple[float, float]:
-    """Exponent of the area over the scaled load, and the change of their ratio, up to the area of the study.
-
-    NaN with fewer than three loads.
-    """
-    path = contact["path_area_fraction"].values
-    kept = (path >= _SMALLEST_AREA * (1 - 1e-3)) & (path <= 1.001 * area)
-    if kept.sum() < 3:
-        return np.nan, np.nan
-    load = (contact["path_mean_pressure"] / contact["path_gradient_rms_contact"]).values[kept]
-    ratio = path[kept] / load
-    exponent = np.polyfit(np.log(load), np.log(path[kept]), 1)[0]
-    return float(exponent), float(ratio[-1] / ratio[0])
 
 
 def stress_numbers(
