@@ -48,6 +48,19 @@ DIRECTED = 0.5
 
 NOT_IN_FILE = "not in the file"
 
+PARAMETERS = {
+    "Sq": "rms height",
+    "Sa": "mean absolute height",
+    "Sz": "from lowest to highest point",
+    "Ssk": "skewness",
+    "Sku": "kurtosis",
+    "Sdq": "rms gradient between neighbouring points",
+    "Sk": "height of the core of the material ratio curve",
+    "Spk": "reduced height of the peaks above it",
+    "Svk": "reduced depth of the valleys below it",
+}
+"""Parameters of ISO 25178-2 that spikes and a bow change, in words."""
+
 NEED_EDGES = ("tilt", "Sdq", "plasticity", "Sal", "Str", "tip", "waves")
 """Properties that depend on the edges of a map."""
 
@@ -240,15 +253,15 @@ def _of_heights(
             "Svk": length(valleys),
         }
 
-    level, lies = measures.level, parameters(measures.spiky)
+    level, shown = measures.level, parameters(measures.spiky)
     if measures.spike_count:
-        lies = {name: f"{lies[name]}, without spikes {text}" for name, text in parameters(level).items()}
+        shown = {name: f"{shown[name]}, without spikes {text}" for name, text in parameters(level).items()}
     shortest, ratio, direction = roughness.texture(level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
     sal, str_ = length(shortest), f"{ratio:.2g}"
     if measures.bow_counts:
         without = f", without {'spikes and ' if measures.spike_count else ''}bow"
-        lies = {name: f"{lies[name]}{without} {text}" for name, text in parameters(measures.flat).items()}
+        shown = {name: f"{shown[name]}{without} {text}" for name, text in parameters(measures.flat).items()}
         shortest, ratio, direction = roughness.texture(measures.flat, surface.spacing)
         sal += f", without bow {length(shortest)}"
         str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
@@ -271,15 +284,7 @@ def _of_heights(
         "spikes": f"{spikes}{beyond}",
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
         "bow": f"{length(measures.bow)} from lowest to highest point",
-        "Sq": f"{lies['Sq']}, rms height",
-        "Sa": f"{lies['Sa']}, mean absolute height",
-        "Sz": f"{lies['Sz']}, from lowest to highest point",
-        "Ssk": f"{lies['Ssk']}, skewness",
-        "Sku": f"{lies['Sku']}, kurtosis",
-        "Sdq": f"{lies['Sdq']}, rms gradient between neighbouring points",
-        "Sk": f"{lies['Sk']}, height of the core of the material ratio curve",
-        "Spk": f"{lies['Spk']}, reduced height of the peaks above it",
-        "Svk": f"{lies['Svk']}, reduced depth of the valleys below it",
+        **{name: f"{shown[name]}, {words}" for name, words in PARAMETERS.items()},
         "plasticity": f"index {slope:.3g} × E*/H, modulus over hardness; far below 1 the contact is elastic",
         "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
         "Str": f"{str_}, shortest over longest such length{lay}",

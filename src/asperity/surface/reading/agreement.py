@@ -125,7 +125,13 @@ class MapFile:
             self.problems.append(
                 f"orientation = {orientation!r}: the file holds the lower face of an indenter; leave it out"
             )
-        height, scale = self._with_gaps(content, options), factor * (metre or 1.0)
+        height, scale = content.height, factor * (metre or 1.0)
+        if (missing := options.missing) is not None:
+            numbers = [missing, missing * (content.factor or 1.0), missing / (options.height_factor or 1.0)]
+            found = np.any([np.isclose(height, number, rtol=1e-6, atol=0) for number in numbers], axis=0)
+            if not found.any():
+                self.problems.append(f"missing = {missing:g}: no point has this height; leave it out")
+            height = np.where(found, np.nan, height)
         height = height if scale == 1 else height * scale
         edges = length or (float(height.shape[0]), float(height.shape[1]))
         finite = np.isfinite(height)
@@ -145,17 +151,6 @@ class MapFile:
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
         several = len(self.channels) > 1 and options.channel is None
         self.options = replace(options, channel=content.channel) if several else options
-
-    def _with_gaps(self, content: FileContent, options: MapOptions) -> Array:
-        """Heights in the unit of the file, NaN where it has the number that stands for missing data."""
-        if options.missing is None:
-            return content.height
-        numbers = [options.missing, options.missing * (content.factor or 1.0)]
-        numbers.append(options.missing / (options.height_factor or 1.0))
-        found = np.any([np.isclose(content.height, number, rtol=1e-6, atol=0) for number in numbers], axis=0)
-        if not found.any():
-            self.problems.append(f"missing = {options.missing:g}: no point has this height; leave it out")
-        return np.where(found, np.nan, content.height)
 
     def _height_factor(self, content: FileContent, options: MapOptions) -> float:
         """Factor that the caller applies to the heights; the file's own is applied by its reader."""

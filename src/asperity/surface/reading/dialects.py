@@ -83,10 +83,10 @@ def _sur(content: bytes, limit: float) -> bytes:
     begin = 512 + sum(struct.unpack_from("<HH", header, 334))
     (count,) = struct.unpack_from("<I", content, begin)
     sizes = struct.unpack_from(f"<{2 * count}I", content, begin + 4)[1::2]
-    place, points = begin + 4 + 8 * count, b""
+    start, points = begin + 4 + 8 * count, b""
     for packed in sizes:
-        points += zlib.decompressobj().decompress(content[place : place + packed], wanted - len(points) or 1)
-        place += packed
+        points += zlib.decompressobj().decompress(content[start : start + packed], wanted - len(points) or 1)
+        start += packed
     return bytes(header) + content[512:begin] + points
 
 

@@ -216,7 +216,7 @@ def _first_readable(
     """The first of the possible formats in which a file can be read, and its content."""
     reasons = []
     if any(
-        file.seek(place) == place and file.read(8) == HDF5 for place in (0, 512)
+        file.seek(offset) == offset and file.read(8) == HDF5 for offset in (0, 512)
     ):  # 512 in those of MATLAB
         require(("h5py",))
         require_size(largest_chunk(file), options.max_memory)
@@ -274,11 +274,11 @@ def _profile(table: NumberTable) -> FileContent:
         )
     line, length = numbers[:, -1], None
     if numbers.shape[1] == 2:
-        place, spacing, count = nodes(numbers[:, 0], "x")
-        if np.bincount(place).max() > 1:
+        index, spacing, count = nodes(numbers[:, 0], "x")
+        if np.bincount(index).max() > 1:
             raise ValueError("two points have the same position")
         line = np.full(count, np.nan)
-        line[place] = numbers[:, 1]
+        line[index] = numbers[:, 1]
         factor = metres(units[0]) / metres(units[-1]) if len(units) == 2 else 1.0
         length = spacing * factor, count * spacing * factor
     return FileContent(line[None, :], "z", length=length, unit=units[-1] if units else None)

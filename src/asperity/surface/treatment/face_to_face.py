@@ -114,14 +114,14 @@ def face_to_face(
     face = upper.as_indenter()
     if turned:
         face = face[:, ::-1] if turned_about == "y" else face[::-1]
-    parts, places, on_nodes = zip(
+    parts, indices, on_nodes = zip(
         *(_common_nodes(lower, upper, axis, (shift_y, shift_x)[axis]) for axis in (0, 1)), strict=True
     )
     if all(on_nodes):
-        rows, columns = (np.rint(place).astype(int) % n for place, n in zip(places, face.shape, strict=True))
+        rows, columns = (np.rint(index).astype(int) % n for index, n in zip(indices, face.shape, strict=True))
         found = face[np.ix_(rows, columns)]
     else:
-        along_y, along_x = (_interpolation(lower, upper, axis, places[axis]) for axis in (0, 1))
+        along_y, along_x = (_interpolation(lower, upper, axis, indices[axis]) for axis in (0, 1))
         found = along_y @ face @ along_x.T
     height = lower.as_indenter()[parts] + found
     require_finite("face_to_face", {"height": height})
@@ -143,7 +143,7 @@ def face_to_face(
     done = [f"counter map {how}, and laid on the map{moved if shift_y or shift_x else ''}"]
     if not whole:
         size = lower.shown_length(*combined.length, digits=4)
-        y, x = (lower.shown_length(place, digits=4) for place in origin)
+        y, x = (lower.shown_length(corner, digits=4) for corner in origin)
         done.append(
             f"the maps have {size} in common; places count from its corner, y = {y} and x = {x} of the map"
         )
@@ -153,28 +153,28 @@ def face_to_face(
 
 
 def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -> tuple[slice, Array, bool]:
-    """Nodes of the lower map that the upper one covers, their places in it, and if these are its nodes.
+    """Nodes of the lower map that the upper one covers, their indices in it, and if these are its nodes.
 
-    Nodes are the middles of pixels, and places are in pixels of the upper map from its first node.
+    Nodes are the middles of pixels, and an index counts pixels of the upper map from its first node.
     """
     nodes, step = lower.height.shape[axis], lower.spacing[axis]
     count, pixel = upper.height.shape[axis], upper.spacing[axis]
     position = (np.arange(nodes) + 0.5) * step - lower.length[axis] / 2 - shift
-    place = (position + upper.length[axis] / 2) / pixel - 0.5
+    index = (position + upper.length[axis] / 2) / pixel - 0.5
     inside = np.arange(nodes)
     if not (lower.periodic and upper.periodic):
-        inside = np.flatnonzero((place > -0.5 - ON_A_NODE) & (place < count - 0.5 + ON_A_NODE))
+        inside = np.flatnonzero((index > -0.5 - ON_A_NODE) & (index < count - 0.5 + ON_A_NODE))
     if inside.size < FEWEST_NODES:
         common = f"the maps have {inside.size} nodes in common, at least {FEWEST_NODES} are needed"
         raise MapError(upper.name, [f"shift along {AXES[axis]} = {shift:.6g}: {common}"])
-    place = place[inside]
+    index = index[inside]
     equal_pixels = abs(step / pixel - 1) * nodes < ON_A_NODE
-    on_nodes = equal_pixels and bool(np.abs(place - np.rint(place)).max() < ON_A_NODE)
-    return slice(int(inside[0]), int(inside[-1]) + 1), place, on_nodes
+    on_nodes = equal_pixels and bool(np.abs(index - np.rint(index)).max() < ON_A_NODE)
+    return slice(int(inside[0]), int(inside[-1]) + 1), index, on_nodes
 
 
-def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, place: Array) -> Array:
-    """Matrix from values at the nodes of the upper map, along an axis, to those at places between them.
+def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, index: Array) -> Array:
+    """Matrix from values at the nodes of the upper map, along an axis, to those at fractional indices.
 
     It sums the Fourier series of a period, or of a map continued by its mirror images, without waves that
     the lower map cannot hold.
@@ -185,10 +185,10 @@ def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, place: Array) 
     nodes = upper.height.shape[axis]
     if lower.periodic and upper.periodic:
         waves = 2 * ((min(nodes, lower.height.shape[axis]) - 1) // 2) + 1
-        return waves / nodes * diric(2 * np.pi / nodes * (place[:, None] - np.arange(nodes)), waves)
+        return waves / nodes * diric(2 * np.pi / nodes * (index[:, None] - np.arange(nodes)), waves)
     order = np.arange(nodes)
     weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes))
     # A mode of order k has a wavelength of 2 · length / k.
     weight[order * lower.spacing[axis] > upper.length[axis]] = 0.0
-    basis = weight * np.cos(np.pi / nodes * (place[:, None] + 0.5) * order)
+    basis = weight * np.cos(np.pi / nodes * (index[:, None] + 0.5) * order)
     return basis @ dct(np.eye(nodes), norm="ortho", axis=0)

@@ -151,8 +151,8 @@ class TreatedMap:
         """
         own = np.ones(np.shape(y), bool)
         if self.is_mirrored:
-            for place, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
-                own &= (place < length) | (place >= 2 * length - spacing)
+            for position, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
+                own &= (position < length) | (position >= 2 * length - spacing)
         return own
 
     def on_map(self, y: Array | float, x: Array | float) -> tuple[Array, Array]:
@@ -162,9 +162,9 @@ class TreatedMap:
         node. Between the mirror and the first node the map has no node of its own.
         """
         found = []
-        for place, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
-            image = np.maximum(2 * length - spacing - np.asarray(place), 0.0)
-            found.append(np.where(np.asarray(place) < length - spacing / 2, place, image))
+        for position, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
+            image = np.maximum(2 * length - spacing - np.asarray(position), 0.0)
+            found.append(np.where(np.asarray(position) < length - spacing / 2, position, image))
         return found[0], found[1]
 
     def map_alone(self) -> TreatedMap:
