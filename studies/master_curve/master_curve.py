@@ -95,7 +95,8 @@ def numbers_of(parameters: Mapping[str, Any], seed: int, settings: Mapping[str, 
     for area in sorted({*contact_settings["path_area_fractions"], contact_settings["area_fraction"]}):
         of_area = {**contact_settings, "area_fraction": area, "path_area_fractions": []}
         contact = solve_contact(surface, settings["layer"], of_area)
-        stress = compute_stress(contact, settings["layer"], settings["stress"])
+        layer = settings["layer"]
+        stress = compute_stress(contact, layer, settings["stress"])[layer["lateral"]]
         high = seed_statistics(surface, contact, stress).sel(quantity="von_mises", level=0.99, drop=True)
         scaled, depth = high["seed_peak_quantile"], high["seed_mean_depth_highest"]
         slope, touching = high["seed_gradient_rms_contact"], high["seed_area_fraction"]

@@ -37,4 +37,4 @@ def results_of(seed, layer=LAYER, surface=SURFACE):
     """Surface, contact and stress of a seed."""
     made = make_surface(surface, seed)
     contact = solve_contact(made, layer, CONTACT)
-    return SeedResults(seed, made, contact, compute_stress(contact, layer, STRESS))
+    return SeedResults(seed, made, contact, compute_stress(contact, layer, STRESS)[layer["lateral"]])

@@ -41,7 +41,7 @@ PRESCRIBED = (*DISPLACEMENTS, "traction_x", "traction_y", "traction_z", "pressur
 """Names of what can be prescribed on a face."""
 
 THIN = 2.0
-"""q height below which states are expanded about the middle of the layer: there both ways are accurate."""
+"""q height below which states are expanded about the middle of the layer; near it both ways are accurate."""
 
 LOWEST = 1e-60
 """Least height of a layer over the longer edge of the cell: fourth powers of q height are no subnormals."""
@@ -209,11 +209,11 @@ def layer_fields(
 
     Notes
     -----
-    The mean (q = 0) mode follows `Layer.lateral`. What it leaves open is 0: the mean displacement of the
-    middle of a layer that nothing holds, that of a half-space under a mean traction, and the mean pressure in
-    a confined layer of ν = 1/2 of which both mean normal displacements are prescribed. Equal and opposite
-    mean shear tractions on a free layer are a uniform shear if ``lateral`` is "confined": the cells beside
-    bear the moment. In other modes the moment of the tractions is borne by bending.
+    The mean (q = 0) mode follows `Layer.lateral`. What it leaves open is set to 0: the mean displacement of
+    the middle of a layer that nothing holds, that of a half-space under a mean traction, and the mean
+    pressure in a confined layer of ν = 1/2 of which both mean normal displacements are prescribed. Equal and
+    opposite mean shear tractions on a free layer are a uniform shear if ``lateral`` is "confined": the cells
+    beside bear the moment. In other modes the moment of the tractions is borne by bending.
 
     The equations and the errors are in ``docs/method.md``.
 

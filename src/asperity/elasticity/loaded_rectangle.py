@@ -141,8 +141,8 @@ class PaddedFourier(Fourier):
     """Transforms of fields that are zero outside their grid, on a grid of at least twice the nodes.
 
     The forward transform maps (ny, nx) fields to the coefficients on `padded_grid`; the inverse returns the
-    part of its field that lies on `grid`. Lines of zeros are not transformed, and lines of the inverse that
-    are not returned neither, so that on twice the nodes a transform counts as much as three of `grid`.
+    part of its field that lies on `grid`. Lines of zeros, and lines of the inverse that are not returned, are
+    not transformed: on twice the nodes along both axes a transform counts as much as three of `grid`.
     """
 
     def __post_init__(self) -> None:

@@ -68,8 +68,8 @@ class LoadedSolid:
         Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as that of a
         contact far wider than the cell.
     sticking_pressure : (ny, nx) array, optional
-        Part of the pressure that causes no shear traction: with friction μ that is μ times the rest of the
-        pressure. `asperity.partial_slip` finds it; by default none, full sliding.
+        Part of the pressure that causes no shear traction: the traction is μ times the rest of the pressure.
+        `asperity.partial_slip` finds it; by default none, full sliding.
 
     Examples
     --------

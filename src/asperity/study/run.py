@@ -61,7 +61,7 @@ def warm_up() -> None:
 def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> None:
     """Add files of a run to the manifest of its results, and drop those that are gone.
 
-    The hash of a file that has not been written since the manifest is kept, so that damage stays visible.
+    A file that was not written since the manifest keeps its hash, so that damage stays visible.
     """
     path = folder / MANIFEST
     text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""

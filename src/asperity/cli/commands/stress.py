@@ -27,7 +27,8 @@ def run(options: argparse.Namespace) -> None:
             f"the ratio of the layer on which the contact was solved"
         )
     with ProgressBar(one_line(f"stress {settings['name']}")) as progress:
-        result = compute_stress(contact, settings["layer"], chosen, progress=progress)
+        by_lateral = compute_stress(contact, settings["layer"], chosen, progress=progress)
+    result = by_lateral[settings["layer"]["lateral"]]
     si = given is not contact
     if si:
         result, _ = in_si(result, settings, cell_length(given), given.attrs["effective_modulus"])

@@ -243,9 +243,9 @@ def judge(claim: Claim, evidence: Evidence) -> Judgement:
 def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
     """The verdict over all interpretations of a claim, and the choices and judgements that show it.
 
-    Interpretations without data are left out, unless the study's own is one of them. Where two verdicts are
-    told apart, of all pairs of interpretations with the two, those count that differ in the fewest choices,
-    and of these the one nearest to the study's own interpretation, the first one.
+    Interpretations without data are left out, unless the study's own is one of them. If verdicts differ, two
+    interpretations are shown that give the two verdicts and differ in the fewest choices; of several such
+    pairs, the one nearest to the study's own interpretation.
     """
     every = tuple(judgements)
     found = {one.verdict for one in every} - {NO_DATA}

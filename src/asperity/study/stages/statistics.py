@@ -38,13 +38,13 @@ PEAKS_PER_BIN = 20
 """Least number of peaks for each bin of their densities: an average bin then errs by a fifth."""
 
 FEWEST_BINS = 10
-"""Bins of the densities of however few peaks."""
+"""Smallest number of bins of the densities, however few the peaks."""
 
 QUANTILES = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
 """Shares of the peaks at which quantiles are kept: every percent, above 99 % every tenth of a percent."""
 
 LARGE_PATCH = 30
-"""Nodes that a large patch of contact exceeds."""
+"""A patch of contact is large if it has more nodes than this."""
 
 _SMALLEST_AREA = 0.01
 """Area fraction from which the load-area curve is fitted: below it the contacts have few nodes."""
@@ -61,7 +61,7 @@ WORST_NODE = 100
 """Factor by which a single node may exceed the solver's tolerance, which is a norm over all nodes."""
 
 REFINEMENT = 0.25
-"""Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
+"""Part by which a peak between nodes may exceed the largest value at a node, with eight nodes on a wave."""
 
 CERTIFIED = {
     "penetration": "penetration over its length scale",

@@ -19,37 +19,6 @@ GROWTH_PER_SPACING = 0.25
 """`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
 
 
-def compute_stress(
-    contact: xr.Dataset,
-    layer_settings: Mapping[str, Any],
-    stress_settings: Mapping[str, Any],
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Stress through the whole depth under a contact, for every Poisson's ratio of the configuration.
-
-    Parameters
-    ----------
-    contact : dataset
-        Result of stage contact.
-    layer_settings, stress_settings : mapping
-        Sections ``layer`` and ``stress`` of the configuration.
-    progress : callable, optional
-
-    Returns
-    -------
-    dataset
-        As of `analyse_stress`. The planes of a half-space reach down to the height of the layer that it
-        stands for. A layer has only the Poisson's ratio of its contact.
-
-    Raises
-    ------
-    ValueError
-        If the half-space of the contact does not stand for the layer at another Poisson's ratio.
-    """
-    own = layer_settings["lateral"]
-    return compute_stresses(contact, layer_settings, stress_settings, progress=progress)[own]
-
-
 def stress_of_seed(
     contact: xr.Dataset,
     layer_settings: Mapping[str, Any],
@@ -60,19 +29,20 @@ def stress_of_seed(
 ) -> xr.Dataset:
     """Stress of one seed of the study with its numbers, and their estimates at vanishing grid spacing.
 
-    Parameters are those of `compute_stresses`.
+    Parameters are those of `compute_stress`.
 
     Returns
     -------
     dataset
-        As of `compute_stress`, with the variables of `asperity.study.stages.statistics.stress_numbers`.
-        With `laterals` these are along `lateral`, first under the condition of the layer.
+        As of `compute_stress` under the condition of the layer, with the variables of
+        `asperity.study.stages.statistics.stress_numbers`. With `laterals` these are along `lateral`, first
+        under the condition of the layer.
     """
-    found = compute_stresses(contact, layer_settings, stress_settings, laterals, quantities, progress)
+    found = compute_stress(contact, layer_settings, stress_settings, laterals, quantities, progress)
     halves: dict[str, tuple[xr.Dataset, xr.Dataset]] = {}
     if (half := contact_on_half_the_nodes(contact, layer_settings)) is not None:
         settings = {**stress_settings, "tolerance": HALF_TOLERANCE}
-        of_half = compute_stresses(half, layer_settings, settings, laterals, quantities)
+        of_half = compute_stress(half, layer_settings, settings, laterals, quantities)
         halves = {lateral: (half, stress) for lateral, stress in of_half.items()}
     each = [stress_numbers(contact, stress, halves.get(lateral)) for lateral, stress in found.items()]
     numbers = each[0]
@@ -81,7 +51,7 @@ def stress_of_seed(
     return found[layer_settings["lateral"]].merge(numbers)
 
 
-def compute_stresses(
+def compute_stress(
     contact: xr.Dataset,
     layer_settings: Mapping[str, Any],
     stress_settings: Mapping[str, Any],
@@ -89,21 +59,26 @@ def compute_stresses(
     quantities: Sequence[str] = SOUGHT,
     progress: Progress | None = None,
 ) -> dict[str, xr.Dataset]:
-    """Stress under several conditions of the mean (q = 0) mode, which the same contact serves.
+    """Stress through the whole depth under a contact, for several Poisson's ratios and mean modes.
 
     Parameters
     ----------
-    contact, layer_settings, stress_settings, progress
-        As for `compute_stress`.
+    contact : dataset
+        Result of stage contact.
+    layer_settings, stress_settings : mapping
+        Sections ``layer`` and ``stress`` of the configuration.
     laterals : sequence of names
         Conditions as of ``layer.lateral``, besides that of the layer itself.
     quantities : sequence of names
         Quantities whose peaks are sought.
+    progress : callable, optional
 
     Returns
     -------
     dict
-        Condition of the mean (q = 0) mode, that of the layer first → dataset as of `compute_stress`.
+        Condition of the mean (q = 0) mode, that of the layer first → dataset as of `analyse_stress`. The
+        planes of a half-space reach down to the height of the layer that it stands for. A layer has only the
+        Poisson's ratio of its contact.
 
     Raises
     ------
