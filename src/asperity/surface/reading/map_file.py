@@ -332,8 +332,9 @@ _readers: dict[str, ModuleType] = {}
 def _surface_topography() -> Iterator[None]:
     """Block in which readers of SurfaceTopography can be imported without its functions of analysis.
 
-    The package imports these with statistics, optimisation, pictures and tables: 1.4 s of processor time that
-    no reader needs. Outside the block an import gives the whole package.
+    The package imports these with statistics, optimisation and pictures, which no reader needs: without them
+    the first file of Gwyddion takes 0.1 s of processor time instead of 1.05 s. Outside the block an import
+    gives the whole package.
     """
     if "SurfaceTopography" in sys.modules:
         yield
