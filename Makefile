@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm report crate docs bench tradeoff lock clean
+.PHONY: help study quick theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm peers report crate docs bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -79,6 +79,13 @@ unit-tests: $(VENV)/ready
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm
+
+peers: ## Compare with aspher, ContactMechanics and tamaas, which it installs (needs cmake, a C++17 compiler and Eigen)
+	$(MAKE) VENV=.venv-peers peers-tests
+
+peers-tests: $(VENV)/ready
+	pip install --quiet --disable-pip-version-check --editable ".[peers]"
+	pytest -m peers tests/physics/test_peers.py
 
 report: study ## Write the study as one page, report.html, and how each file was made, provenance.html; CONFIG=, RESULTS= as for study
 	snakemake --cores 1 report_page $(STUDY)

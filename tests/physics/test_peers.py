@@ -1,0 +1,40 @@
+"""Pressures and stresses of other programs (`make peers`), which share no code; tolerances are those of both."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from samples import load_of, rough
+
+import asperity as asp
+
+pytestmark = [pytest.mark.peers, pytest.mark.filterwarnings("ignore::ImportWarning")]  # of NuMPI, without MPI
+PEERS = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))
+UNIT = asp.Layer(1.0, 0.0)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("program", PEERS["SOLVERS"])
+def test_pressure_agrees_with_other_programs(program, boundary):
+    height = rough((128, 128), 2)
+    theirs, _ = PEERS["SOLVERS"][program](height, load_of(height), 1e-11, boundary)
+    ours = asp.solve(height, UNIT, mean_pressure=load_of(height), boundary=boundary, rtol=1e-11).pressure
+    np.testing.assert_allclose(ours, theirs[:128, :128], atol=1e-8 * ours.max())
+
+
+@pytest.mark.parametrize("share", [0.5, 0.2])
+def test_plastic_pressure_is_that_of_contact_mechanics(share):
+    height = rough((256, 256))
+    load = load_of(height, 0.02)
+    hardness = share * asp.solve(height, UNIT, mean_pressure=load).max_pressure
+    ours = asp.solve(height, UNIT, mean_pressure=load, hardness=hardness, rtol=1e-10).pressure
+    theirs, _ = PEERS["contact_mechanics"](height, load, 1e-11, "periodic", hardness)
+    np.testing.assert_allclose(ours, theirs, atol=1e-7 * hardness)
+
+
+def test_stress_is_that_of_tamaas():
+    """All components at the surface and two depths, to rounding."""
+    height = rough((32, 32))
+    contact = asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=load_of(height))
+    assert PEERS["stress_difference"](asp.LoadedSolid.of(contact), np.array([0.01, 0.1])) < 1e-13
