@@ -75,11 +75,13 @@ def print_families(folder: Path) -> None:
 def large_map(path: Path, points: int) -> None:
     """Write a ground surface of points² pixels of 1 µm as X3P, with a tilt, spikes and gaps."""
     sys.path.insert(0, str(DATA))
+    import foreign_files
     import make_maps
 
-    make_maps.SHAPE, make_maps.PIXEL = (points, points), 1e-6
+    make_maps.SHAPE = (points, points)
     height, valid = make_maps.ground_steel()
-    make_maps.write_x3p(path, np.clip(height, -(2**15), 2**15 - 1), valid)
+    in_nanometres = {"type": "I", "increment": "1e-9", "pixel": "1e-6"}
+    foreign_files.write_x3p(path, np.clip(height, -(2**15), 2**15 - 1), valid, **in_nanometres)
 
 
 def print_time(folder: Path, points: int) -> None:

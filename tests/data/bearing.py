@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from make_maps import write_x3p
+from foreign_files import write_x3p
 
-PIXEL = 0.5e-6
+X3P = {"type": "I", "increment": "1e-9", "pixel": "5e-7"}
+"""Whole nanometres on pixels of 0.5 µm."""
 FACES = {"ring": (250, 12), "counter": (120, 5)}
 """Face → rms height in nm, and how many times longer than wide its grinding marks are."""
 
@@ -39,7 +40,7 @@ def write_maps(folder, shape=(600, 800), patches=3):
     paths = {face: [Path(folder) / f"{face}_{number + 1}.x3p" for number in range(patches)] for face in FACES}
     for face, files in paths.items():
         for number, path in enumerate(files):
-            write_x3p(path, *patch(face, number, shape), PIXEL)
+            write_x3p(path, *patch(face, number, shape), **X3P)
     return paths
 
 

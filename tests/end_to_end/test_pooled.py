@@ -64,7 +64,7 @@ def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):
     assert (folder / "sample.csv").read_bytes() == before
     changed = maps["counter"][1]
     content = changed.read_bytes()
-    bearing.write_x3p(changed, *bearing.patch("counter", 7, (60, 80)), bearing.PIXEL)
+    bearing.write_x3p(changed, *bearing.patch("counter", 7, (60, 80)), **bearing.X3P)
     with pytest.raises(SystemExit):
         main(["run", str(folder / "case.yaml"), "--out", str(folder), "--check"])
     changed.write_bytes(content)
@@ -89,7 +89,9 @@ def test_impossible_pool_is_refused_before_computing(options, message, maps, tmp
 
 
 def test_unlike_pixels_are_refused(maps, tmp_path, capsys):
-    bearing.write_x3p(tmp_path / "fine.x3p", *bearing.patch("ring", 4, (60, 80)), 0.25e-6)
+    bearing.write_x3p(
+        tmp_path / "fine.x3p", *bearing.patch("ring", 4, (60, 80)), **bearing.X3P | {"pixel": "2.5e-7"}
+    )
     with pytest.raises(SystemExit):
         main(["run", str(maps["ring"][0]), str(tmp_path / "fine.x3p"), *COMMAND, "--check"])
     assert "--pooled: fine has pixels of 250 nm x 250 nm, ring_1 of 500 nm" in capsys.readouterr().err

@@ -15,14 +15,12 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 from inputs import (
-    Height,
     among,
     bodies,
     boundaries,
     choice,
     count,
     heights,
-    layers,
     lengths,
     loaded,
     loaded_solid,
@@ -37,7 +35,6 @@ from inputs import (
 
 import asperity as asp
 from asperity import engineering
-from asperity.elasticity.layer_fields import DISPLACEMENTS, PRESCRIBED
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
@@ -234,44 +231,6 @@ def try_stress(case):
             require(np.all((position >= 0) & (position <= edge)), "a peak lies outside the cell")
 
 
-faces = st.dictionaries(
-    choice(*PRESCRIBED).filter(lambda name: isinstance(name, str)), heights | number(-1, 1)
-)
-two_faces = st.fixed_dictionaries(
-    {
-        "layer": layers,
-        "shape": shapes,
-        "length": lengths,
-        "top": among(faces, wrong),
-        "bottom": st.none() | faces,
-        "depths": depths,
-    }
-)
-
-
-def try_faces(case):
-    """Fields of a layer with any data on its faces: finite, and the data are found on the top."""
-    grid, layer = asp.Grid(case["shape"], case["length"]), asp.Layer(**case["layer"])
-    top, bottom = (
-        {
-            name: made(data._replace(shape=grid.shape)) if isinstance(data, Height) else data
-            for name, data in face.items()
-        }
-        if isinstance(face, dict)
-        else face
-        for face in (case["top"], case["bottom"])
-    )
-    solved = asp.layer_fields(layer, grid, top, bottom)
-    for plane in solved.planes(case["depths"]):
-        require_finite(**plane.fields)
-    surface = next(solved.planes(0.0)).fields
-    largest = max(np.abs(surface[name]).max() for name in DISPLACEMENTS)
-    if all(nodes % 2 for nodes in grid.shape):  # a sine at a Nyquist wavenumber is zero at the nodes
-        for name in surface.keys() & top.keys():
-            off = np.abs(surface[name] - top[name]).max()
-            require(off <= 1e-9 * largest, "a prescribed displacement is another")
-
-
 def require_finite_dataset(data):
     """Raise `PromiseError` unless the variables of a dataset are finite."""
     found = {str(name): values.values for name, values in data.variables.items()}
@@ -279,11 +238,6 @@ def require_finite_dataset(data):
 
 
 # Surfaces and maps
-
-
-def at_one_spectrum(height, *moments):
-    """Heights with these moments and the amplitudes of the waves of a surface."""
-    return asp.with_heights(height, moments=moments).height
 
 
 surfaces = st.fixed_dictionaries(
@@ -297,8 +251,7 @@ surfaces = st.fixed_dictionaries(
         "length": st.just(1.0) | among(st.just(1.0), number(1e-6, 1e6)),
         "transform": st.none()
         | st.tuples(st.just(asp.johnson), number(-2, 2), number(0.1, 10))
-        | st.tuples(st.just(asp.with_moments), number(-2, 2), number(1, 10))
-        | st.tuples(st.just(at_one_spectrum), number(-2, 2), number(1, 10)),
+        | st.tuples(st.just(asp.with_moments), number(-2, 2), number(1, 10)),
     }
 )
 
@@ -458,47 +411,6 @@ def try_map(case):
     random_input.require_answered(words, {}, FOLDER)
 
 
-TOKENS = ["---", "***", "1.#QNAN", "1,5e-9", "x", "1.2.3", "BAD", "nan", "#N/A", "--", "1e", "0x1f", "inf"]
-GWYDDION = "# Channel: z\n# Width: 1 m\n# Height: 1 m\n# Value units: m\n"
-tables = st.fixed_dictionaries(
-    {
-        "shape": st.tuples(st.integers(4, 9), st.integers(4, 9)),
-        "seed": st.integers(0, 2**32),
-        "dialect": st.sampled_from([" .", "\t.", ",.", ";.", " ,", "\t,", ";,"]),
-        "header": st.sampled_from(["", GWYDDION, "# made by hand\n", "heights of a sample\n"]),
-        "token": st.sampled_from([None, "", *TOKENS]),
-        "place": st.tuples(st.integers(0, 8), st.integers(0, 8)),
-        "whole_row": st.booleans(),
-    }
-)
-
-
-def try_table(case):
-    """A table of heights is read number by number, or refused; a token that is none is a missing point."""
-    height = np.random.default_rng(case["seed"]).standard_normal(case["shape"]).round(6)
-    separator, decimal = case["dialect"]
-    rows = [[f"{value:.6f}".replace(".", decimal) for value in row] for row in height]
-    y, x = (place % (n - 2) + 1 for place, n in zip(case["place"], height.shape, strict=True))
-    whole_row = case["whole_row"] and case["token"] != ""
-    if case["token"] is not None:
-        rows[y] = [case["token"]] if whole_row else [*rows[y][:x], case["token"], *rows[y][x + 1 :]]
-    path = FOLDER / "table.txt"
-    path.write_text(case["header"] + "\n".join(map(separator.join, rows)) + "\n")
-    said = {} if case["header"] == GWYDDION else {"physical_size": (1.0, 1.0), "unit": "m"}
-    try:
-        found = asp.read_map(path, **said, orientation="peaks up").height
-    except asp.MapError:
-        require(case["token"] is not None or case["header"] == GWYDDION, "a table of numbers is refused")
-        return "refused"
-    require(found.shape == height.shape, "the map has another shape")
-    kept = np.ones(height.shape, bool)
-    if case["token"] is not None:
-        kept[y, slice(None) if whole_row else x] = False
-    require(np.array_equal(found[kept], height[kept]), "a height is another")
-    is_word = not (case["token"] == "1,5e-9" and decimal == ",")
-    require(not (is_word and np.isfinite(found[~kept]).any()), "a word is read as a number")
-
-
 TREATED = r"""
 height has the shape .*: at least \d+ x \d+ points are needed
 a surface that varies is needed
@@ -557,13 +469,11 @@ PROPERTIES = {
     "contact": (contacts, try_contact),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
-    "faces": (two_faces, try_faces),
     "surface": (surfaces, try_surface),
     "treatment": (treated, try_treatment),
     "run": (cases, try_run),
     "command": (random_input.command_lines(), try_command),
     "config": (random_input.configurations() | random_input.unknown_keys(), random_input.require_checked),
     "map": (map_files(), try_map),
-    "table": (tables, try_table),
     **ANSWERS,
 }

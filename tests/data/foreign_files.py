@@ -13,7 +13,8 @@ import numpy as np
 PIXEL = 2e-6
 
 
-def write_x3p(path, raw, **given):
+def write_x3p(path, raw, valid=None, **given):
+    """`valid` is the mask of the points that have data, all by default."""
     kind = {
         "revision": "ISO5436 - 2000",
         "folder": "",
@@ -41,6 +42,10 @@ def write_x3p(path, raw, **given):
         data = (
             f"<PointDataLink>{kind['link']}</PointDataLink><MD5ChecksumPointData>{md5}</MD5ChecksumPointData>"
         )
+        if valid is not None:
+            bits = np.packbits(valid.ravel(), bitorder="little").tobytes()
+            data += "<ValidPointsLink>bindata/valid.bin</ValidPointsLink><MD5ChecksumValidPoints>"
+            data += f"{hashlib.md5(bits).hexdigest().upper()}</MD5ChecksumValidPoints>"
         data = f"<DataLink>{data}</DataLink>"
 
     def axis(name, kinds, numbers, increment):
@@ -62,6 +67,8 @@ def write_x3p(path, raw, **given):
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(f"{kind['folder']}main.xml", main)
         archive.writestr(f"{kind['folder']}{kind['member']}", points)
+        if valid is not None:
+            archive.writestr(f"{kind['folder']}bindata/valid.bin", bits)
         main_md5 = kind["main_md5"] or hashlib.md5(main).hexdigest()
         archive.writestr(f"{kind['folder']}md5checksum.hex", f"{main_md5} *main.xml")
 
