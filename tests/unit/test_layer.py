@@ -1,13 +1,16 @@
-"""Layer: shapes, types, mean (q = 0) mode, ends of its range, the half-space in its place, refused input."""
+"""Layer and two bodies: precision, mean (q = 0) mode, ends of the range, laws of mechanics, refused input."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from samples import refuses
 
 from asperity.elasticity.layer import Layer, simplest_solid
-from asperity.elasticity.two_bodies import TwoBodies
+from asperity.elasticity.two_bodies import TwoBodies, sliding_coupling
+from asperity.reference.state_space import StateSpace
 
 SUPPORTED = [Layer(1.3, 0.3), Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3, 0.4, "frictionless")]
 SUPPORTED.append(Layer(1.3, 0.3, 0.2, base=SUPPORTED[0]))
@@ -141,3 +144,90 @@ test_wrong_argument_is_refused = refuses(
     (lambda: simplest_solid(SLAB, 0.0, 0.1), "q_min = 0.0: a number > 0"),
     (lambda: TwoBodies(SLAB, None), "^upper = None: a Layer is needed"),
 )
+
+
+STEEL, BRONZE, COATING = Layer(210e9, 0.3), Layer(110e9, 0.34), Layer(3e9, 0.4, height=0.1)
+
+
+def test_two_half_spaces_are_one():
+    """The effective modulus is that of Hertz."""
+    both, q = TwoBodies(STEEL, BRONZE), np.array([1.0, 1e3, 1e6])
+    expected = 1 / ((1 - 0.3**2) / 210e9 + (1 - 0.34**2) / 110e9)
+    assert both.effective_modulus == pytest.approx(expected, rel=1e-14)
+    np.testing.assert_allclose(both.surface_compliance(q), 2 / (both.effective_modulus * q), rtol=1e-14)
+    assert both.uniform_compliance() == 0
+    assert both.height is None
+
+
+def test_layers_add_their_compliances():
+    both, q = TwoBodies(COATING, STEEL), np.array([0.0, 1.0, 30.0])
+    parts = [layer.surface_compliance(q) for layer in (COATING, STEEL)]
+    np.testing.assert_array_equal(both.surface_compliance(q), parts[0] + parts[1])
+    assert both.uniform_compliance() == COATING.uniform_compliance()
+    assert both.height == 0.1
+
+
+@pytest.mark.parametrize("poisson", [-0.3, 0.3, 0.5])
+@pytest.mark.parametrize("height", [0.2, 1.0, 4.0])
+def test_sliding_displaces_a_layer_as_state_space(height, poisson):
+    mode = StateSpace(1, 0, 2.0, poisson, height, digits=30)
+    by_traction, by_pressure = (abs(mode.state(0, mode.solve(top))[2]) for top in ([1, 0, 0], [0, 0, -1]))
+    found = sliding_coupling(Layer(2.0, poisson, height), 1.0)
+    assert found == pytest.approx(float(by_traction / by_pressure), rel=1e-12)
+
+
+def test_sliding_couples_half_spaces_by_dundurs_constant():
+    shear = [body.young / (2 * (1 + body.poisson)) for body in (STEEL, BRONZE)]
+    beta = 0.5 * ((1 - 0.6) / shear[0] - (1 - 0.68) / shear[1]) / (0.7 / shear[0] + 0.66 / shear[1])
+    found = sliding_coupling(TwoBodies(STEEL, BRONZE), [1.0, 1e6])
+    np.testing.assert_allclose(found, abs(beta), rtol=1e-13)
+    assert sliding_coupling(TwoBodies(COATING, COATING), 3.0) == 0
+
+
+ratios = st.one_of(st.floats(-0.95, 0.5), st.just(0.5))
+heights = st.one_of(st.none(), st.floats(-3, 2).map(lambda exponent: 10.0**exponent))
+supports = st.sampled_from(["bonded", "frictionless"])
+solids = st.builds(Layer, st.floats(0.1, 10), ratios, heights, supports)
+
+
+@given(ratios, supports, st.floats(0, 0.5))
+def test_tall_layer_is_the_half_space(poisson, bottom, depth):
+    """Up to e^(−60) and rounding."""
+    tall, half_space = Layer(1.0, poisson, 60.0, bottom), Layer(1.0, poisson)
+    np.testing.assert_allclose(tall.stress(1.0, 0.4, depth), half_space.stress(1.0, 0.4, depth), atol=4e-15)
+    assert tall.surface_compliance(1.0) == pytest.approx(half_space.surface_compliance(1.0), rel=4e-15)
+
+
+def test_long_waves_bend_a_free_layer():
+    """G → 12 (1 − ν²)/(E q⁴ height³), the bending compliance of a plate, on both faces."""
+    bending = 12 * (1 - 0.3**2) / (2.0 * 1e-16 * 0.5**3)
+    layer = Layer(2.0, 0.3, 0.5, "free")
+    assert layer.surface_compliance(1e-4) == pytest.approx(bending, rel=1e-7)
+    tensor = layer.green_tensor(1e-4, 0.0)
+    np.testing.assert_allclose(tensor[[2, 2, 5, 5], [2, 5, 2, 5]], bending, rtol=1e-7)
+
+
+@given(solids, st.floats(-3, 3), st.floats(0, 6.3))
+def test_green_tensor_is_hermitian_positive_and_symmetric(layer, exponent, angle):
+    """And equal under a reflection of z, which exchanges the faces."""
+    q = 10.0**exponent / (layer.height or 1.0)
+    tensor = layer.green_tensor(q * np.cos(angle), q * np.sin(angle))
+    scale = np.sqrt(np.diag(tensor).real)
+    scaled = tensor / np.outer(scale, scale)
+    np.testing.assert_array_equal(tensor, tensor.conj().T)
+    assert np.linalg.eigvalsh(scaled).min() > -1e-15
+    signs = np.array([1, 1, -1, 1, 1, -1])
+    np.testing.assert_array_equal(tensor, np.outer(signs, signs) * np.roll(tensor, (3, 3), axis=(0, 1)))
+    pulled = replace(layer, bottom="free").surface_compliance(np.hypot(q * np.cos(angle), q * np.sin(angle)))
+    assert tensor[2, 2] == pytest.approx(pulled, rel=4e-15)
+
+
+@given(solids, st.floats(-4, 4))
+def test_kernels_stay_below_their_envelope(layer, exponent):
+    """The bound used to drop modes at a depth: (1 + d) e^(−d), twice that in a layer."""
+    reach = layer.height or 1.0
+    depth = np.linspace(0, reach, 41)
+    decay = 10.0**exponent / reach * depth
+    limit = (1.0 if layer.height is None else 2.0) * (1 + 1e-13) * (1 + decay) * np.exp(-decay) + 1e-290
+    for number, kernel in enumerate(layer.kernels(10.0**exponent / reach, depth)):
+        assert np.all(np.abs(kernel) <= limit * (1 if number < 3 else 2 * (1 - layer.poisson)))
