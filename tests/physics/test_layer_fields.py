@@ -278,27 +278,15 @@ test_wrong_argument_is_refused = refuses(
     (lambda: layer_fields(None, FACES, {}), "layer = None, grid = .*: a Layer and a Grid are needed"),
     (lambda: faced(FIELD), "top = .*: a mapping from displacement_x, .* is needed"),
     (lambda: faced({"load": 1}), "a key of top = 'load': one of displacement_x, .* is needed"),
-    (
-        lambda: faced({}, {"traction_x": 0, "displacement_x": 0}),
-        "bottom: traction_x and displacement_x are given; only one of them is accepted",
-    ),
+    (lambda: faced({}, {"traction_x": 0, "displacement_x": 0}), "bottom: traction_x and displacement_x are"),
     (lambda: faced({"pressure": np.nan}), r"top\['pressure'\] = nan: a finite number"),
     (lambda: faced({"pressure": FIELD[1:]}), r"top\['pressure'\] has the shape \(6, 5\): .*\(7, 5\)"),
     (lambda: faced({"pressure": 1j * FIELD}), r"top\['pressure'\] has the shape .*\(7, 3\) is n"),
-    (
-        lambda: faced({"pressure": 1j * FIELD[:, :3]}),
-        r"top\['pressure'\]: the coefficients of a real field are needed",
-    ),
+    (lambda: faced({"pressure": 1j * FIELD[:, :3]}), r"top\['pressure'\]: the coefficients of a real field"),
     (lambda: layer_fields(Layer(1.0, 0.3), FACES, {}, {}), "bottom = {}: None is needed for a half-space"),
-    (
-        lambda: layer_fields(Layer(1.0, 0.3, 1e-61), FACES, {}),
-        "height = 1e-61: 1e-60 of the cell or more is needed",
-    ),
+    (lambda: layer_fields(Layer(1.0, 0.3, 1e-61), FACES, {}), "height = 1e-61: 1e-60 of the cell or more is"),
     (lambda: faced({}).planes(0.3), "depth = 0.3: a finite depth from 0 to 0.2 is needed"),
-    (
-        lambda: faced({"pressure": 0.1}, layer=FREE),
-        "mean σ_zz = -0.1 on top and 0 on the bottom: equal ones are needed for no net force",
-    ),
+    (lambda: faced({"pressure": 0.1}, layer=FREE), "mean σ_zz = -0.1 on top and 0 on the bottom: equal ones"),
     (
         lambda: layer_fields(
             Layer(1.0, 0.3, 0.2, lateral="free"), FACES, {"traction_x": 0.1}, {"traction_x": -0.1}

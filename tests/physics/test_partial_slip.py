@@ -185,10 +185,7 @@ test_bad_arguments = refuses(
         lambda: asp.partial_slip(CONTACT, FRICTION, tangential_displacement=1.0),
         "tangential_displacement = 1: at mo",
     ),
-    (
-        lambda: asp.partial_slip(CONTACT, FRICTION),
-        "exactly one of tangential_force and tangential_displacement",
-    ),
+    (lambda: asp.partial_slip(CONTACT, FRICTION), "exactly one of tangential_force and tangential_displacem"),
     (lambda: asp.partial_slip(rough(), FRICTION, tangential_force=0.0), "contact = "),
     (lambda: asp.partial_slip(hardened(rough(), 0.5), FRICTION, tangential_force=0.0), "hardness = "),
     (

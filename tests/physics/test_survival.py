@@ -93,8 +93,5 @@ test_wrong_argument_is_refused = refuses(
     (lambda: weibull_exponent(2), "scatter = 2: a number from 0.01 to 1 is needed"),
     (lambda: asp.cracks_per_area(xr.Dataset(), 0.1, 1.0), "cycles: a result of stress_cycles with fatigue"),
     (lambda: case(fatigue_scatter=0.1), "fatigue_scatter, fatigue_volume: both are needed"),
-    (
-        lambda: case(fatigue_scatter=0.1, fatigue_volume=1e-9),
-        "fatigue_scatter = 0.1: fatigue limits are needed",
-    ),
+    (lambda: case(fatigue_scatter=0.1, fatigue_volume=1e-9), "fatigue_scatter = 0.1: fatigue limits are nee"),
 )

@@ -43,10 +43,7 @@ CONFIGS = [
         "surfaces: {skew_positive: {heights: {moments: {skewness: 0, kurtosis: 3}}}}",
         "skew_positive.heights: only one",
     ),
-    (
-        "surfaces: {hurst_02: {heights: {map: {file: no.nid}}}}",
-        "surfaces.hurst_02.heights.map.file = 'no.nid': no such",
-    ),
+    ("surfaces: {hurst_02: {heights: {map: {file: no.nid}}}}", "surfaces.hurst_02.heights.map.file = 'no.ni"),
     ("studies: {compressibility: [hurst_02, hurst_08]}", "studies.compressibility = ['hurst_02', 'hurst_08'"),
     ("stress: {poisson: [0.33, 0.33]}", "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items"),
     ('surfaces: {hurst_02: {label: "\\e[31mred"}}', "label = '\\x1b[31mred': text that can be printed is ne"),

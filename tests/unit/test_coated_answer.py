@@ -97,10 +97,7 @@ test_wrong_coating_is_refused = refuses(
     [
         (["--coating", "2 um"], "--coating: needs --coating-young"),
         (["--coating", "2 um", "--bottom", "frictionless"], "--coating: not accepted together with --bottom"),
-        (
-            ["--coating", "2 um", "--boundary", "free"],
-            "--boundary free: not accepted together with --coating",
-        ),
+        (["--coating", "2 um", "--boundary", "free"], "--boundary free: not accepted together with --coatin"),
         (["--coating-yield", "1 GPa"], "--coating-yield: needs --coating"),
     ],
 )
