@@ -1,7 +1,5 @@
 """Surfaces, loaded solids, measures and a test of refused arguments that several modules of tests share."""
 
-import tracemalloc
-
 import numpy as np
 import pytest
 
@@ -31,16 +29,6 @@ def hardened(height, share, solid=HALF_SPACE, **settings):
     settings = {"mean_pressure": load_of(height)} | settings
     largest = asp.solve(height, solid, **settings).max_pressure
     return asp.solve(height, solid, hardness=share * largest, **settings)
-
-
-def memory_of(call):
-    """Most memory that a call takes at once, in bytes."""
-    tracemalloc.start()
-    try:
-        call()
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
 
 
 def centred(grid):
