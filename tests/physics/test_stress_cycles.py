@@ -1,4 +1,4 @@
-"""Cycles of the stress: smallest spheres, fatigue limits, and shakedown of Hertz's contacts."""
+"""Cycles of the stress: smallest spheres, fatigue limits, brute force, and shakedown."""
 
 import numpy as np
 import pytest
@@ -9,8 +9,6 @@ import asperity as asp
 from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor, reduce_rows
 from asperity.stress.cycles.smallest_sphere import smallest_sphere
 from asperity.stress.cycles.smooth_body import Cycles
-
-EDGE, NODES = 1.0, 1024
 
 
 def sphere(points, free=5):
@@ -115,31 +113,6 @@ def test_agreement_with_brute_force(boundary):
                 stress = (value[:, 2] - value[:, 0]) / 2 + hydrostatic_factor(0.6, 1.0) * mean
                 assert float(cycles["dang_van"][0, row]) == pytest.approx(stress.max() / 0.6, rel=1e-3)
         assert float(cycles["shear_range"][0, row]) == pytest.approx(np.ptp(xz), rel=1e-12)
-
-
-@pytest.fixture(scope="module")
-def line():
-    """A cylinder along y, 102 nodes wide: the largest pressure and the half-width of the contact."""
-    length = (EDGE / 64, EDGE)
-    height = asp.add_cylinder(np.zeros((16, NODES)), length, 1.0, axis="y")
-    contact = asp.solve(height, asp.Layer(1.0, 0.3), length, area_fraction=0.1)
-    return contact, float(contact.pressure.max()), 0.05
-
-
-def test_line_contact_without_friction(line):
-    """Johnson (1985), sections 4.2 and 9.3: τ_xz = ±p₀/4 at the depth b/2, shakedown at 4 k.
-
-    The neighbours of the cell change the stress by (b/L)² = 0.25 %, the depth is that of a plane.
-    """
-    contact, largest, half = line
-    depths = half * np.linspace(0.4, 0.6, 21)
-    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3))
-    value, depth, _ = cycles.attrs["worst_shear_range"]
-    assert value / largest == pytest.approx(0.5, rel=3e-3)
-    assert depth / half == pytest.approx(0.5, abs=0.02)
-    for name in ("shakedown_upper", "shakedown_line"):
-        assert cycles.attrs[f"worst_{name}"][0] * largest == pytest.approx(4.0, rel=5e-3)
-    assert cycles.attrs["worst_shakedown_lower"][0] * largest < 4.0
 
 
 def test_cycles_of_the_stream_of_the_analysis():

@@ -262,17 +262,6 @@ def test_peaks_of_mirror_images_are_left_out(rough):
     np.testing.assert_allclose(np.repeat(found, 4), images, rtol=1e-4)
 
 
-def test_equal_bodies_have_one_answer():
-    """Half of the modulus of one body against a rigid one, and the same stress in both."""
-    pair = run(a_rough_map(), STEEL, STEEL, mean_pressure=100e6)
-    softer = run(a_rough_map(), Body(STEEL.young / 2, STEEL.poisson), mean_pressure=100e6)
-    assert pair.bodies["upper"] is pair.bodies["lower"]
-    assert str(pair).count("largest von Mises stress  ") == 1
-    assert "stress in both bodies" in str(pair)
-    expected = softer.bodies["lower"].largest_von_mises
-    assert pair.bodies["lower"].largest_von_mises == pytest.approx(expected, rel=1e-4)
-
-
 def test_a_spike_under_the_largest_pressure_is_told():
     surface = a_rough_map()
     height = surface.height.copy()

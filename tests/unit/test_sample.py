@@ -7,7 +7,7 @@ from samples import refuses
 import asperity as asp
 from asperity.engineering import Body, run
 from asperity.engineering.largest import largest_on
-from asperity.engineering.sample import ONE_MAP, mean_of_maps
+from asperity.engineering.sample import mean_of_maps
 
 EDGE = 64e-6
 STEEL = Body(210e9, 0.3, yield_stress=2e9)
@@ -70,13 +70,6 @@ def test_largest_of_an_area_is_met(draw):
     medians = {"exponential": np.log(24000 / np.log(2)), "uniform": 1.0}
     medians["rayleigh"] = np.sqrt(2 * medians["exponential"])
     assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
-
-
-def test_one_map_has_no_interval_and_says_so(answers):
-    sample = asp.pooled(answers[:1])
-    assert ONE_MAP in str(sample)
-    assert sample.frame()["error"].isna().all()
-    assert sample.largest(1e-8)[["low_Pa", "high_Pa"]].isna().all(axis=None)
 
 
 test_what_is_no_sample_is_refused = refuses(
