@@ -7,6 +7,7 @@ import pytest
 
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid
+from asperity.study.validation.closed_forms import slab_load_area
 from asperity.study.validation.finite_elements import largest_differences
 from asperity.study.validation.indenter import displacement_and_stress
 from asperity.study.validation.table import CHECKS, comparison, for_reader, frame
@@ -58,6 +59,12 @@ def test_fields_at_points_are_those_of_a_mode():
         mode = field(Layer(1.3, 0.3), wavenumber, 0.0, depths)[:, None]
         expected = (mode * np.exp(1j * wavenumber * x)[:, None]).real
         np.testing.assert_allclose(found, expected, atol=1e-13)  # rounding
+
+
+def test_slab_is_stiffer_than_the_half_space():
+    found = slab_load_area(64, heights=(0.25, 1.0), steps=2, method="active_set")
+    assert np.all(found.slab_stiffening > 1.05)
+    assert np.all(found.slab_stiffening[0] > found.slab_stiffening[1])
 
 
 @group("elements")

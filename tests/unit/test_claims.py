@@ -12,7 +12,7 @@ from small_study import CONTACT, LAYER, STRESS
 from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence, FixedNumber, MissingEvidenceError, Number, SeedNumbers
 from asperity.paper.claims.overview import draw
-from asperity.paper.claims.sources import roles
+from asperity.paper.claims.sources import deltas, roles
 from asperity.paper.claims.verdicts import (
     CLAIMS,
     DEPENDS,
@@ -293,3 +293,22 @@ def test_tables_are_read_again_and_hold_every_claim(study, tmp_path):
     assert report.markdown(report.findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)) == text
     assert all(f.claim.compared.replace("|", "\\|") in text for f in found)
     assert len(draw(found).axes[0].get_yticks()) == len(CLAIMS)
+
+
+def test_surfaces_of_another_delta_are_found():
+    def skew(gamma, delta, hurst=0.8):
+        return {"label": f"{delta}", "hurst": hurst, "johnson": {"gamma": gamma, "delta": delta}}
+
+    surfaces = {
+        "n": skew(-1.25, 1.0),
+        "g": {"label": "", "hurst": 0.8},
+        "p": skew(1.25, 1.0),
+        "n2": skew(-1.25, 1.5),
+        "p2": skew(1.25, 1.5),
+    }
+    own = roles({"skewness": ["n", "g", "p"]}, surfaces)
+    found = deltas(own, surfaces)
+    assert list(found) == [1.0, 1.5]
+    assert found[1.5] == {"skew_negative, delta 1.5": "n2", "skew_positive, delta 1.5": "p2"}
+    assert list(deltas(own, {**surfaces, "n2": skew(-1.25, 1.5, hurst=0.5)})) == [1.0]
+    assert deltas({}, surfaces) == {}

@@ -86,6 +86,13 @@ def test_figures_tell_their_surface_ratios_area_and_seeds(chain):
     assert f"ν = {statistics.attrs['poisson_contact']:g};" in own
 
 
+def test_copies_under_other_loads_are_one_surface(chain):
+    one = dataset.read(chain["statistics"])
+    copies = {f"a_load{n}": one.assign_attrs(label=f"ground, {n} %") for n in (1, 2, 3)}
+    found = cases.distinct(copies)
+    assert {key: data.attrs["label"] for key, data in found.items()} == {"a_load1": "ground"}
+
+
 def test_the_cell_of_an_oblong_map_is_drawn(tmp_path):
     waves = np.cos(2 * np.pi * np.arange(32) / 32)
     surface = surface_dataset(1e-3 * (waves[::2, None] + waves), Grid((16, 32), (0.5, 1.0)))
