@@ -12,7 +12,7 @@ from small_study import CONTACT, LAYER, STRESS
 from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence, FixedNumber, MissingEvidenceError, Number, SeedNumbers
 from asperity.paper.claims.overview import draw
-from asperity.paper.claims.sources import deltas, roles
+from asperity.paper.claims.sources import roles, surfaces_by_delta
 from asperity.paper.claims.verdicts import (
     CLAIMS,
     DEPENDS,
@@ -307,8 +307,8 @@ def test_surfaces_of_another_delta_are_found():
         "p2": skew(1.25, 1.5),
     }
     own = roles({"skewness": ["n", "g", "p"]}, surfaces)
-    found = deltas(own, surfaces)
+    found = surfaces_by_delta(own, surfaces)
     assert list(found) == [1.0, 1.5]
     assert found[1.5] == {"skew_negative, delta 1.5": "n2", "skew_positive, delta 1.5": "p2"}
-    assert list(deltas(own, {**surfaces, "n2": skew(-1.25, 1.5, hurst=0.5)})) == [1.0]
-    assert deltas({}, surfaces) == {}
+    assert list(surfaces_by_delta(own, {**surfaces, "n2": skew(-1.25, 1.5, hurst=0.5)})) == [1.0]
+    assert surfaces_by_delta({}, surfaces) == {}
