@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm peers report crate docs bench tradeoff lock clean
+.PHONY: help study quick theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm peers report crate docs replication bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -96,6 +96,11 @@ crate: study ## Describe the results of the study as an RO-Crate, ro-crate-metad
 
 docs: $(VENV)/ready ## Build the documentation site with its gallery, without a network, into docs/_build/html
 	MPLBACKEND=Agg python -m sphinx -b html -W --keep-going -n docs docs/_build/html
+
+replication: ## Build the article on what of the paper holds, paper/replication.pdf, in an environment of its own
+	$(PYTHON) -m venv .venv-article
+	.venv-article/bin/pip install --quiet --disable-pip-version-check --editable ".[article]"
+	.venv-article/bin/python paper/replication.py
 
 bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact stress" for less
 	python benchmarks/page.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
