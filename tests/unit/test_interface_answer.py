@@ -39,8 +39,10 @@ def test_numbers_are_those_of_partial_slip(fretting):
     )
     assert any("by a factor of" in advice.text for advice in fretting.advice)
     by_displacement = {"tangential_displacement": slip.displacement}
-    other = run(a_rough_map(), STEEL, STEEL, mean_pressure=LOAD, friction=FRICTION, **by_displacement)
+    soft = replace(STEEL, yield_stress=200e6)
+    other = run(a_rough_map(), soft, soft, mean_pressure=LOAD, friction=FRICTION, **by_displacement)
     assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
+    assert other.plastic.hardness == 600e6  # solved without the tangential displacement
 
 
 def test_files_hold_the_slip(fretting, tmp_path):

@@ -21,6 +21,7 @@ from asperity.engineering.answer_numbers import IN_FULL_CONTACT, contact_numbers
 from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import (
     LARGEST_LOAD,
+    SIDEWAYS,
     Body,
     Case,
     CounterMap,
@@ -333,7 +334,7 @@ def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact |
     if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
         return None
     lower, load = replace(case.lower, hardness=hardness), Load("mean_pressure", contact.mean_pressure)
-    return press(face, replace(case, lower=lower, load=load))
+    return press(face, replace(case, lower=lower, load=load, **dict.fromkeys(SIDEWAYS)))
 
 
 def unfiltered_contact(case: Case) -> Contact | None:
