@@ -57,7 +57,7 @@ from .views.maps import plot_gap as plot_gap
 from .views.maps import plot_height as plot_height
 from .views.maps import plot_pressure as plot_pressure
 from .views.peak_plot import plot_peaks as plot_peaks
-from .views.plane_plot import plot_plane as plot_plane
-from .views.section_plot import plot_section as plot_section
+from .views.stress_plot import plot_plane as plot_plane
+from .views.stress_plot import plot_section as plot_section
 
 __version__: str

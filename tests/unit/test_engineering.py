@@ -10,7 +10,7 @@ from samples import invariants, refuses
 import asperity as asp
 from asperity import MapOptions
 from asperity.engineering import Body, run
-from asperity.engineering.answer_numbers import contact_spots
+from asperity.engineering.contact_numbers import contact_spots
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere

@@ -9,7 +9,7 @@ from samples import load_of, rough
 
 import asperity as asp
 from asperity.cli.main import main
-from asperity.engineering.answer_numbers import stored_certificate
+from asperity.engineering.contact_numbers import stored_certificate
 
 STEEL, LAYER = asp.Layer(2.1, 0.3), asp.Layer(0.7, 0.4, height=0.1, bottom="frictionless")
 COATED = asp.Layer(4.0, 0.25, height=0.02, base=STEEL)

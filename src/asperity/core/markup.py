@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import html
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from functools import partial
 from importlib.util import find_spec
 from io import BytesIO
@@ -26,21 +26,19 @@ if TYPE_CHECKING:
 
 def markdown(frame: pd.DataFrame) -> str:
     """A table in Markdown, without the index; bars in cells are escaped."""
-    head, *rows = _rows(frame)
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
-    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+    head, *rows = (
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in _cells(frame)
+    )
+    return "\n".join([head, "|" + "---|" * len(frame.columns), *rows])
 
 
 def html_table(frame: pd.DataFrame) -> str:
     """A table in HTML, without the index, with the Markdown of its cells as HTML."""
-    lines = [_line(row, "td" if number else "th") for number, row in enumerate(_rows(frame))]
-    return "\n".join(["<table>", *lines, "</table>"])
-
-
-def page(title: str, tables: Mapping[str, pd.DataFrame]) -> str:
-    """An HTML page with tables under their headings; an empty heading is left out."""
-    shown = {heading: html_table(frame) for heading, frame in tables.items()}
-    return rendered("asperity.core", "base.html.j2", title=title, tables=shown)
+    lines = ["<table>"]
+    for number, row in enumerate(_cells(frame)):
+        tag = "td" if number else "th"
+        lines.append(f"<tr>{''.join(f'<{tag}>{inline(cell)}</{tag}>' for cell in row)}</tr>")
+    return "\n".join([*lines, "</table>"])
 
 
 def rendered(package: str, template: str, **values: Any) -> str:
@@ -76,24 +74,16 @@ def with_error(value: float, error: float, signed: bool = False) -> str:
     return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
 
 
-def _rows(frame: pd.DataFrame) -> list[list[str]]:
-    """The names of the columns and the cells of each row as text."""
-    return [
-        [str(name) for name in frame.columns],
-        *([_text(cell) for cell in row] for row in frame.itertuples(index=False, name=None)),
-    ]
+def _cells(frame: pd.DataFrame) -> list[list[str]]:
+    """Names of the columns, and rows of cells as text: numbers with four digits, nothing for missing ones."""
 
+    def text(cell: object) -> str:
+        if isinstance(cell, float | np.floating):
+            return "" if np.isnan(cell) else f"{cell:.4g}"
+        return str(cell)
 
-def _text(cell: object) -> str:
-    """A cell as text: numbers with four digits, nothing where a number is missing."""
-    if isinstance(cell, float | np.floating):
-        return "" if np.isnan(cell) else f"{cell:.4g}"
-    return str(cell)
-
-
-def _line(row: Sequence[str], tag: str) -> str:
-    """A row of an HTML table."""
-    return f"<tr>{''.join(f'<{tag}>{inline(cell)}</{tag}>' for cell in row)}</tr>"
+    rows = frame.itertuples(index=False, name=None)
+    return [[str(name) for name in frame.columns], *([text(cell) for cell in row] for row in rows)]
 
 
 PICTURE = 160

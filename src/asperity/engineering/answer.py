@@ -18,11 +18,10 @@ from asperity.contact.gap import FilmFlow, Percolation
 from asperity.contact.slip import PartialSlip
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import DIMENSIONS, scaled_unit, shown_si
-from asperity.engineering.answer_numbers import IN_FULL_CONTACT, ContactNumbers, gap_of
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, SIDEWAYS, Body, Case
+from asperity.engineering.contact_numbers import IN_FULL_CONTACT, ContactNumbers, gap_of, gap_rows, slip_rows
 from asperity.engineering.face import RoughFace
-from asperity.engineering.interface import gap_rows, slip_rows
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
 from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
 from asperity.stress.peaks.selection import peaks
@@ -157,7 +156,7 @@ class Answer:
     contact : Contact
         In SI units.
     spots : DataFrame
-        Patches of contact on the map; see `asperity.engineering.answer_numbers.contact_spots`.
+        Patches of contact on the map; see `asperity.engineering.contact_numbers.contact_spots`.
     numbers : ContactNumbers
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.

@@ -23,8 +23,8 @@ from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
 from asperity.engineering.answer import REPEATS, Answer, Row, body_title, case_in_words, without_repeats
-from asperity.engineering.answer_numbers import certificate_in_words
 from asperity.engineering.case import Body, Case
+from asperity.engineering.contact_numbers import certificate_in_words
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
 from asperity.engineering.pictures import Picture, pictures, suffix_of

@@ -15,7 +15,7 @@ from asperity.contact.gap import FilmFlow
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import Answer, body_title, cycle_axis, cycles_title
-from asperity.engineering.close_up import CloseUp
+from asperity.engineering.body_stress import CloseUp
 from asperity.engineering.load_curve import AnswerCurve
 from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
@@ -23,9 +23,8 @@ from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, SHEAR_TRACTION,
 from asperity.views.panels import canvas
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.scales import STRESS, Look
-from asperity.views.section_plot import draw_sections, until_faded
 from asperity.views.source import Part, Source, sources
-from asperity.views.stress_field import field_look, field_words
+from asperity.views.stress_plot import draw_sections, field_look, field_words, until_faded
 from asperity.views.style import plain_text
 
 if TYPE_CHECKING:

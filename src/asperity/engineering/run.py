@@ -17,11 +17,9 @@ from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
-from asperity.engineering.answer_numbers import IN_FULL_CONTACT, contact_numbers, contact_spots
-from asperity.engineering.body_stress import body_answer
+from asperity.engineering.body_stress import body_answer, close_ups
 from asperity.engineering.case import (
     LARGEST_LOAD,
-    SIDEWAYS,
     Body,
     Case,
     CounterMap,
@@ -29,10 +27,17 @@ from asperity.engineering.case import (
     Load,
     suggested_hardness,
 )
-from asperity.engineering.close_up import close_ups
+from asperity.engineering.contact_numbers import (
+    IN_FULL_CONTACT,
+    contact_numbers,
+    contact_spots,
+    cycle_table,
+    flow_of,
+    interface_on_half,
+    slip_of,
+)
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.interface import cycle_table, flow_of, interface_on_half, slip_of
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
 from asperity.engineering.moving import MovingContact
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -334,7 +339,9 @@ def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact |
     if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
         return None
     lower, load = replace(case.lower, hardness=hardness), Load("mean_pressure", contact.mean_pressure)
-    return press(face, replace(case, lower=lower, load=load, **dict.fromkeys(SIDEWAYS)))
+    return press(
+        face, replace(case, lower=lower, load=load, tangential_force=None, tangential_displacement=None)
+    )
 
 
 def unfiltered_contact(case: Case) -> Contact | None:

@@ -17,7 +17,7 @@ from asperity.stress.peaks.selection import SAME_RATIO, peaks
 from asperity.views.panels import canvas, finish_title
 from asperity.views.scales import Measure, measure, robust_limits
 from asperity.views.source import require_same_system, title_of, titled
-from asperity.views.stress_field import field_name
+from asperity.views.stress_plot import field_name
 
 LARGE_PEAK = 0.5
 """Peaks of at least this part of the largest magnitude set the depth that is shown."""

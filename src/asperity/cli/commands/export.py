@@ -9,9 +9,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from asperity.cli.files import check_out, read_result, required
+from asperity.cli.files import check_out, is_si, length, positions, read_result, required, span
 from asperity.cli.parser import section, sliding
-from asperity.cli.positions import is_si, length, positions, span
 from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
 from asperity.stress.planes.fields import FIELDS

@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> None:
             return
         answers = {job.out.name: _answered(job, options.save) for job in jobs.values()}
         if folder is not None:
-            from asperity.engineering.comparison import write_comparison
+            from asperity.engineering.several_answers import write_comparison
 
             print(write_comparison(answers, folder))
 
@@ -108,7 +108,7 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
     The means are made from the tables in the folders: they are the same whichever process wrote these.
     """
     from asperity.engineering.output import holds_answer
-    from asperity.engineering.sample_report import read_sample, write_sample
+    from asperity.engineering.several_answers import read_sample, write_sample
 
     for job in jobs.values():
         if options.resume and holds_answer(job.out, job.case, job.rough.files):
@@ -125,8 +125,7 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
     """Why maps cannot be pooled."""
     from asperity.core.units import to_si
-    from asperity.engineering.largest import check_area
-    from asperity.engineering.sample import check_alike
+    from asperity.engineering.sample import check_alike, check_area
 
     faces = {name: job.rough.face for name, job in jobs.items()}
     areas = {job.area for job in jobs.values() if job.area}

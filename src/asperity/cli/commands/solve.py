@@ -9,9 +9,8 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.cli.files import check_out, is_result, read_stage
+from asperity.cli.files import check_out, in_words, is_result, read_stage
 from asperity.cli.parser import flag, section
-from asperity.cli.positions import in_words
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.cli.files import check_out, read_stage
+from asperity.cli.files import check_out, in_words, read_stage
 from asperity.cli.parser import section
-from asperity.cli.positions import in_words
 from asperity.core.errors import one_line
 from asperity.results import dataset, write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si

@@ -10,18 +10,16 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.cli.files import check_out, read_result
+from asperity.cli.files import check_out, is_si, length, length_or_span, positions, read_result, span
 from asperity.cli.parser import flag, section, sliding
-from asperity.cli.positions import is_si, length, length_or_span, positions, span
 from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
 from asperity.study.job import ProgressBar
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peak_plot import plot_peaks
-from asperity.views.plane_plot import plot_plane
-from asperity.views.section_plot import plot_section
 from asperity.views.source import title_of
+from asperity.views.stress_plot import plot_plane, plot_section
 from asperity.views.style import plain_text, require_picture, save, style
 
 MAPS = {"height": plot_height, "pressure": plot_pressure, "gap": plot_gap}

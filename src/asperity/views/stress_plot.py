@@ -1,10 +1,10 @@
-"""Stress in a vertical section through the solid."""
+"""Stress in a body under a contact, in a plane below its surface or in a vertical section."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Real
-from typing import Any, Unpack
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 import xarray as xr
@@ -12,13 +12,159 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.core.types import Progress
-from asperity.stress.planes.planes import depth_grid
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.stress.planes.planes import depth_grid, stress_planes
 from asperity.stress.section import stress_section
-from asperity.views.maps import LEVEL, blocks, draw_contour
+from asperity.views.maps import LEVEL, Map, blocks, draw_contour, draw_maps, largest_magnitude
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.scales import Look, Scale, measure
-from asperity.views.source import Span
-from asperity.views.stress_field import BodyView, Stress, field_look, stresses
+from asperity.views.scales import SIGNED, STRESS, Look, Scale, measure
+from asperity.views.source import Source, Span, sources
+
+POSITIVE = ("von_mises", "largest_shear")
+"""Fields without a sign."""
+
+_NAMES = {
+    "von_mises": "von Mises stress",
+    "largest_shear": "largest shear stress",
+    "hydrostatic": "hydrostatic stress",
+    "principal_1": "largest principal stress",
+    "principal_2": "middle principal stress",
+    "principal_3": "smallest principal stress",
+}
+
+
+class Stress(NamedTuple):
+    """A field of the stress in a body under a contact.
+
+    Parameters
+    ----------
+    source : Source
+    solid : LoadedSolid
+    field : str
+    settings : dict
+        ``poisson``, ``friction`` and ``sliding_direction``, as arguments of `asperity.stress_planes`.
+    """
+
+    source: Source
+    solid: LoadedSolid
+    field: str
+    settings: dict[str, Any]
+
+
+class BodyView(TypedDict, total=False):
+    """Arguments of the pictures of the stress in a body; `asperity.plot_section` describes them."""
+
+    body: str
+    friction: float | None
+    sliding_direction: str | float | None
+    unit_system: str | None
+
+
+def stresses(
+    contact: Any, field: str, poisson: float | None, unit_system: str | None = None, **body: Any
+) -> list[Stress]:
+    """The field in one of the bodies of each result; `body` are arguments of `Source.loaded`."""
+    found = []
+    for source in sources(contact, unit_system):
+        solid, sliding = source.loaded(**body)
+        found.append(Stress(source, solid, field, {"poisson": poisson, **sliding}))
+    return found
+
+
+def field_words(field: str) -> str:
+    """Name of a field of the stress in plain text."""
+    return _NAMES.get(field, f"stress σ_{field}")
+
+
+def field_name(field: str) -> str:
+    """Name of a field of the stress, or of the contact pressure, as pictures show it."""
+    if field == "pressure":
+        return "contact pressure"
+    return _NAMES.get(field, rf"$\sigma_{{{field}}}$")
+
+
+def field_look(field: str) -> Look:
+    """Colours and label of a field of the stress."""
+    name = field_name(field)
+    if field in POSITIVE:
+        return Look(name, "stress", STRESS, "white", np.max, low=0.0)
+    return Look(name, "stress", SIGNED, "black", largest_magnitude, signed=True)
+
+
+SEARCH_TOLERANCE = 1e-4
+"""Largest relative error of the planes in which the depth of the largest stress is sought."""
+
+MAX_DEPTH = 100
+"""Largest depth of a plane over the longer edge of the cell; all waves have vanished far above it."""
+
+
+def plot_plane(
+    contact: Any,
+    depth: float | str = "max",
+    field: str = "von_mises",
+    poisson: float | None = None,
+    *,
+    y: Span | None = None,
+    x: Span | None = None,
+    axes: Axes | Sequence[Axes] | None = None,
+    progress: Progress | None = None,
+    **view: Unpack[BodyView],
+) -> Figure:
+    """Stress in a plane below the surface, with the outlines of the contacts above it.
+
+    Parameters
+    ----------
+    contact : dataset, `Contact`, sequence of them, or mapping from titles to them
+        Results of stage contact; several are drawn beside each other in the same colours.
+    depth : float or "max"
+        Depth of the plane; "max": that of the largest magnitude of the field, of each result.
+    field, poisson, body, friction, sliding_direction, axes, unit_system, progress
+        As for `plot_section`.
+    y, x : (first, last), optional
+        Part of the cell.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range, or the result does not describe a solid under a pressure.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.plot_plane(contact, depth=0.02, field="largest_shear")
+    >>> figure.savefig("plane.png")  # doctest: +SKIP
+    >>> len(figure.axes)  # the map and its colour bar
+    2
+    """
+    found = stresses(contact, field, poisson, **view)
+    maps = [_plane(stress, depth, y, x, progress) for stress in found]
+    return draw_maps(maps, field_look(field), axes)
+
+
+def _plane(
+    stress: Stress, depth: float | str, y: Span | None, x: Span | None, progress: Progress | None
+) -> Map:
+    source, solid, field = stress.source, stress.solid, stress.field
+    part = source.part(y, x)
+    label = "depth"
+    if depth == "max":
+        label = "depth of the largest"
+        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+        planes = stress_planes(
+            solid, depths, fields=(field,), tolerance=SEARCH_TOLERANCE, progress=progress, **stress.settings
+        )
+        depth = -max((float(np.abs(plane.fields[field]).max()), -plane.depth) for plane in planes)[1]
+    place = float(depth)
+    deepest = solid.layer.extent or MAX_DEPTH * max(solid.grid.length)
+    if not 0 <= place <= deepest:
+        raise ValueError(
+            f"depth = {source.shown(place)}: max or a depth from 0 to {source.shown(deepest)} is needed"
+        )
+    (plane,) = stress_planes(solid, [place], fields=(field,), tolerance=0.0, **stress.settings)
+    note = f"{label}: {measure(place, 'length', source.system).text(place)}"
+    return Map(source, part, plane.fields[field][0][part], note)
+
 
 MAX_SHAPE = 0.25
 """Largest depth of a section over its length, where no depth is given."""

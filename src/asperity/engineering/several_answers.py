@@ -1,29 +1,73 @@
-"""The folder of pooled answers: their means as tables, and one page."""
+"""The folder of several answers: side by side in a table and a page, or pooled to means with intervals."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from asperity.core.markup import rendered
+from asperity.core.markup import html_table, rendered
 from asperity.core.units import shown_si, to_si
-from asperity.engineering.answer import REPEATS, case_in_words, without_repeats
+from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
-from asperity.engineering.folder import CASE_FILE, SAMPLE, locked, replacing
+from asperity.engineering.folder import CASE_FILE, COMPARISON, SAMPLE, locked, replacing
 from asperity.engineering.output import HEADLINE, pool_text
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
 
-PICTURES = ("height", "pressure", "plane", "plane_lower", "cycles", "cycles_lower")
+COMPARED_PICTURES = ("height", "pressure", "plane", "section", "peaks")
+"""Pictures that stand beside each other."""
+
+
+def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
+    """Write ``comparison.csv`` and ``comparison.html`` into the folder that holds those of the answers.
+
+    Parameters
+    ----------
+    answers : mapping
+        Name of the folder of an answer → the answer.
+    folder : Path
+
+    Returns
+    -------
+    str
+        The table as text.
+    """
+    shown = {
+        name: {(row.group, row.name): row.shown for row in answer.rows} for name, answer in answers.items()
+    }
+    keys = dict.fromkeys(key for column in shown.values() for key in column)
+    rows = [[*key, *(column.get(key, "") for column in shown.values())] for key in keys]
+    frame = pd.DataFrame(rows, columns=["", "number", *shown])
+    values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
+    uncertainties = {name: pd.Series(answer.uncertainties, dtype=str) for name, answer in answers.items()}
+    files = [f"{name}/{picture}.png" for picture in COMPARED_PICTURES for name in answers]
+    page = rendered(
+        "asperity.engineering",
+        "comparison.html.j2",
+        title=" and ".join(answers),
+        tables={
+            "Numbers": html_table(frame),
+            "Largest uncertainties": html_table(pd.DataFrame(uncertainties)),
+        },
+        pictures=[file for file in files if (folder / file).exists()],
+        names=list(answers),
+    )
+    with locked(folder), replacing(folder, kept=set()) as unfinished:
+        write_table(values, "answer_comparison", unfinished / COMPARISON[0], float_format="%.8g")
+        write_text(unfinished / COMPARISON[1], page)
+    return frame.to_string(index=False)
+
+
+POOLED_PICTURES = ("height", "pressure", "plane", "plane_lower", "cycles", "cycles_lower")
 """Pictures of the maps that stand beside each other, where there are such."""
 
-SHOWN = 3
+SHOWN_MAPS = 3
 """Maps whose pictures are shown."""
 
 QUANTITIES = {"pressure": "pressure", "von_mises": "von Mises stress", "dang_van": "Dang Van stress"}
@@ -84,8 +128,8 @@ def write_sample(
         one_map=ONE_MAP,
         repeats=repeats,
         pictures=[
-            [f"{name}/{picture}.png" for name in sample.names[:SHOWN]]
-            for picture in PICTURES
+            [f"{name}/{picture}.png" for name in sample.names[:SHOWN_MAPS]]
+            for picture in POOLED_PICTURES
             if (folder / sample.names[0] / f"{picture}.png").exists()
         ],
         case_file=(case := pool_text(cases, folder, area)),
