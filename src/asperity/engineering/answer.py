@@ -230,9 +230,7 @@ class Answer:
         if self.curve is not None:
             shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
-            shown += _body_rows(body_title(self.case, name), self.bodies[name])
-            shown += _peak_rows(self, name)
-            shown += _cycle_rows(self, name)
+            shown += [*_body_rows(self, name), *_cycle_rows(self, name)]
         return shown
 
     @property
@@ -265,7 +263,19 @@ class Answer:
             table = table.rename(columns=PEAK_COLUMNS)
             own = self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
             table = table[own & table["quantity"].isin(("pressure", *self.case.fields))]
-            table = pd.concat([table, *self._dang_van_peaks(body)], ignore_index=True)
+            cycles, limit = self.bodies[body].cycles, self.case.bodies[body].fatigue_torsion
+            if cycles is not None and "dang_van" in cycles and limit is not None:
+                # Maxima over rows of the largest Dang Van stress of each row.
+                axis, of_row = cycle_axis(cycles), cycles["dang_van"].max("cycle_depth").values
+                above = (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
+                row = np.flatnonzero((of_row > 0) & above)
+                deepest = cycles["dang_van"].argmax("cycle_depth").values[row]
+                values = {"value_Pa": limit * of_row[row], "depth_m": cycles["cycle_depth"].values[deepest]}
+                places = {"y_m": 0.0, "x_m": 0.0} | {f"{axis}_m": cycles[f"cycle_{axis}"].values[row]}
+                rows = pd.DataFrame(values | places | {"quantity": "dang_van", "under_contact": True})
+                rows["in_solid"] = rows["depth_m"] > 0
+                own = self.face.is_on_map(rows["y_m"].to_numpy(), rows["x_m"].to_numpy())
+                table = pd.concat([table, rows[own]], ignore_index=True)
             table["y_m"], table["x_m"] = self.face.on_map(table["y_m"], table["x_m"])
             tables.append(table.assign(body=body, size=table["value_Pa"].abs()))
         found = pd.concat(tables, ignore_index=True)
@@ -282,21 +292,6 @@ class Answer:
                 volume = cycles["fatigue_volume"].to_series()
                 found += [(body, share, value) for share, value in volume[volume > 0].items()]
         return pd.DataFrame(found, columns=["body", "share", "volume_per_area_m"])
-
-    def _dang_van_peaks(self, body: str) -> Iterator[pd.DataFrame]:
-        """Maxima over rows of the largest Dang Van stress of each row, on the map; none without cycles."""
-        cycles, limit = self.bodies[body].cycles, self.case.bodies[body].fatigue_torsion
-        if cycles is not None and "dang_van" in cycles and limit is not None:
-            of_row = cycles["dang_van"].max("cycle_depth").values
-            row = np.flatnonzero(
-                (of_row > 0) & (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
-            )
-            axis, deepest = cycle_axis(cycles), cycles["dang_van"].argmax("cycle_depth").values[row]
-            found = {"value_Pa": limit * of_row[row], "depth_m": cycles["cycle_depth"].values[deepest]}
-            table = pd.DataFrame(found | {"y_m": 0.0, "x_m": 0.0, "quantity": "dang_van"})
-            table[f"{axis}_m"] = cycles[f"cycle_{axis}"].values[row]
-            table = table.assign(in_solid=table["depth_m"] > 0, under_contact=True)
-            yield table[self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())]
 
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
@@ -439,7 +434,9 @@ def _plastic_rows(contact: Contact, is_given: bool, rms_gradient: float) -> Iter
     yield Row(group, "plasticity index", index, "1", f"{index:.3g}, E* × rms gradient / hardness")
 
 
-def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
+def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
+    group, body = body_title(answer.case, name_of_body), answer.bodies[name_of_body]
+
     def row(name: str, value: float, unit: str = "Pa", shown: str = "", error: float = np.nan) -> Row:
         return _row(group, name, value, unit, shown or shown_si(value, unit), body.limits, error)
 
@@ -470,37 +467,31 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
     for percent in PERCENTS if found_peaks.size else ():
         value = float(np.percentile(found_peaks, percent))
         yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
-    if body.body.yield_stress is None:
+    if (limit := body.body.yield_stress) is None:
         return
-    yield row("yield stress", body.body.yield_stress)
+    yield row("yield stress", limit)
     volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
     if volume is None or depths is None or fraction is None:
         yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
         yield row("volume above yield per area", 0.0, "m")
-        return
-    first, last = depths
-    factor, symbol = scaled_unit([last], "m")
-    share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
-    between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
-    error = body.grid_error("volume_above_yield")
-    yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
-    yield row("volume above yield per area", fraction * last, "m", "", error * fraction * last)
-    yield row("share above yield", fraction, "1", share, error * fraction)
-    yield row("deepest point above yield", last, "m", between)
-
-
-def _peak_rows(answer: Answer, name: str) -> Iterator[Row]:
-    """Peaks of the von Mises stress above yield, per nominal area."""
-    limit, group = answer.case.bodies[name].yield_stress, body_title(answer.case, name)
-    if limit is not None:
-        found = answer.peaks().query("body == @name and quantity == 'von_mises'")
-        below = found["depth_m"] > (answer.case.bodies[name].coating or -1.0)
-        density = int(((found["value_Pa"] > limit) & below).sum()) / answer.numbers.nominal_area
-        yield Row(group, "peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
+    else:
+        first, last = depths
+        factor, symbol = scaled_unit([last], "m")
+        share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
+        between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
+        error = body.grid_error("volume_above_yield")
+        yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
+        yield row("volume above yield per area", fraction * last, "m", "", error * fraction * last)
+        yield row("share above yield", fraction, "1", share, error * fraction)
+        yield row("deepest point above yield", last, "m", between)
+    all_peaks = answer.peaks().query("body == @name_of_body and quantity == 'von_mises'")
+    below = all_peaks["depth_m"] > (body.body.coating or -1.0)
+    density = int(((all_peaks["value_Pa"] > limit) & below).sum()) / answer.numbers.nominal_area
+    yield row("peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
 
 
 def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
-    """The worst cycles of a body, as if it were the smooth one."""
+    """The worst cycles of a body as if it were the smooth one, and the probability that no crack starts."""
     body, group = answer.bodies[name], cycles_title(answer.case, name)
     cycles = body.cycles
     if cycles is None:
@@ -518,15 +509,10 @@ def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
             source = "the pixels and the shifts" if few else "the pixels"
             shown = f"{shown_si(value, unit)} at depth {shown_si(depth, 'm')}, {at}"
             yield _row(group, words, value, unit, shown, body.limits, error, source)
-    if "fatigue_volume" in cycles:
-        yield from _fatigue_rows(answer, group, cycles)
-
-
-def _fatigue_rows(answer: Answer, group: str, cycles: xr.Dataset) -> Iterator[Row]:
-    """Volume above shares of the fatigue limit, and the probability that no crack starts."""
-    volume = cycles["fatigue_volume"]
+    if "fatigue_volume" not in cycles:
+        return
     for share in LIMIT_SHARES:
-        value = float(volume.interp(fatigue_share=share))
+        value = float(cycles["fatigue_volume"].interp(fatigue_share=share))
         name = f"volume above {100 * share:g} % of the limit per area"
         yield Row(group, name, value, "m", shown_si(value, "m"))
     case, area = answer.case, answer.numbers.nominal_area

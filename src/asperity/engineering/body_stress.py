@@ -125,19 +125,14 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
         middle = np.unravel_index(left.argmax(), left.shape)
         ends = zip(map(int, middle), face.map_shape, strict=True)
         rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
-        along = _axis_across(weight[rows, columns], face.grid)
-        found.append(CloseUp(face.grid, (rows, columns), along))
+        # The section runs where the pressure changes most: across the lay, also if there are several ridges.
+        y, x = (
+            float(np.square(np.diff(weight[rows, columns], axis=axis)).sum()) / face.grid.spacing[axis] ** 2
+            for axis in (0, 1)
+        )
+        found.append(CloseUp(face.grid, (rows, columns), "x" if x > y else "y"))
         left[rows, columns] = 0
     return found
-
-
-def _axis_across(weight: Array, grid: Grid) -> str:
-    """Axis along which the weight changes most: across the lay, also if there are several ridges."""
-    slopes = {
-        name: float(np.square(np.diff(weight, axis=axis)).sum()) / step**2
-        for name, axis, step in zip("yx", (0, 1), grid.spacing, strict=True)
-    }
-    return max(slopes, key=lambda name: slopes[name])
 
 
 STRESS_TOLERANCE = 1e-4
@@ -171,7 +166,7 @@ BOUNDS = {"largest_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "princip
 Principal stresses are computed only where the bound exceeds the extreme value so far: `run` takes a quarter
 of the time at 512²."""
 
-ROUNDING = 1e-5
+BOUND_ERROR = 1e-5
 """Uncertainty of these bounds by rounding in single precision, relative to the highest of a plane."""
 
 
@@ -419,6 +414,7 @@ class _Extremes:
         self.found: dict[str, Extreme] = {}
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
         self.above: list[float] = []
+        self._sizes: dict[str, float] = {}
         self._fields, self._drawn = list(dict.fromkeys((*DIRECTION, *drawn))), drawn
         self._poisson, self._limit, self._face = layer.poisson, limit, layer.interface or -1.0
 
@@ -434,40 +430,28 @@ class _Extremes:
             for name, value in zip(("xx", "zz", "shear"), found, strict=True):
                 self.interface.setdefault(name, []).append(float(value))
         for name in self._fields:
-            if name in BOUNDS:
-                nodes = self._candidates(name, invariants["von_mises"], invariants["hydrostatic"], plane)
+            known = self.found[name].value if name in self.found else None
+            if name in BOUNDS:  # only at nodes where the bound exceeds the extreme value so far
+                bound = (
+                    BOUNDS[name][0] * invariants["von_mises"] + BOUNDS[name][1] * invariants["hydrostatic"]
+                )
+                highest = bound.argmax()
+                if known is None:
+                    known = float(plane.field_at(name, self._poisson, np.array([highest]))[0])
+                least = DIRECTION[name] * known - BOUND_ERROR * abs(float(bound[highest]))
+                nodes = np.flatnonzero(bound >= least)
                 values = plane.field_at(name, self._poisson, nodes)
             else:
                 field = invariants.get(name)
                 field = plane.field(name, self._poisson).ravel() if field is None else field
                 nodes = np.array([field.argmax(), field.argmin()])
                 values = field[nodes]
-            self._take(name, values, nodes, plane)
-
-    def _candidates(self, name: str, von_mises: Array, hydrostatic: Array, plane: LinearPlane) -> Array:
-        """Nodes at which the upper bound of a field exceeds its extreme value so far."""
-        bound = BOUNDS[name][0] * von_mises + BOUNDS[name][1] * hydrostatic
-        highest = bound.argmax()
-        if name in self.found:
-            known = self.found[name].value
-        else:
-            known = float(plane.field_at(name, self._poisson, np.array([highest]))[0])
-        return np.flatnonzero(bound >= DIRECTION[name] * known - ROUNDING * abs(float(bound[highest])))
-
-    def _take(self, name: str, values: Array, nodes: Array, plane: LinearPlane) -> None:
-        """Take the most extreme of some values if it is more extreme than the one so far."""
-        if not nodes.size:
-            return
-        sizes = _size(name, values)
-        best = int(sizes.argmax())
-        if name not in self.found or sizes[best] > _size(name, np.array(self.found[name].value)):
-            row, column = divmod(int(nodes[best]), plane.grid.shape[1])
-            y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
-            self.found[name] = Extreme(float(values[best]), plane.depth, y, x)
-            if name in self._drawn:
-                self.planes[name] = plane.depth, plane.grid, plane.field(name, self._poisson).copy()
-
-
-def _size(name: str, values: Array) -> Array:
-    """What is largest for the extreme value of a field."""
-    return DIRECTION[name] * values if name in DIRECTION else np.abs(values)
+            sizes = DIRECTION[name] * values if name in DIRECTION else np.abs(values)
+            if sizes.size and sizes.max() > self._sizes.get(name, -np.inf):
+                best = int(sizes.argmax())
+                row, column = divmod(int(nodes[best]), plane.grid.shape[1])
+                y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
+                self._sizes[name] = sizes[best]
+                self.found[name] = Extreme(float(values[best]), plane.depth, y, x)
+                if name in self._drawn:
+                    self.planes[name] = plane.depth, plane.grid, plane.field(name, self._poisson).copy()

@@ -202,6 +202,10 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     area, force = contact.area_fraction * face.map_area, contact.mean_pressure * face.map_area
     largest = np.array(np.unravel_index(pressure.argmax(), pressure.shape)) * face.grid.spacing
     roughness = roughness_parameters(face.height, face.grid.length)
+    by_width, median = spots.sort_values("width_m"), 0.0
+    if len(spots):  # width of a patch such that wider patches carry half of the load
+        carried = by_width["load_N"].cumsum().to_numpy()
+        median = float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
     return ContactNumbers(
         area_fraction=contact.area_fraction,
         contact_area=area,
@@ -218,7 +222,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         contact_nodes=int(spots["nodes"].sum()),
         nominal_area=face.map_area,
         peak_to_valley=float(np.ptp(face.height)),
-        typical_patch_width=_load_median(spots) / max(face.grid.spacing),
+        typical_patch_width=median / max(face.grid.spacing),
         pressure_on_spike=bool((np.abs(rough.spikes - largest) <= rough.reach).all(axis=1).any()),
         load_of_largest_node=float(pressure.max()) * node / total,
         load_on_small_patches=float(load[spots["nodes"] <= 4].sum()) / total,
@@ -230,15 +234,6 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
 def gap_of(face: TreatedMap, contact: Contact) -> Array:
     """Gap on the nodes of the map, 0 where there is pressure."""
     return face.part(np.where(contact.pressure > 0, 0.0, contact.gap))
-
-
-def _load_median(spots: pd.DataFrame) -> float:
-    """Width of a patch such that wider patches carry half of the load."""
-    if spots.empty:
-        return 0.0
-    by_width = spots.sort_values("width_m")
-    carried = by_width["load_N"].cumsum().to_numpy()
-    return float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
 
 
 Numbers = tuple[str, float, str, str]

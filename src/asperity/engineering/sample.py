@@ -411,12 +411,6 @@ class Sample:
                 sizes = [part["value_Pa"][part["map"] == name].abs().to_numpy() for name in self.names]
                 yield body, quantity, sizes
 
-    @property
-    def _hardness(self) -> float:
-        """Hardness that limits the pressure; infinite for an elastic contact."""
-        names = self.numbers.groupby("name")["value"].min()
-        return np.inf if "plastic real contact" in names else float(names.get("hardness", np.inf))
-
     def peaks_per_area(self) -> pd.DataFrame:
         """Peaks above a stress per nominal area, as means over the maps; columns as in ``docs/tables.md``."""
         found = []
@@ -450,6 +444,8 @@ class Sample:
         """
         total, found = float(self.areas.sum()), []
         check_area(area, total)
+        least = self.numbers.groupby("name")["value"].min()
+        hardness = np.inf if "plastic real contact" in least else float(least.get("hardness", np.inf))
         for body, quantity, sizes in self._peaks():
             if sum(size.size for size in sizes) >= 2 * FEWEST:
                 value = largest_on(sizes, total, area)
@@ -459,9 +455,8 @@ class Sample:
                     value.value + sign * np.hypot(end - value.value, share * value.value)
                     for sign, end in ((-1, value.low), (1, value.high))
                 )
-                ends = np.minimum(
-                    (value.value, low, high), self._hardness if quantity == "pressure" else np.inf
-                )
+                highest = hardness if quantity == "pressure" else np.inf
+                ends = np.minimum((value.value, low, high), highest)
                 found.append((body, quantity, area, *ends, *value[3:]))
         columns = ["body", "quantity", "area_m2", "value_Pa", "low_Pa", "high_Pa"]
         return pd.DataFrame(found, columns=[*columns, "threshold_Pa", *Largest._fields[4:]])
