@@ -9,8 +9,7 @@ from samples import HALF_SPACE, refuses
 import asperity as asp
 from asperity.engineering.case import Body, Case, HertzPlace, Load
 from asperity.reference.elliptic_hertz import EllipticHertz
-from asperity.reference.hertz import Hertz, von_mises
-from asperity.reference.line_hertz import LineHertz
+from asperity.reference.hertz import Hertz, LineHertz, von_mises
 from asperity.reference.sliding_sphere import SlidingSphere
 
 DEPTHS = (0.0, 1e-3, 0.1, 0.48, 1.0, 3.3, 9.0)

@@ -5,7 +5,7 @@ import pytest
 from samples import HALF_SPACE, refuses
 
 import asperity as asp
-from asperity.reference.line_hertz import LineHertz
+from asperity.reference.hertz import LineHertz
 from asperity.reference.westergaard import Westergaard
 from asperity.stress.cycles.criteria import hydrostatic_factor
 

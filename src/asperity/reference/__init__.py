@@ -4,8 +4,7 @@ Nothing here uses the kernels, layers or solvers of the library; only `asperity.
 
 | module | solution |
 |---|---|
-| `hertz` | sphere on a half-space: surface, axis and interior; von Mises stress |
-| `line_hertz` | cylinder on a half-space, at rest or sliding: stress everywhere |
+| `hertz` | sphere on a half-space: surface, axis and interior; cylinder, at rest or sliding |
 | `elliptic_hertz` | ellipse of contact on a half-space: pressure, and stress on the axis |
 | `sliding_sphere` | sphere that slides on a half-space: stress everywhere |
 | `periodic_hertz` | square array of spheres on a half-space, the paper's Eqs. 11–16 as corrected |

@@ -22,7 +22,7 @@ from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Grid
 from asperity.reference.elliptic_hertz import EllipticHertz
-from asperity.reference.line_hertz import LineHertz
+from asperity.reference.hertz import LineHertz
 from asperity.stress.planes.planes import stress_planes
 from asperity.stress.planes.stream import shear_traction
 
