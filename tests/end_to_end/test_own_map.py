@@ -72,15 +72,6 @@ def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
     assert reached == pytest.approx(value, rel=0.05 if kind == "area_fraction" else 1e-5)
 
 
-def test_all_problems_of_a_run_are_reported(capsys):
-    with pytest.raises(SystemExit):
-        main(["run", str(DATA / "steel.npy"), "--young", "210", "--despike", "1", "--orientation", "up"])
-    said = capsys.readouterr().err.splitlines()
-    starts = [re.search(r"(--[a-z-]+)", line)[1] for line in said]
-    wanted = ("young", "despike", "orientation", "poisson", "pressure", "physical-size", "unit")
-    assert sorted(starts) == sorted(f"--{name}" for name in wanted)
-
-
 FIRST_MINUTES = re.findall(r"^    (asperity (?:info|run) .*)$", README + OWN_MAP, re.MULTILINE)
 ADDED = re.findall(r"^\| [^|]+ \| `(--[^|]*)\|", OWN_MAP, re.MULTILINE)
 

@@ -86,12 +86,3 @@ def test_impossible_pool_is_refused_before_computing(options, message, maps, tmp
     assert caught.value.code == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
-
-
-def test_unlike_pixels_are_refused(maps, tmp_path, capsys):
-    bearing.write_x3p(
-        tmp_path / "fine.x3p", *bearing.patch("ring", 4, (60, 80)), **bearing.X3P | {"pixel": "2.5e-7"}
-    )
-    with pytest.raises(SystemExit):
-        main(["run", str(maps["ring"][0]), str(tmp_path / "fine.x3p"), *COMMAND, "--check"])
-    assert "--pooled: fine has pixels of 250 nm x 250 nm, ring_1 of 500 nm" in capsys.readouterr().err

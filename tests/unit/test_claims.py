@@ -95,14 +95,6 @@ def test_interval_is_students_with_the_grid_error():
     assert wide.grid_error == 1.0
 
 
-def test_claims_without_evidence_stay_in_the_table():
-    wanting = [c for c in CLAIMS if c.identifier != "slab_tractions_of_poisson"]  # a closed form
-    findings = decide(wanting, EMPTY)
-    assert {f.verdict for f in findings} == {NO_DATA}
-    assert all(f.own.missing.startswith("no ") for f in findings)
-    assert report.markdown(findings).count(f"**{NO_DATA}**") == len(wanting) == 50
-
-
 def test_comparisons_are_paired_by_seed():
     small = statistics(seed_x=[2.0, 20.0], seed_gradient_rms_contact=[0.1, 0.2])
     large = statistics(seed_x=[1.0, 10.0], seed_gradient_rms_contact=[0.2, 0.1])

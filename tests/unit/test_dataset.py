@@ -16,7 +16,7 @@ from asperity.core.errors import DatasetError
 from asperity.core.system import process_name
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.variables import SI_UNITS, STAGES, STUDY_UNITS, VARIABLES, in_si, units_of
+from asperity.results.variables import SI_UNITS, STUDY_UNITS, VARIABLES, in_si, units_of
 
 SETTINGS = {"seed": 3, "surface": {"hurst": 0.8}}
 
@@ -83,15 +83,6 @@ def test_wrong_units_are_refused(surface, path):
     relabelled.to_netcdf(path)
     with pytest.raises(DatasetError, match="'cell_length', 'm' expected"):
         dataset.read(path)
-
-
-@pytest.mark.parametrize("stage", STAGES)
-def test_file_says_what_its_stage_makes(path, stage):
-    dataset.write(xr.Dataset({STAGES[stage].variable: 1.0}), path, "Title", SETTINGS)
-    found = dataset.read(path)
-    assert dataset.stage_of(found) == stage
-    assert found.attrs["summary"] == STAGES[stage].summary
-    assert "effective_modulus is E/(1 - nu^2)" in found.attrs["comment"]
 
 
 @pytest.mark.parametrize(
@@ -228,15 +219,6 @@ def test_part_of_a_contact_has_no_stress(part, axis):
     for function in (asp.plot_pressure, lambda data: data.asperity.section()):
         with pytest.raises(ValueError, match=f"^{axis}: the nodes of a whole cell are needed, equidistant"):
             function(data)
-
-
-def test_dimensions_are_taken_by_name():
-    contact = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01)
-    turned = pressed(xr.DataArray(HEIGHT.T, dims=("x", "y")), (2.0, 3.0), mean_pressure=0.01)
-    np.testing.assert_array_equal(turned.pressure, contact.pressure)
-    found = contact.to_dataset().transpose("x", "y")
-    np.testing.assert_array_equal(asp.LoadedSolid.from_dataset(found).pressure, contact.pressure)
-    assert asp.plot_pressure(found).axes[0].images[0].get_array().shape == (16, 24)
 
 
 def test_missing_and_too_large_files_are_named(path, monkeypatch):

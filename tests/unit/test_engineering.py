@@ -285,14 +285,3 @@ def test_close_ups_hold_the_stress_of_the_solid(rough):
     kept = np.array([plane["von_mises"] for plane in boxes[0].planes])
     error = np.abs(kept - exact.squeeze("poisson").values)
     assert error.max() < 1e-3 * kept.max()  # tolerance of the planes, and splines between their nodes
-
-
-def test_close_ups_lie_along_and_across_ridge():
-    """The largest stress of a ground surface may be far from the largest pressure, on the same patch."""
-    y, x = np.meshgrid(*asp.Grid((96, 96), 96e-6).coordinates(), indexing="ij")
-    height = -1e-3 * (x - 48e-6) ** 2 / 1e-5 + 1e-8 * np.cos(2 * np.pi * y / 48e-6)
-    ridge = asp.HeightMap(height, (96e-6, 96e-6), periodic=False, unit="m")
-    boxes = run(ridge, STEEL, mean_pressure=50e6).bodies["lower"].close_ups
-    rows = [box.part[0] for box in boxes]
-    assert all(box.along == "x" and box.node(box.part[0].start * 1e-6, 48e-6) for box in boxes)
-    assert {row for part in rows for row in range(part.start, part.stop)} == set(range(96))

@@ -165,14 +165,6 @@ def waves(shape, length=(1.0, 1.0)):
     return np.cos(2 * ky * y[:, None] + 0.3) * np.sin(kx * x[None, :]) + 0.5 * np.cos(3 * kx * x[None, :])
 
 
-def test_lower_face_is_minus_the_map():
-    height = waves((24, 32), (3.0, 4.0))
-    surface = make_periodic(HeightMap(height, (3.0, 4.0)), **PLAIN)
-    np.testing.assert_allclose(surface.height, -height / 4.0, atol=1e-15)  # rounding
-    assert surface.grid.length == (0.75, 1.0)
-    assert surface.wavelength_short == 2 / 32
-
-
 @pytest.mark.parametrize(
     ("ny", "nx", "slope", "bend"), [(4, 17, (-5, 3), (1, -4, 2)), (9, 6, (0.1, 2), (-3, 5, 0.2))]
 )
@@ -215,18 +207,6 @@ def test_mirror_images_have_places_on_the_map(points):
     np.testing.assert_allclose(treated.height[rows, columns], treated.height, atol=1e-14)
     assert treated.is_on_map(y[:ny, :nx], x[:ny, :nx]).all()
     assert not treated.is_on_map(y[ny + 1 : -1, nx + 1 : -1], x[ny + 1 : -1, nx + 1 : -1]).any()
-
-
-@pytest.mark.parametrize("periodic", ["mirrored", "windowed", "none"])
-@pytest.mark.parametrize("shape", [(40, 40), (31, 46)])
-def test_treatment_commutes_with_half_a_turn(shape, periodic):
-    """The bound is that of rounding."""
-    height = rough((64, 64))[: shape[0], : shape[1]]
-    one, turned = (
-        treat_map(HeightMap(h, (1.0, 1.2)), periodic=periodic).map_alone().height
-        for h in (height, height[::-1, ::-1])
-    )
-    np.testing.assert_allclose(turned[::-1, ::-1], one, atol=1e-15)
 
 
 def test_short_waves_are_removed_on_any_grid():

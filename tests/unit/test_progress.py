@@ -1,6 +1,5 @@
 """Progress bars, and the log of a job."""
 
-import io
 import logging
 import subprocess
 import sys
@@ -24,11 +23,6 @@ with job(given) as progress:
 """
 
 
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
-
-
 @pytest.mark.parametrize("fail", [False, True])
 def test_log_holds_everything_a_job_prints(tmp_path, fail):
     log = tmp_path / "logs/job.log"
@@ -40,14 +34,6 @@ def test_log_holds_everything_a_job_prints(tmp_path, fail):
     assert (run.stdout, run.stderr, run.returncode) == ("", "", int(fail))
     assert text.strip().endswith("ValueError: poisson = 0.6: too much") == fail
     assert ("contact a 1: done" in text) == (not fail)
-
-
-@pytest.mark.parametrize("label", ["contact", "{0} {x!r}", "100 %s %"])
-def test_terminal_shows_a_bar_with_any_label(monkeypatch, label):
-    monkeypatch.setattr("sys.stderr", Terminal())
-    with ProgressBar(label) as report:
-        report(1, 4)
-    assert label in sys.stderr.getvalue()
 
 
 def test_progress_is_logged_without_a_terminal(monkeypatch, caplog):

@@ -11,7 +11,6 @@ from scipy.stats import spearmanr
 
 import asperity as asp
 from asperity.contact.patches import contact_patches
-from asperity.fourier.grid import Fourier, resample
 from asperity.stress.statistics.covariance import autocorrelation, decay_lengths, half_length
 from asperity.stress.statistics.density import probability_density
 from asperity.stress.statistics.patches import depth_patch_correlation
@@ -49,16 +48,6 @@ def test_autocorrelation_is_the_ring_average_of_products():
     np.testing.assert_allclose(lag, 0.05 * np.arange(11), atol=1e-12)
     np.testing.assert_allclose(covariance, [np.mean(ring) for ring in rings[:11]], atol=1e-12)
     assert covariance[0] == pytest.approx(field.var(), rel=1e-12)
-
-
-def test_autocorrelation_is_that_of_a_finer_grid():
-    coarse, fine = asp.Grid((16, 16)), asp.Grid((48, 48))
-    modes = np.zeros(coarse.half_shape, complex)
-    modes[1, 2], modes[3, 0], modes[-3, 0] = 0.5 + 0.1j, 0.3, 0.3
-    lag, covariance = autocorrelation(Fourier(coarse).inverse(modes), coarse, fine)
-    assert lag[1] == pytest.approx(1 / 48)
-    same = autocorrelation(Fourier(fine).inverse(resample(modes, coarse, fine)), fine)
-    np.testing.assert_allclose(covariance, same[1], atol=1e-12)
 
 
 def test_lengths_are_interpolated_between_nodes():

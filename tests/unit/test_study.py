@@ -36,17 +36,6 @@ def test_load_area_curve_has_rising_areas():
     assert float(contact.mean_pressure) == middle == pytest.approx(contact.pressure.values.mean())
 
 
-def test_load_may_be_pressure_or_approach():
-    """Both give the contact at the area that they cause, beside the same load-area curve."""
-    path = {"path_area_fractions": [0.05, 0.15]}
-    wanted = solve_contact(ROUGH, LAYER, CONTACT | path)
-    approach = float(wanted["approach"] - ROUGH["height"].min())
-    for load in ({"mean_pressure": float(wanted["mean_pressure"])}, {"approach": approach}):
-        found = solve_contact(ROUGH, LAYER, UNLOADED | path | load)
-        for name in ("pressure", "path_area_fraction", "path_mean_pressure", "path_gradient_rms_contact"):
-            np.testing.assert_allclose(found[name], wanted[name], rtol=1e-4, atol=1e-6, err_msg=name)
-
-
 def test_layer_has_only_the_ratio_of_its_contact():
     half_space = results_of(1).stress
     assert half_space.poisson.values.tolist() == [0.0, 0.33]

@@ -5,10 +5,8 @@ import pytest
 from bad_input import BAND, SI_BAND
 
 import asperity as asp
-from asperity.cli.commands.surface import LENGTHS
 from asperity.cli.main import main
 from asperity.results import dataset
-from asperity.results.variables import DIMENSIONS, VARIABLES
 
 
 def make(folder, words):
@@ -26,20 +24,6 @@ def test_the_surface_is_that_of_the_library(tmp_path, capsys):
     line = capsys.readouterr().out
     assert "64 × 64 nodes, rms height 0.001 cell lengths, rms gradient" in line
     assert line.startswith(str(tmp_path))
-
-
-def test_lengths_with_units_make_one_surface(tmp_path, capsys):
-    plain, si = make(tmp_path, f"{BAND} --points 64"), make(tmp_path, f"{SI_BAND} --points 64")
-    assert si.attrs["unit_system"] == "SI"
-    for name in plain.variables:
-        factor = 80e-6 ** DIMENSIONS[VARIABLES[str(name)].dimension].length
-        assert np.allclose(si[name].values, factor * plain[name].values, rtol=1e-12, atol=0), name
-    settings = dataset.settings_of(si)["surface"]
-    assert [settings[name] for name in LENGTHS] == pytest.approx([20e-6, 4e-6, 80e-9])
-    assert si.attrs["cell_length"] == pytest.approx(80e-6)
-    assert "rms height 80 nm" in capsys.readouterr().out
-    again = asp.self_affine((64, 64), 0.8, 20e-6, 4e-6, 80e-9, seed=1, length=80e-6)
-    assert np.allclose(si["height"].values, again, rtol=0, atol=1e-18)
 
 
 def test_stages_in_si_are_those_of_the_study(tmp_path, monkeypatch):

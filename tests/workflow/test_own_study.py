@@ -158,14 +158,6 @@ def test_file_with_an_unsuitable_name_names_its_folder(tmp_path):
     assert read_study([path], {"results": "~//x/"})["results"].endswith("/x")
 
 
-def test_overlay_has_results_of_its_own(tmp_path):
-    beneath, above = tmp_path / "beneath.yaml", tmp_path / "above.yaml"
-    beneath.write_text(yaml.safe_dump({"results": "results/one", "surfaces": TWO}), encoding="utf-8")
-    above.write_text("seeds: [3]", encoding="utf-8")
-    assert read_study([beneath])["results"] == "results/one"
-    assert read_study([beneath, above])["results"] == "results/above"
-
-
 def test_the_study_is_made_where_the_user_says(own_study):
     results = own_study.results
     assert f"study: done; figures in {results}/figures" in own_study.output
