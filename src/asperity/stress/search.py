@@ -6,9 +6,8 @@ import numpy as np
 
 from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array
-from asperity.stress.peaks.maxima import Maxima, mark, marked, maxima_in_rows
-from asperity.stress.planes.fields import BLOCK, Fields, bands_of, fill_rows, row_length
-from asperity.stress.statistics.covariance import SUMS, sum_rows
+from asperity.stress.peaks.maxima import Maxima, maxima_in_rows
+from asperity.stress.planes.fields import SUMS, Fields, bands_of
 
 
 class PlaneSearch:
@@ -32,7 +31,7 @@ class PlaneSearch:
     Attributes
     ----------
     sums : (summed, ny, `SUMS`) array
-        As of `asperity.stress.statistics.covariance.sum_rows`.
+        As of `maxima_in_rows`.
     """
 
     def __init__(
@@ -47,48 +46,34 @@ class PlaneSearch:
     ) -> None:
         self._kept = kept
         self.fields, self._sought, self._references, self._above = fields, sought, references, above
-        self._real = fields.basis.values.dtype
-        self._floor = self._real.type(floor)
-        self._rows = fields.basis.values.shape[1]
+        self._floor, self._rows = floor, fields.basis.values.shape[1]
         self._bands = bands_of(self._rows)
         self.sums = np.zeros((summed, self._rows, SUMS))
-        self._strips: dict[int, tuple[Array, Array, Array]] = {}
         self._found: list[list[Maxima]] = [[] for _ in self._bands]
 
     def add_rows(self, band: int, first: int, last: int) -> None:
-        """Add the next rows of a band, whose number is that of the first ones or, at the end, smaller."""
-        (start, stop), columns = self._bands[band], self.fields.basis.columns
-        begun = first > start
-        if not begun:
-            shape = self._sought.size, last - first + 2, row_length(columns)
-            values = self._kept.array("values", shape, self._real)
-            flags = self._kept.array("flags", (*shape[:2], -(-columns // 8) * 8), bool)
-            flags[:, :, columns:] = False
-            self._strips[band] = values, flags, self._kept.array("shared", (5, BLOCK), self._real)
-        values, flags, shared = self._strips[band]
-        fields = self.fields
-        if begun:  # with the last two rows before these
-            values[:, :2] = values[:, -2:]
-        stop = 2 + last - first
-        fill_rows(fields.basis, fields.formulas, first, fields.periodic, shared, values, 2, stop)
-        # Called from here, not from a compiled loop: the order of its sums would be that of the caller.
-        sum_rows(values, 2, stop, columns, first, self._references, shared[0], self.sums)
-        lines = 1 if begun else 3, last - first + 1
-        count = mark(
-            values, lines[0], stop - 1, columns, self._floor, self._sought, flags, flags.view(np.uint64)
+        """Add the next rows of a band."""
+        found = maxima_in_rows(
+            self.fields,
+            self._bands[band][0],
+            first,
+            last,
+            self._floor,
+            self._sought,
+            self._above,
+            self._references,
+            self.sums,
+            self._kept,
         )
-        if count:
-            self._found[band].append(
-                marked(self.fields, values, flags, count, *lines, first - 2, self._above)
-            )
-        if last == stop:
-            del self._strips[band]
+        self._found[band].append(found)
 
     def maxima(self, floor: float) -> Maxima:
         """Maxima above a floor when all rows are added; those of a field by rising rows and columns."""
         edges = [(start - 1, start + 1) for start, _ in self._bands[1:]]
         around = [(0, 1), *edges, (self._rows - 1, self._rows)]
-        between = [maxima_in_rows(self.fields, first, last, float(self._floor)) for first, last in around]
+        between = [
+            maxima_in_rows(self.fields, first - 1, first - 1, last + 1, self._floor) for first, last in around
+        ]
         parts = between[:1]
         for of_band, after in zip(self._found, between[1:], strict=True):
             parts += [*of_band, after]

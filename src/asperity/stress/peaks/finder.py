@@ -219,10 +219,17 @@ def _matched_maxima(
     cell = None
     if upper_plane.fields.periodic:
         cell = np.array([*np.array(upper_plane.grid.length) / spacing, 0.0])
-    distance, nearest = cKDTree(place_low, boxsize=cell).query(place_up, p=np.inf)
-    close = np.flatnonzero(np.asarray(distance) <= 1.0)
-    partner = np.asarray(nearest)[close]
-    mutual = np.asarray(cKDTree(place_up, boxsize=cell).query(place_low[partner], p=np.inf)[1]) == close
+    of_upper, bound = cKDTree(place_up, boxsize=cell), np.nextafter(1.0, 2.0)
+    # Most of the lower ones have no upper one near.
+    near = np.flatnonzero(np.isfinite(of_upper.query(place_low, p=np.inf, distance_upper_bound=bound)[0]))
+    if not near.size:
+        return near, near, np.empty(0, bool)
+    distance, nearest = cKDTree(place_low[near], boxsize=cell).query(
+        place_up, p=np.inf, distance_upper_bound=bound
+    )
+    close = np.flatnonzero(np.isfinite(distance))
+    partner = near[np.asarray(nearest)[close]]
+    mutual = np.asarray(of_upper.query(place_low[partner], p=np.inf)[1]) == close
     pair, partner = close[mutual], partner[mutual]
     return pair, partner, high[pair] > low[partner]
 
@@ -332,7 +339,7 @@ def _searched(
     periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
     plane = SearchedPlane(depth, grid, Fields.of_array(field, periodic))
     ny, rows = grid.shape[0], max(1, 2 * NODES_AT_ONCE // grid.shape[1])
-    strips = ((first, min(first + rows, ny)) for first in range(0, ny, rows))
+    strips = ((first - 1, first - 1, min(first + rows, ny) + 1) for first in range(0, ny, rows))
     return plane, Maxima.join([maxima_in_rows(plane.fields, *strip, floor) for strip in strips])
 
 

@@ -15,15 +15,26 @@ from typing import Any, Self
 
 import numpy as np
 
-from asperity.core.compiled import compiled, inlined
+from asperity.core.compiled import compiled
+from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array
-from asperity.stress.planes.fields import MARGIN, Fields, value_at
+from asperity.stress.planes.fields import (
+    BLOCK,
+    MARGIN,
+    PACKED,
+    SUMS,
+    Fields,
+    fill_rows,
+    row_length,
+    sum_row,
+    value_at,
+)
 
 MIN_DETERMINANT = 1e-12
 """A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
 
-EIGHT_ONES = np.uint64(0x0101010101010101)
-"""Its product with a word of eight flags has their number in the highest byte."""
+WORDS = 4
+"""Words of eight flags that are looked at together."""
 
 
 class Entries:
@@ -73,131 +84,149 @@ class Maxima(Entries):
         return np.abs(self.here[:, 1, 1])
 
 
-def maxima_in_rows(fields: Fields, first: int, last: int, floor: float) -> Maxima:
+def maxima_in_rows(
+    fields: Fields,
+    start: int,
+    first: int,
+    last: int,
+    floor: float,
+    sought: Array | None = None,
+    above: Fields | None = None,
+    references: Array | None = None,
+    sums: Array | None = None,
+    kept: KeptArrays | None = None,
+) -> Maxima:
     """Maxima in rows of a plane: nodes whose magnitude is above the floor and the 8 neighbours.
 
     Parameters
     ----------
     fields : Fields
-    first, last : int
-        First row and last row + 1.
+    start, first, last : int
+        Rows from `first` to `last` − 1 are computed, those from `start` on have been, the last two into
+        `kept`. All rows that now have both neighbours for the first time are searched.
     floor : float
+    sought : (fields,) bool array, optional
+        Fields whose maxima are sought, by default all.
+    above : Fields, optional
+        Of the plane above, on the same grid: maxima that do not exceed it at their node are left out.
+    references : (fields, ny, nx) array, optional
+        Whole numbers, by which the first fields are multiplied.
+    sums : (fields, ny, `SUMS`) array, optional
+        Becomes, for the first fields and each computed row, the sum, the sum of squares and, in its place 3,
+        that of products with the references; the largest value of all these rows stands in the first one.
+    kept : KeptArrays, optional
+        Memory of the last rows.
     """
-    values, columns = fields.rows(first - 1, last + 1), fields.basis.columns
-    flags = np.zeros((*values.shape[:2], -(-columns // 8) * 8), bool)
-    sought = np.ones(values.shape[0], bool)
-    least, words, lines = values.dtype.type(floor), flags.view(np.uint64), (1, values.shape[1] - 1)
-    count = mark(values, *lines, columns, least, sought, flags, words)
-    return marked(fields, values, flags, count, *lines, first - 1, None)
-
-
-def marked(
-    fields: Fields,
-    values: Array,
-    flags: Array,
-    count: int,
-    start: int,
-    stop: int,
-    first: int,
-    above: Fields | None,
-) -> Maxima:
-    """The maxima among flagged nodes, `count` in all, of the lines from `start` to `stop` − 1.
-
-    Line 0 is the row `first`. No neighbour exceeds a maximum, nor does one before it equal it. Those
-    that do not exceed the plane above at their node are left out, if it is given.
-    """
-    field, row, column = np.empty((3, count), np.int32)
-    here = np.empty((count, 3, 3), values.dtype)
-    words, plane = flags.view(np.uint64), fields if above is None else above
-    found, marks = (field, row, column, here), (flags, words)
-    compared = above is not None
-    kept = _collect(plane.basis, plane.formulas, compared, values, (start, stop), first, marks, found)
-    return Maxima(*(array[:kept].copy() for array in found))
-
-
-@compiled
-def mark(
-    values: Any, start: int, stop: int, columns: int, floor: float, sought: Any, flags: Any, words: Any
-) -> int:
-    """Flag the nodes of some lines that may be maxima, from the four nearest neighbours; their number.
-
-    Parameters
-    ----------
-    values : (fields, lines, at least `MARGIN` + columns + 1) array
-    start, stop : int
-        The first line and the last + 1, between others.
-    columns : int
-    floor : float
-        Nodes of a magnitude at or below it are not flagged.
-    sought : (fields,) bool array
-        Fields to search.
-    flags : (fields, lines, columns or more) bool array
-    words : (fields, lines, a eighth of them) uint64 array
-        The same memory.
-    """
-    count = np.uint64(0)
-    for t in range(flags.shape[0]):
-        for j in range(start, stop):
-            first, last = MARGIN - 1, MARGIN + columns + 1
-            above, here = values[t, j - 1, first:last], values[t, j, first:last]
-            below, line = values[t, j + 1, first:last], flags[t, j, :columns]
-            if not sought[t]:
-                words[t, j] = 0
-                continue
-            for i in range(line.size):
-                centre = abs(here[i + 1])
-                line[i] = (
-                    (centre > floor)
-                    & (centre > abs(above[i + 1]))
-                    & (centre > abs(here[i]))
-                    & (centre >= abs(here[i + 2]))
-                    & (centre >= abs(below[i + 1]))
-                )
-            for word in words[t, j]:
-                count += (word * EIGHT_ONES) >> np.uint64(56)
-    return np.int64(count)  # type: ignore[return-value]
-
-
-@inlined
-def _is_highest(values: Any, t: int, j: int, i: int) -> bool:
-    """Whether a node is above its four diagonal neighbours."""
-    centre, left, right = abs(values[t, j, MARGIN + i]), MARGIN + i - 1, MARGIN + i + 1
-    return (
-        centre > abs(values[t, j - 1, left])
-        and centre > abs(values[t, j - 1, right])
-        and centre >= abs(values[t, j + 1, left])
-        and centre >= abs(values[t, j + 1, right])
+    real, columns, count = fields.basis.values.dtype, fields.basis.columns, fields.formulas.kinds.size
+    kept = KeptArrays() if kept is None else kept
+    flags = kept.array("flags", (-(-columns // (8 * WORDS)) * 8 * WORDS,), bool)
+    flags[columns:] = False
+    most = count * (last - first) * (columns // 2 + 1)
+    nodes = [kept.array(name, (most,), np.int32) for name in ("field", "row", "column")]
+    found = (*nodes, kept.array("here", (most, 3, 3), real))
+    memory = (
+        kept.array("values", (count, 3, row_length(columns)), real),
+        kept.array("shared", (5, BLOCK), real),
+        kept.array("largest", (count, BLOCK), real),
+        (flags, flags.view(np.uint64), kept.array("places", (columns // 2 + 1,), np.int32)),
     )
+    number = _search_rows(
+        (fields.basis, (fields if above is None else above).basis),
+        fields.formulas,
+        np.ones(count, bool) if sought is None else sought,
+        (real.type(floor), fields.periodic, above is not None),
+        (start, first, last),
+        memory,
+        np.empty((0, 1, 1), PACKED[real.name]) if references is None else references,
+        np.empty((0, 0, SUMS)) if sums is None else sums,
+        found,
+    )
+    return Maxima(*(array[:number].copy() for array in found))
 
 
 @compiled
-def _collect(
-    above: Any, fields: Any, compared: bool, values: Any, lines: Any, first: int, marks: Any, found: Any
+def _search_rows(
+    planes: Any,
+    formulas: Any,
+    sought: Any,
+    options: Any,
+    rows: Any,
+    memory: Any,
+    references: Any,
+    sums: Any,
+    found: Any,
 ) -> int:
-    """Fill arrays with the maxima among the flagged nodes and the values around them; their number.
+    """As `maxima_in_rows`, row by row, so that values stay in the cache; returns the number of maxima."""
+    (basis, above), (floor, periodic, is_compared), (start, first, last) = planes, options, rows
+    (values, shared, largest, marks), (field, row, column, here) = memory, found
+    places, columns, count = marks[2], basis.columns, 0
+    largest[:] = -np.inf
+    for j in range(first, last):
+        fill_rows(basis, formulas, j, periodic, shared, values, j % 3, j % 3 + 1)
+        for m in range(sums.shape[0]):
+            line = values[m, j % 3, MARGIN : MARGIN + columns]
+            sum_row(line, references, m, j, largest[m], sums[m, j])
+        if j < start + 2:
+            continue
+        for m in range(sought.size):
+            if not sought[m]:
+                continue
+            lines = values[m, (j - 2) % 3], values[m, (j - 1) % 3], values[m, j % 3]
+            number = _mark(lines, columns, floor, marks)
+            if is_compared:
+                left = 0
+                for n in range(number):  # without branches: the values of many nodes are fetched together
+                    i = places[n]
+                    kind, ratio, uniform = formulas.kinds[m], formulas.ratios[m], formulas.uniforms[m]
+                    other = value_at(above, kind, ratio, uniform, j - 1, i)
+                    places[left] = i
+                    left += abs(lines[1][MARGIN + i]) > abs(other)
+                number = left
+            for n in range(number):
+                field[count], row[count], column[count] = m, j - 1, places[n]
+                for a in range(3):
+                    for b in range(3):
+                        here[count, a, b] = lines[a][MARGIN - 1 + places[n] + b]
+                count += 1
+    for m in range(sums.shape[0]):
+        for i in range(BLOCK):
+            sums[m, first, 2] = max(sums[m, first, 2], largest[m, i])
+    return count
 
-    A word holds eight flags. If `compared`, maxima have to exceed the fields of the plane `above`, too.
+
+@compiled
+def _mark(lines: Any, columns: int, floor: float, marks: Any) -> int:
+    """Fill `places` with the maxima in the middle one of three lines; their number.
+
+    The nearest four neighbours are compared first, in vectors; a word holds eight flags.
     """
-    (flags, words), (field, row, column, here) = marks, found
-    n = 0
-    for t in range(flags.shape[0]):
-        kind, ratio, uniform = fields.kinds[t], fields.ratios[t], fields.uniforms[t]
-        for j in range(lines[0], lines[1]):
-            for w in range(words.shape[2]):
-                if words[t, j, w]:
-                    for i in range(8 * w, 8 * w + 8):
-                        if not (flags[t, j, i] and _is_highest(values, t, j, i)):
-                            continue
-                        if compared:
-                            other = value_at(above, kind, ratio, uniform, first + j, i)
-                            if not abs(values[t, j, MARGIN + i]) > abs(other):
-                                continue
-                        field[n], row[n], column[n] = t, first + j, i
-                        for a in range(3):
-                            for b in range(3):
-                                here[n, a, b] = values[t, j - 1 + a, MARGIN - 1 + i + b]
-                        n += 1
-    return n
+    (above, here, below), (flags, words, places) = lines, marks
+    first, last = MARGIN - 1, MARGIN + columns + 1
+    above, here, below, line = above[first:last], here[first:last], below[first:last], flags[:columns]
+    for i in range(line.size):
+        centre = abs(here[i + 1])
+        line[i] = (
+            (centre > floor)
+            & (centre > abs(above[i + 1]))
+            & (centre > abs(here[i]))
+            & (centre >= abs(here[i + 2]))
+            & (centre >= abs(below[i + 1]))
+        )
+    count = 0
+    for w in range(0, words.size, WORDS):
+        if not (words[w] | words[w + 1] | words[w + 2] | words[w + 3]):
+            continue
+        for i in range(8 * w, 8 * (w + WORDS)):
+            if flags[i]:
+                centre = abs(here[i + 1])
+                places[count] = i
+                count += (
+                    (centre > abs(above[i]))
+                    & (centre > abs(above[i + 2]))
+                    & (centre >= abs(below[i]))
+                    & (centre >= abs(below[i + 2]))
+                )
+    return count
 
 
 def refine_in_plane(values: Array) -> Array:

@@ -14,18 +14,10 @@ from asperity.core.compiled import compiled, vectorised_sums_without_nan
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import MARGIN, NODES_AT_ONCE, Fields
+from asperity.stress.planes.fields import MARGIN, NODES_AT_ONCE, PACKED, Fields
 
 MOST_KEPT = 8
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
-
-PACKED = {"float32": np.int16, "float64": np.int32}
-"""Types of the whole numbers in which planes are kept. Rounding, by 2e-5 or 2e-10 of the largest value, is
-averaged over all nodes: the error of a covariance is below 1e-6 or 1e-11 of it (1e-5 or 1e-10 on 16² nodes).
-"""
-
-SUMS = 4
-"""Numbers of each row in `sum_rows`."""
 
 
 class References:
@@ -119,7 +111,7 @@ class References:
         ----------
         number : int
         sums : (fields, ny, `SUMS`) array
-            As of `sum_rows`.
+            As of `asperity.stress.peaks.maxima.maxima_in_rows`.
         fields : callable
             Returns some of the fields of the plane, which are kept if their largest value has risen.
         """
@@ -241,55 +233,6 @@ class References:
 def _rows_of(field: Array, first: int, last: int) -> Array:
     """Some rows of a field, (1, rows, nx)."""
     return field[None, first:last]
-
-
-@vectorised_sums_without_nan
-def sum_rows(
-    values: Any, start: int, stop: int, columns: int, first: int, references: Any, shared: Any, out: Any
-) -> None:
-    """Sum rows of fields: the sum, the sum of squares, the largest value, that of products with references.
-
-    Parameters
-    ----------
-    values : (fields, lines, at least `MARGIN` + columns) array
-        As of `asperity.stress.planes.fields.Fields.rows`.
-    start, stop : int
-        First line, that of the row `first`, and last line + 1.
-    columns, first : int
-    references : (fields, ny, columns) array
-        There may be fewer fields than in `values`: the products of the others are 0.
-    shared : (`BLOCK`,) array in the precision of the fields
-        Any values.
-    out : (fields, ny, `SUMS`) array
-        Becomes the sums of the first fields; the largest value of all these rows stands in the first one.
-    """
-    for m in range(out.shape[0]):
-        # A running largest value for each place in a block: unlike a single one, it is computed in vectors.
-        shared[:] = values[m, start, MARGIN]
-        for j in range(start, stop):
-            row = first + j - start
-            total = square = product = 0.0
-            for begin in range(0, columns, shared.size):
-                end = min(begin + shared.size, columns)
-                some = values[m, j, MARGIN + begin : MARGIN + end]
-                part = squares = products = some[0] - some[0]
-                for i in range(some.size):
-                    part += some[i]
-                    squares += some[i] * some[i]
-                for i in range(some.size):
-                    shared[i] = max(shared[i], some[i])
-                if m < references.shape[0]:
-                    other = references[m, row, begin:end]
-                    for i in range(some.size):
-                        products += some[i] * some.dtype.type(other[i])
-                total += part
-                square += squares
-                product += products
-            out[m, row, 0], out[m, row, 1], out[m, row, 3] = total, square, product
-        largest = shared[0]
-        for i in range(shared.size):
-            largest = max(largest, shared[i])
-        out[m, first, 2] = largest
 
 
 @compiled
