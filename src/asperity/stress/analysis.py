@@ -252,9 +252,9 @@ class _Analysis:
             if observe is not None:
                 observe(plane)
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
-            maxima = search.maxima(max(plane.bound, self._floor * scale, ROUNDING * scale))
             searched = SearchedPlane(plane.depth, plane.grid, search.fields, plane.refresh)
-            self._finder.add(searched, maxima)
+            floor = max(plane.bound, self._floor * scale, ROUNDING * scale)
+            self._finder.add(searched, search.maxima(floor))  # a name would hold them until the next plane
         self._finder.finish()
         self._search = None  # with the basis fields
 

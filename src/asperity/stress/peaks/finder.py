@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,13 @@ from asperity.stress.planes.planes import StressPlane
 
 REFINED_AT_ONCE = 2**14
 """Peaks that are refined together: about a kilobyte each."""
+
+REACH = 3.001
+"""Largest distance of the nodes of two matched maxima, in spacings of the coarser grid: refined positions are
+at most one spacing from their nodes, and from each other."""
+
+MAX_SQUARES = 1024
+"""Most squares along an edge of the cell in which maxima near others are looked for."""
 
 
 @dataclass(frozen=True)
@@ -212,26 +220,32 @@ def _matched_maxima(
     wins : (pairs,) bool array
     """
     spacing = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
-    (high, place_up), (low, place_low) = (
-        _places_of_fields(maxima, plane, spacing)
-        for maxima, plane in ((upper, upper_plane), (lower, lower_plane))
-    )
-    cell = None
-    if upper_plane.fields.periodic:
-        cell = np.array([*np.array(upper_plane.grid.length) / spacing, 0.0])
-    of_upper, bound = cKDTree(place_up, boxsize=cell), np.nextafter(1.0, 2.0)
-    # Most of the lower ones have no upper one near.
-    near = np.flatnonzero(np.isfinite(of_upper.query(place_low, p=np.inf, distance_upper_bound=bound)[0]))
+    cell = np.array(upper_plane.grid.length) / spacing
+    count = np.clip(cell // REACH, 1, MAX_SQUARES).astype(int)
+
+    def squares(maxima: Maxima, plane: SearchedPlane, shift: tuple[int, ...] = (0, 0)) -> tuple[Array, ...]:
+        along = zip((maxima.row, maxima.column), shift, plane.grid.shape, count, strict=True)
+        return maxima.field, *((node * size // nodes + step) % size for node, step, nodes, size in along)
+
+    taken = np.zeros((upper_plane.fields.formulas.kinds.size, *count), bool)
+    for shift in product((-1, 0, 1), repeat=2):
+        taken[squares(upper, upper_plane, shift)] = True
+    near = np.flatnonzero(
+        taken[squares(lower, lower_plane)]
+    )  # few have an upper one in a square beside theirs
     if not near.size:
         return near, near, np.empty(0, bool)
-    distance, nearest = cKDTree(place_low[near], boxsize=cell).query(
-        place_up, p=np.inf, distance_upper_bound=bound
+    (high, place_up), (low, place_low) = (
+        _places_of_fields(maxima, plane, spacing)
+        for maxima, plane in ((upper, upper_plane), (lower.select(near), lower_plane))
     )
-    close = np.flatnonzero(np.isfinite(distance))
-    partner = near[np.asarray(nearest)[close]]
-    mutual = np.asarray(of_upper.query(place_low[partner], p=np.inf)[1]) == close
+    box = np.array([*cell, 0.0]) if upper_plane.fields.periodic else None
+    distance, nearest = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
+    close = np.flatnonzero(np.asarray(distance) <= 1.0)
+    partner = np.asarray(nearest)[close]
+    mutual = np.asarray(cKDTree(place_up, boxsize=box).query(place_low[partner], p=np.inf)[1]) == close
     pair, partner = close[mutual], partner[mutual]
-    return pair, partner, high[pair] > low[partner]
+    return pair, near[partner], high[pair] > low[partner]
 
 
 def _places_of_fields(maxima: Maxima, plane: SearchedPlane, spacing: Array) -> tuple[Array, Array]:

@@ -21,8 +21,8 @@ from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_gri
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 
-COLUMN_BYTES = 512
-"""Bytes of a row of the spectra that are transformed along y together: they stay in the processor's cache."""
+COLUMNS_AT_ONCE = 64
+"""Columns of modes whose spectra stay in the processor's cache until they are transformed along y."""
 
 
 class PeriodicPlanes:
@@ -137,7 +137,6 @@ class PeriodicPlanes:
         if grid != self._fourier.grid:
             self._use(grid)
         engine, (ny, nx) = self._fourier.engine, grid.shape
-        columns_at_once = COLUMN_BYTES // self._fourier.complex.itemsize
         spectra = values.view(self._fourier.complex)[:, :, : grid.half_shape[1]]
         along_x = list(range(len(fields)))
         first = {field.component: number for number, field in reversed(list(enumerate(fields)))}
@@ -157,11 +156,13 @@ class PeriodicPlanes:
         runs = [slice(along_y[start], along_y[stop - 1] + 1) for start, stop in pairwise(edges)]
 
         def transform_columns(start: int) -> None:
-            columns = slice(start, min(start + columns_at_once, own.columns))
+            columns = slice(start, min(start + COLUMNS_AT_ONCE, own.columns))
             found = self._coefficients(depth, [own_fields[n] for n in along_y], columns)
-            # In place, and copied: quicker than written to rows that are far apart.
-            engine.inverse_along_y(found, found)
-            spectra[along_y, :, columns] = found
+            done = 0
+            for some in runs:
+                count = some.stop - some.start
+                engine.inverse_along_y(found[done : done + count], spectra[some, :, columns])
+                done += count
 
         def transform_rows(band: int) -> None:
             for start in range(bands[band][0], bands[band][1], rows):
@@ -184,7 +185,7 @@ class PeriodicPlanes:
                     visit(band, start, stop)
 
         starts, bands, rows = (
-            range(0, own.columns, columns_at_once),
+            range(0, own.columns, COLUMNS_AT_ONCE),
             bands_of(ny),
             max(4, NODES_AT_ONCE // nx),
         )
