@@ -26,7 +26,7 @@ COATED = asp.Layer(4.0, 0.25, height=0.02, base=STEEL)
         (asp.TwoBodies(LAYER, STEEL), {"method": "gfmd"}),
     ],
 )
-def test_certificate_of_a_file_is_that_of_the_solver(tmp_path, solid, settings):
+def test_file_has_the_certificate_of_the_solver(tmp_path, solid, settings):
     """Heights far from zero leave a rounding of their level: 5 ε over the rms height of 1e-3."""
     level, rounding = (0.0, 2e-5) if "dtype" in settings else (5.0, 1e-9)
     contact = asp.solve(rough() + level, solid, mean_pressure=load_of(rough()), **settings)
