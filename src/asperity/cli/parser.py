@@ -119,25 +119,27 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
         options = dict(given)
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
-        key, without, words = (options.pop(name, None) for name in ("setting", "without", "accepts"))
+        key, default_text, words = (
+            options.pop(name, None) for name in ("setting", "default_text", "accepts")
+        )
         if "type" in options:
             options["type"] = TYPES[options["type"]]
         if key is not None:
-            options = _of_setting(key, without, words, checks or "type" in options) | options
+            options = _of_setting(key, default_text, words, checks or "type" in options) | options
         elif "help" in options:
             options["help"] = options["help"].replace("%", "%%")
         parser.add_argument(flag, **options)
 
 
-def _of_setting(key: str, without: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
+def _of_setting(key: str, default_text: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
     """Options of an argument for a setting, from the schema; its value is found under the setting's key.
 
     Parameters
     ----------
     key : str
         Dotted key.
-    without : str, optional
-        What holds without the argument, if that is not the default of the setting: there is none then.
+    default_text : str, optional
+        What holds if the argument is left out; the default of the setting is not used then.
     words : str, optional
         Accepted values, in place of those of the schema.
     as_text : bool
@@ -145,7 +147,7 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
     """
     entry = setting(key)
     items = entry.get("items", entry)
-    value = None if without or as_text else default(key)
+    value = None if default_text or as_text else default(key)
     if "enum" in items:
         placeholder = f"{{{','.join(items['enum'])}}}"
     else:
@@ -160,8 +162,8 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
     facts = [] if "enum" in entry else [words or accepted(items)]
     if "unit" in entry and not words:
         facts.append(f"unit: {entry['unit']}")
-    if without := without or (str(value) if value is not None else entry.get("default_text")):
-        facts.append(f"default: {without}")
+    if default_text := default_text or (str(value) if value is not None else entry.get("default_text")):
+        facts.append(f"default: {default_text}")
     text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
     return made | {"help": text.replace("`", "").replace("%", "%%")}
 

@@ -74,7 +74,7 @@ RUBBER, HIGHEST_RATIO = 0.4, 0.495
 HIGHEST_YIELD = 0.1
 """Yield stress over Young's modulus: about the theoretical strength of a crystal."""
 
-ROUNDING = 1e-6
+NEGLIGIBLE = 1e-6
 """Number over that of its kind from which its change by another grid is told."""
 
 ACCEPTED_VIOLATION = 1e-3
@@ -243,7 +243,7 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         values = limit_of(limits, name)
         least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
         # The mean slope of a contact of single nodes, by symmetry zero, is left with rounding errors.
-        if math.isfinite(least + most) and least > ROUNDING * (
+        if math.isfinite(least + most) and least > NEGLIGIBLE * (
             numbers.rms_gradient if "gradient" in name else most
         ):
             known[name] = values["on_grid"] / values["on_half"] - 1

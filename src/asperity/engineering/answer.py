@@ -19,7 +19,7 @@ from asperity.contact.slip import PartialSlip
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import DIMENSIONS, scaled_unit, shown_si
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
-from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, SIDEWAYS, Body, Case
+from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, TANGENTIAL, Body, Case
 from asperity.engineering.contact_numbers import IN_FULL_CONTACT, ContactNumbers, gap_of, gap_rows, slip_rows
 from asperity.engineering.face import RoughFace
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
@@ -45,13 +45,13 @@ LIMITS = {
 }
 """Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
 
-SHARES = (
+IN_PER_CENT = (
     *("real contact", "plastic real contact", "share above yield"),
     *("area at the hardness", "load at the hardness"),
 )
 """Plain numbers that are shown in per cent."""
 
-PLACES = "at depth", "at x", "at y"
+POSITION_NAMES = "at depth", "at x", "at y"
 """Numbers that say where another one is."""
 
 ALIKE = 0.01
@@ -136,7 +136,7 @@ class Row(NamedTuple):
         if not self.error > 0:
             return ""
         factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(self.estimate, self.unit)
-        if self.name in SHARES:
+        if self.name in IN_PER_CENT:
             factor, symbol = 0.01, "%"
         return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
 
@@ -327,7 +327,7 @@ def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
         lower = known.get((row.group.replace("upper body", "lower body"), row.name))
         if "upper body" not in row.group or lower is None:
             return False
-        return row.name in PLACES or abs(row.value - lower) <= ALIKE * abs(lower)
+        return row.name in POSITION_NAMES or abs(row.value - lower) <= ALIKE * abs(lower)
 
     return [row for row in rows if not is_repeated(row)]
 
@@ -342,7 +342,7 @@ def case_in_words(case: Case) -> str:
     direction = case.sliding_direction
     along = direction if isinstance(direction, str) else f"{direction:g}° from x"
     moved = "sliding"
-    for name, dimension in SIDEWAYS.items():
+    for name, dimension in TANGENTIAL.items():
         if (imposed := getattr(case, name)) is not None:
             moved = f"{name.replace('_', ' ')} {shown_si(imposed, DIMENSIONS[dimension].unit)}"
     sliding = f", {moved} along {along} with friction {case.friction:g}" if case.friction else ""

@@ -75,17 +75,17 @@ class CloseUp:
         edge = max((nodes.stop - nodes.start) * step for nodes, step in self._axes)
         if self.depths and self.depths[-1] > DEPTH * edge:
             return
-        taken, places = [], []
+        nodes_along, places = [], []
         for (nodes, step), count, own in zip(self._axes, plane.grid.shape, plane.grid.spacing, strict=True):
             place = np.arange(nodes.start, nodes.stop) * step / own
             node = np.arange(int(place[0]) - INTERPOLATION_NODES, int(place[-1]) + INTERPOLATION_NODES + 2)
-            taken.append(node % count if periodic else np.clip(node, 0, count - 1))
+            nodes_along.append(node % count if periodic else np.clip(node, 0, count - 1))
             places.append(place - node[0])
-        flat = (taken[0][:, None] * plane.grid.shape[1] + taken[1]).ravel()
+        flat = (nodes_along[0][:, None] * plane.grid.shape[1] + nodes_along[1]).ravel()
         at = np.meshgrid(*places, indexing="ij")
         fields = {}
         for name in names:
-            values = plane.field_at(name, poisson, flat).reshape(taken[0].size, taken[1].size)
+            values = plane.field_at(name, poisson, flat).reshape([node.size for node in nodes_along])
             fields[name] = map_coordinates(values, at)
         self.depths.append(plane.depth)
         self.planes.append(fields)
@@ -138,13 +138,13 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
 STRESS_TOLERANCE = 1e-4
 """Error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
 
-LIMITED = ("pressure", "von_mises")
+ESTIMATED = ("pressure", "von_mises")
 """Quantities whose peaks are estimated for vanishing pixels."""
 
 DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
 """Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
 
-OF_RESOLUTION = {
+RESOLUTION_ERRORS = {
     "largest_shear": ((0.9, 1.5), (0.28, 0.25)),
     "principal_1": ((1.6, 0.75), (0.42, 0.25)),
     "principal_3": ((1.2, 1.5), (0.07, 0.25)),
@@ -244,10 +244,10 @@ class BodyAnswer:
         }
 
     def grid_error(self, number: str) -> float:
-        """Relative error by the grid of a number of `OF_RESOLUTION`; NaN where there is no estimate."""
+        """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate."""
         area = self.limits["area_fraction"]
         found, best = (float(area.sel(kind=kind)) for kind in ("on_grid", "estimate"))
-        share, power = OF_RESOLUTION[number][self.limits.attrs["plastic_area"] > 0]
+        share, power = RESOLUTION_ERRORS[number][self.limits.attrs["plastic_area"] > 0]
         return share * float(abs(found / best - 1) / max(1 - best, 0.01)) ** power
 
     @property
@@ -323,7 +323,7 @@ def body_answer(
         observe=observe,
         **sliding,
     )
-    main = stress.sel(quantity=list(LIMITED))
+    main = stress.sel(quantity=list(ESTIMATED))
     estimated = estimates(contact, half, main, name, case.loaded_body)
     progress(0.8, 1.0)
     volume, depths, fraction = None, None, None

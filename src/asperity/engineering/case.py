@@ -68,7 +68,7 @@ LARGEST_LOAD = 1e6
 HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
-SIDEWAYS = {"tangential_force": "force", "tangential_displacement": "length"}
+TANGENTIAL = {"tangential_force": "force", "tangential_displacement": "length"}
 """Setting and field of `Case` for partial slip → its dimension."""
 
 FILM = {"flow_direction": "", "viscosity": "", "pressure_difference": "pressure"}
@@ -450,10 +450,10 @@ class Case:
             )
 
     def _check_sideways(self) -> None:
-        given = {name: value for name in SIDEWAYS if (value := getattr(self, name)) is not None}
+        given = {name: value for name in TANGENTIAL if (value := getattr(self, name)) is not None}
         for name, value in given.items():
             magnitude(name, value)
-            text = f"{name} = {shown_si(value, DIMENSIONS[SIDEWAYS[name]].unit)}"
+            text = f"{name} = {shown_si(value, DIMENSIONS[TANGENTIAL[name]].unit)}"
             if len(given) > 1:
                 raise ValueError(f"{text}: not accepted together with {next(iter(given.keys() - {name}))}")
             if not self.friction:
@@ -515,7 +515,7 @@ class Case:
             slide_to_roll=settings.get("slide_to_roll", 0.0),
             fatigue_scatter=settings.get("fatigue_scatter"),
             fatigue_volume=si("fatigue_volume", "volume") if "fatigue_volume" in settings else None,
-            **{name: si(name, kind) for name, kind in (SIDEWAYS | FILM).items() if name in settings},
+            **{name: si(name, kind) for name, kind in (TANGENTIAL | FILM).items() if name in settings},
         )
 
     def settings(self) -> dict[str, Any]:
@@ -559,7 +559,7 @@ class Case:
             add("cylinder_axis", "x" if hertz.radius_x == math.inf else None)
             add("radius_y", None if is_roller else hertz.radius_y, None, "length")
             add("at", hertz.at)
-        for name, dimension in (SIDEWAYS | FILM).items():
+        for name, dimension in (TANGENTIAL | FILM).items():
             add(name, getattr(self, name), dimension=dimension)
         return found
 

@@ -239,10 +239,10 @@ def gap_of(face: TreatedMap, contact: Contact) -> Array:
 Numbers = tuple[str, float, str, str]
 """Name, value, unit, and words of a number."""
 
-SETTLING = ("tangential displacement", "sticking part of the contact", "energy lost in a cycle ± force")
+COMPARED_SLIP = ("tangential displacement", "sticking part of the contact", "energy lost in a cycle ± force")
 """Numbers of partial slip that are compared with those of pixels twice as large."""
 
-STEPS = 6
+CYCLE_STEPS = 6
 """Forces of first loading in the cycle: chords enclose 97 % of the energy, and cost five contacts more."""
 
 
@@ -278,7 +278,7 @@ def slip_rows(slip: PartialSlip, map_area: float) -> Iterator[Numbers]:
 
 def cycle_table(slip: PartialSlip, map_area: float) -> pd.DataFrame:
     """Tangential force on a map and displacement in a cycle between the force and its opposite."""
-    cycle = slip.cycle(STEPS)
+    cycle = slip.cycle(CYCLE_STEPS)
     force = cycle["tangential_force"].values * map_area / slip.contact.grid.area
     displacement = cycle["tangential_displacement"].values
     return pd.DataFrame({"tangential_force_N": force, "tangential_displacement_m": displacement})
@@ -302,7 +302,9 @@ def interface_on_half(case: Case, face: TreatedMap, half: HalfGrid) -> dict[str,
     """Numbers of slip and leak by name, as they are with pixels twice as large; no leak is 0."""
     found = {}
     if half.slip is not None:
-        found = {name: value for name, value, *_ in slip_rows(half.slip, face.map_area) if name in SETTLING}
+        found = {
+            name: value for name, value, *_ in slip_rows(half.slip, face.map_area) if name in COMPARED_SLIP
+        }
     if case.viscosity is not None and case.pressure_difference is not None:
         direction, fall = case.flow_direction or "x", face.images * case.pressure_difference
         leak = 0.0

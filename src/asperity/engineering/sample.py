@@ -24,28 +24,28 @@ from asperity.core.types import Array
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import (
     CRACKS,
-    PLACES,
+    IN_PER_CENT,
+    POSITION_NAMES,
     REPEATS,
-    SHARES,
     Answer,
     case_in_words,
     without_repeats,
 )
 from asperity.surface.treatment.treatment import TreatedMap
 
-FEWEST = 20
+FEWEST_PEAKS = 20
 """Fewest peaks above the threshold."""
 
-TAIL = 0.2
+LARGEST_TAIL = 0.2
 """Largest share of the peaks above the threshold: lower ones are no tail."""
 
-FURTHEST = 100
+MAX_AREA_RATIO = 100
 """Largest area over that of the sample; `benchmarks/largest.py` measures the intervals up to it."""
 
-SHAPES = -2.0, 0.5
+SHAPE_BOUNDS = -2.0, 0.5
 """Bounds of the shape ξ; above 1/2 its estimate by probability-weighted moments has no variance."""
 
-SAMPLES, SEED = 1000, 1
+BOOTSTRAP_SAMPLES, BOOTSTRAP_SEED = 1000, 1
 """Samples of the bootstrap, and its seed."""
 
 QUANTILES = 0.5, 0.025, 0.975
@@ -91,12 +91,12 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     sample_area : float
         Of all maps together, in m².
     area : float
-        In m², too; at most `FURTHEST` times that of the sample.
+        In m², too; at most `MAX_AREA_RATIO` times that of the sample.
 
     Raises
     ------
     ValueError
-        If the area is too large, or there are fewer than 2 `FEWEST` peaks.
+        If the area is too large, or there are fewer than 2 `FEWEST_PEAKS` peaks.
 
     Examples
     --------
@@ -113,13 +113,13 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     check_area(area, sample_area)
     maps = [np.asarray(values, dtype=float) for values in peaks]
     ordered = np.sort(np.concatenate(maps))[::-1]
-    if ordered.size < 2 * FEWEST:
-        raise ValueError(f"area: {2 * FEWEST} peaks are needed, the maps have {ordered.size}")
+    if ordered.size < 2 * FEWEST_PEAKS:
+        raise ValueError(f"area: {2 * FEWEST_PEAKS} peaks are needed, the maps have {ordered.size}")
     count, times = _stable_count(ordered), area / sample_area
     threshold = float(ordered[count])
     excesses = [values[values > threshold] - threshold for values in maps]
-    random, samples, few = np.random.default_rng(SEED), [np.concatenate(excesses)], len(maps) - 1
-    for _ in range(SAMPLES if few else 0):
+    random, samples, few = np.random.default_rng(BOOTSTRAP_SEED), [np.concatenate(excesses)], len(maps) - 1
+    for _ in range(BOOTSTRAP_SAMPLES if few else 0):
         chosen = np.concatenate([excesses[index] for index in random.integers(len(maps), size=few)])
         samples.append(random.choice(chosen, random.poisson(chosen.size)) if chosen.size else chosen)
     shapes, scales = np.transpose([_shape_scale(sample) for sample in samples])
@@ -134,16 +134,19 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
 
 def check_area(area: float, sample_area: float) -> None:
     """Raise `ValueError` for an area beyond what a sample of another area bears."""
-    if not 0 < area <= FURTHEST * sample_area * (1 + 1e-9):
-        given, most = (shown_si(value, "m^2") for value in (area, FURTHEST * sample_area))
+    if not 0 < area <= MAX_AREA_RATIO * sample_area * (1 + 1e-9):
+        given, most = (shown_si(value, "m^2") for value in (area, MAX_AREA_RATIO * sample_area))
         raise ValueError(
-            f"area = {given}: an area > 0 and ≤ {most} is needed, {FURTHEST} times that of all maps together"
+            f"area = {given}: an area > 0 and ≤ {most} is needed, {MAX_AREA_RATIO} times that of all maps "
+            "together"
         )
 
 
 def _stable_count(ordered: Array) -> int:
     """Number of the peaks above the threshold; ordered from the highest."""
-    counts = np.unique(np.geomspace(FEWEST, max(int(TAIL * ordered.size), FEWEST + 1), 12).astype(int))
+    counts = np.unique(
+        np.geomspace(FEWEST_PEAKS, max(int(LARGEST_TAIL * ordered.size), FEWEST_PEAKS + 1), 12).astype(int)
+    )
     shapes = np.array([_shape_scale(ordered[:count] - ordered[count])[0] for count in counts])
     errors = 2.4 / np.sqrt(counts)  # twice the standard error of ξ near 0 (Hosking and Wallis 1987, table 2)
     for last in range(counts.size - 1, 0, -1):
@@ -161,14 +164,14 @@ def _shape_scale(excesses: Array) -> tuple[float, float]:
         return 0.0, float(excesses.mean()) if excesses.size else 0.0
     ordered, ranks = np.sort(excesses), np.arange(excesses.size)
     mean, weighted = ordered.mean(), float(np.mean(ordered * (1 - (ranks + 0.65) / excesses.size)))
-    shape = float(np.clip(2 - mean / (mean - 2 * weighted), *SHAPES))
+    shape = float(np.clip(2 - mean / (mean - 2 * weighted), *SHAPE_BOUNDS))
     return shape, mean * (1 - shape)
 
 
-LEVEL = 0.95
+CONFIDENCE = 0.95
 """Confidence of the intervals."""
 
-SAME = 1e-6
+SAME_PIXELS = 1e-6
 """Relative difference of pixels, and of numbers that all maps have alike, by rounding."""
 
 OTHER_UNIT = 100
@@ -183,7 +186,7 @@ SCALED = "m", "m^2", "m^3", "Pa", "N"
 PER_AREA = "1/m^2"
 """Unit of numbers of peaks."""
 
-LEVELS = 20
+STRESS_LEVELS = 20
 """Stresses above which peaks are counted."""
 
 LARGEST = {
@@ -215,7 +218,7 @@ class SampleRow(NamedTuple):
         """The mean with half of its interval, and the value of each map, for a reader."""
         factor, symbol = scaled_unit(self.of_each, self.unit) if self.unit in SCALED else (1.0, self.unit)
         if self.unit == "1":
-            factor, symbol = (0.01, "%") if self.name in SHARES else (1.0, "")
+            factor, symbol = (0.01, "%") if self.name in IN_PER_CENT else (1.0, "")
         elif self.unit == PER_AREA:
             factor, symbol = 1e6, "per mm²"
         mean = with_error(self.mean.value / factor, self.mean.error / factor)
@@ -267,8 +270,8 @@ def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
     of_grid = float(np.abs(known).mean()) if known.size else np.nan
     of_maps = np.nan
     if values.size > 1:
-        scatter = float(values.std(ddof=1)) if np.ptp(values) > SAME * np.abs(values).max() else 0.0
-        of_maps = float(t.ppf((1 + LEVEL) / 2, values.size - 1) * scatter / np.sqrt(values.size))
+        scatter = float(values.std(ddof=1)) if np.ptp(values) > SAME_PIXELS * np.abs(values).max() else 0.0
+        of_maps = float(t.ppf((1 + CONFIDENCE) / 2, values.size - 1) * scatter / np.sqrt(values.size))
     return Mean(float(values.mean()), float(np.hypot(of_maps, np.nan_to_num(of_grid))), of_maps, of_grid)
 
 
@@ -323,7 +326,7 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
     (first, known), *others = faces.items()
     for name, face in others:
         pixels = [each.grid.spacing for each in (face, known)]
-        if any(abs(a / b - 1) > SAME for a, b in zip(*pixels, strict=True)):
+        if any(abs(a / b - 1) > SAME_PIXELS for a, b in zip(*pixels, strict=True)):
             own, other = (f"{shown_si(x, 'm')} x {shown_si(y, 'm')}" for y, x in pixels)
             raise ValueError(
                 f"pooled: {name} has pixels of {own}, {first} of {other}; maps of the same pixels are needed"
@@ -373,7 +376,7 @@ class Sample:
                 volume = next(row for row in found if (row.group, row.name) == (group, VOLUME))
                 deepest = self.numbers[self.numbers["name"] == DEEPEST].groupby("group")["value"].max()[group]
                 values, errors = volume.of_each / deepest, volume.mean.of_grid / deepest
-            if name not in PLACES[1:]:  # the mean depth says something
+            if name not in POSITION_NAMES[1:]:  # the mean depth says something
                 found.append(
                     SampleRow(group, name, part["unit"].iloc[0], mean_of_maps(values, errors), values)
                 )
@@ -416,7 +419,7 @@ class Sample:
         found = []
         for body, quantity, sizes in self._peaks():
             highest = max((float(size.max()) for size in sizes if size.size), default=0.0)
-            for level in highest * np.linspace(0, 1, LEVELS, endpoint=False):
+            for level in highest * np.linspace(0, 1, STRESS_LEVELS, endpoint=False):
                 each = np.array([np.count_nonzero(size > level) for size in sizes]) / (1e6 * self.areas)
                 mean = mean_of_maps(each)
                 found.append((body, quantity, level, mean.value, mean.error, *each))
@@ -429,7 +432,7 @@ class Sample:
         Parameters
         ----------
         area : float
-            In m²; at most `largest.FURTHEST` times that of all maps together.
+            In m²; at most `MAX_AREA_RATIO` times that of all maps together.
 
         Returns
         -------
@@ -447,7 +450,7 @@ class Sample:
         least = self.numbers.groupby("name")["value"].min()
         hardness = np.inf if "plastic real contact" in least else float(least.get("hardness", np.inf))
         for body, quantity, sizes in self._peaks():
-            if sum(size.size for size in sizes) >= 2 * FEWEST:
+            if sum(size.size for size in sizes) >= 2 * FEWEST_PEAKS:
                 value = largest_on(sizes, total, area)
                 rows = [row.mean for row in self.rows if row.name == LARGEST.get(quantity)]
                 share = max((row.of_grid / row.value for row in rows if row.of_grid > 0), default=0.0)

@@ -14,7 +14,7 @@ from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import ON_WHITE, SEQUENTIAL, Look, Scale, measure
 from asperity.views.source import Part, Source, Span, sources
 
-LEVEL = "C4"
+CONTOUR_COLOUR = "C4"
 """Colour of a contour."""
 
 PIXELS = 1024
@@ -175,7 +175,7 @@ def _draw(axis: Axes, shown: Map, scale: Scale) -> None:
     place: dict[str, Any] = {"origin": "lower", "extent": (begin[1], last[1], begin[0], last[0])}
     values = np.ma.masked_invalid(pixels / unit.factor)
     axis.imshow(values, norm=scale.limits.normalise(unit), cmap=look.colours, **place)
-    draw_contour(axis, pixels, scale.level, LEVEL, 0.8, **place)
+    draw_contour(axis, pixels, scale.level, CONTOUR_COLOUR, 0.8, **place)
     if look.outline and "pressure" in shown.source.fields:
         pressed = shown.source.fields["pressure"][shown.part] > 0
         contacts = blocks(pressed.astype(np.float32), size, np.max)

@@ -83,16 +83,16 @@ def measure(values: ArrayLike, dimension: str, system: str | None) -> Measure:
     return Measure(*scaled_unit(largest, _SI_UNITS[dimension]))
 
 
-TAIL = 0.001
+TAIL_SHARE = 0.001
 """Share of the values at each end that does not count for the limits."""
 
 MIN_IN_TAIL = 3
 """Fewest values at each end that do not count: one wrong node of a map makes up to three high peaks."""
 
-ROUNDING = 1e-6
+BEYOND_SHARE = 1e-6
 """Values beyond a limit by less than this share of the scale are not said to lie beyond it."""
 
-MARGIN = 0.25
+QUANTILE_MARGIN = 0.25
 """The limits reach beyond the quantiles by at most this share of their distance. So the limits of Gaussian
 values lie 4.6 standard deviations from the mean; of 512² independent values one is expected beyond them."""
 
@@ -135,7 +135,7 @@ class Limits:
 
     @property
     def _slack(self) -> float:
-        return ROUNDING * (self.high - self.low)
+        return BEYOND_SHARE * (self.high - self.low)
 
     def symmetric(self) -> Limits:
         """Limits of the same size on both sides of zero."""
@@ -165,7 +165,8 @@ class Limits:
 def robust_limits(fields: Iterable[Array], low: float | None = None) -> Limits:
     """Limits that hold nearly all values of some fields and are not moved by single outliers.
 
-    They are the extreme values, or the quantiles of each field at `TAIL` and a `MARGIN` if these are nearer.
+    They are the extreme values, or the quantiles of each field at `TAIL_SHARE` with a `QUANTILE_MARGIN` if
+    these are nearer.
 
     Parameters
     ----------
@@ -181,9 +182,9 @@ def robust_limits(fields: Iterable[Array], low: float | None = None) -> Limits:
             continue
         smallest.append(float(values.min()))
         largest.append(float(values.max()))
-        tail = min(max(TAIL, MIN_IN_TAIL / values.size), 0.5)
+        tail = min(max(TAIL_SHARE, MIN_IN_TAIL / values.size), 0.5)
         lower, upper = np.quantile(values, [tail, 1 - tail])
-        margin = MARGIN * (upper - (lower if low is None else low))
+        margin = QUANTILE_MARGIN * (upper - (lower if low is None else low))
         bottoms.append(max(smallest[-1], float(lower - margin)))
         tops.append(min(largest[-1], float(upper + margin)))
     if not tops:

@@ -28,7 +28,7 @@ Span = tuple[float, float]
 Part = tuple[slice, slice]
 """Rows and columns of the nodes of a part of a cell: index of a field [y, x]."""
 
-_ROUNDING = 1e-9
+_EDGE_ERROR = 1e-9
 """A node that lies outside by this share of the edge, by rounding, counts as inside."""
 
 
@@ -95,7 +95,7 @@ class Source:
         if span is None:
             return slice(0, nodes.size)
         low, high = span
-        given, margin = f"{'yx'[axis]} = {self.shown(low)} to {self.shown(high)}", _ROUNDING * edge
+        given, margin = f"{'yx'[axis]} = {self.shown(low)} to {self.shown(high)}", _EDGE_ERROR * edge
         if not 0 <= low < high <= edge + margin:
             raise ValueError(f"{given}: rising positions from 0 to {self.shown(edge)} are needed")
         first, last = map(int, np.searchsorted(nodes, (low - margin, high + margin)))
@@ -219,8 +219,8 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
     if isinstance(result, xr.Dataset):
         return _source_of_dataset(result, title)
     grid = getattr(result, "grid", None)
-    held = {name: getattr(result, name, None) for name in SURFACE_FIELDS}
-    fields = {name: values for name, values in held.items() if values is not None}
+    found = {name: getattr(result, name, None) for name in SURFACE_FIELDS}
+    fields = {name: values for name, values in found.items() if values is not None}
     if not isinstance(grid, Grid) or not fields:
         raise TypeError(
             f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "

@@ -15,7 +15,7 @@ from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.planes.planes import depth_grid, stress_planes
 from asperity.stress.section import stress_section
-from asperity.views.maps import LEVEL, Map, blocks, draw_contour, draw_maps, largest_magnitude
+from asperity.views.maps import CONTOUR_COLOUR, Map, blocks, draw_contour, draw_maps, largest_magnitude
 from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import SIGNED, STRESS, Look, Scale, measure
 from asperity.views.source import Source, Span, sources
@@ -346,7 +346,7 @@ def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
     at_face = np.diff(section["depth"].values) <= np.spacing(section["depth"].values[:-1])
     for face in depth[:-1][at_face]:
         axis.axhline(face, color="0.6", lw=0.6)  # the interface under a coating
-    draw_contour(axis, values, scale.level, LEVEL, 0.8, position, depth)
+    draw_contour(axis, values, scale.level, CONTOUR_COLOUR, 0.8, position, depth)
     # The contacts are bars on the upper edge, as thick as two spines.
     touching = np.flatnonzero(np.maximum.reduceat(section["contact"].values, starts))
     ends = np.append(position, 2 * position[-1] - position[-2])
