@@ -417,6 +417,7 @@ a surface that varies is needed
 wavelength_short( = .*)?: a (number|smaller one)
 periodic = 'none': one of declared
 points = .*: (an even number|more)
+([sl]_filter = .*)+: (a filter that leaves some|less than l_filter)
 """
 STRESSED = r"""
 boundary = 'free': (a )?half-spaces? (is|are) needed
