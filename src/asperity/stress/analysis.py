@@ -53,8 +53,8 @@ INDEPENDENT_OF_POISSON = ("zz", "yz", "xz")
 INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
 """Fields that are the same for every condition of the mean mode."""
 
-ROUNDING = 1e-12
-"""Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
+ROUNDING_SHARE = 1e-12
+"""Maxima below this share of the root mean square of σ_zz of their plane are rounding errors."""
 
 PLASTIC_CONTACT = (
     "the hardness limits the pressure; the stress under it is that of an elastic solid, without plastic "
@@ -253,7 +253,7 @@ class _Analysis:
                 observe(plane)
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
             searched = SearchedPlane(plane.depth, plane.grid, search.fields, plane.refresh)
-            floor = max(plane.bound, self._floor * scale, ROUNDING * scale)
+            floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)
             self._finder.add(searched, search.maxima(floor))  # a name would hold them until the next plane
         self._finder.finish()
         self._search = None  # with the basis fields

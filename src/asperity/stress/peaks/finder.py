@@ -172,7 +172,8 @@ class PeakFinder:
             self._depth_above, self._last = last.depth, None
             del upper, below  # before the other values take memory
             kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
-        maxima = maxima.select(np.flatnonzero(kept))
+        if not kept.all():
+            maxima = maxima.select(np.flatnonzero(kept))
         maxima.above = above
         self._last = plane, maxima
 

@@ -56,7 +56,7 @@ class BasisField(NamedTuple):
 
 
 BASIS = (*((name, "constant") for name in COMPONENTS), ("xx", "slope"), ("yy", "slope"), ("xy", "slope"))
-"""Components of A and of B for which `Basis.place` has an entry."""
+"""Components of A and of B for which `Basis.index` has an entry."""
 
 MARGIN = 16
 """Numbers before the first node of a row of fields; the last of them is the neighbour beyond the edge."""
@@ -93,17 +93,18 @@ class Basis(NamedTuple):
     values : (fields, ny, at least `columns`) array
     columns : int
         Nodes of a row.
-    place : (9,) integer array
-        Number in `values` of each entry of `BASIS`; −1 for one that is not needed, or for B_yy, which
-        follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the mean mode. Where A is the stress itself,
-        any of its components stands for B.
+    index : (9,) integer array
+        Index in `values` of each entry of `BASIS`; −1 for a field that is not needed, and for B_yy, which is
+        computed from A_xx + A_yy + A_zz = B_xx + B_yy, true for all but the mean mode. For a single
+        Poisson's ratio A is the stress itself and ν is 0 in the formulas, so that B is multiplied by 0: its
+        entries have the indices of A.
     mean_pressure : float
         Minus the uniform part of A_zz, in the precision of `values`.
     """
 
     values: Any
     columns: int
-    place: Any
+    index: Any
     mean_pressure: Any
 
 
@@ -160,7 +161,7 @@ class Fields:
         Returns
         -------
         (fields, last − first, at least `MARGIN` + nx + 1) array
-            Node i of a row is at the place `MARGIN` + i.
+            Node i of a row has the index `MARGIN` + i.
         """
         shape = self.formulas.kinds.size, last - first, row_length(self.basis.columns)
         out = np.empty(shape, self.basis.values.dtype)
@@ -210,9 +211,9 @@ class Fields:
         basis, numbers = self.basis, np.arange(len(BASIS))
         own, real = (basis.values.shape[1], basis.columns), basis.values.dtype
         kept = np.empty(which.size, bool)
-        given = np.where(basis.place < 0, -1, numbers), float(basis.mean_pressure)
+        given = np.where(basis.index < 0, -1, numbers), float(basis.mean_pressure)
         precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
-        needed = np.array([_needed(int(kind), basis.place) for kind in self.formulas.kinds])
+        needed = np.array([_needed(int(kind), basis.index) for kind in self.formulas.kinds])
         pairs = zip(shape if shape != own else (1, 1), own, strict=True)
         stencils = tuple(_stencils(*pair, self.periodic) for pair in pairs)
 
@@ -244,14 +245,14 @@ class Fields:
         return kept, np.concatenate(values)
 
 
-def _needed(kind: int, place: Array) -> Array:
+def _needed(kind: int, index: Array) -> Array:
     """True for every entry of `BASIS` on which a field depends."""
     needed = np.zeros(len(BASIS), bool)
-    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
+    if kind < _VON_MISES and (kind != _YY or index[_SLOPE_YY] >= 0):
         slope = {_XX: _SLOPE_XX, _YY: _SLOPE_YY, _XY: _SLOPE_XY}.get(kind, kind)
         needed[[kind, slope]] = True
         return needed
-    return place >= 0
+    return index >= 0
 
 
 def row_length(columns: int) -> int:
@@ -373,28 +374,28 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
 @inlined
 def value_at(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: Any) -> float:
     """A field at one node."""
-    values, _, place, mean = basis
-    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
-        value = values[place[kind], row, column]
+    values, _, index, mean = basis
+    if kind < _VON_MISES and (kind != _YY or index[_SLOPE_YY] >= 0):
+        value = values[index[kind], row, column]
         if kind in (_ZZ, _YZ, _XZ):
             return value
-        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row, column]
+        slope = values[index[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row, column]
         return value + ratio * slope + (uniform - uniform if kind == _XY else uniform)
-    xx = values[place[_XX], row, column]
-    yy = values[place[_YY], row, column]
-    zz = values[place[_ZZ], row, column]
+    xx = values[index[_XX], row, column]
+    yy = values[index[_YY], row, column]
+    zz = values[index[_ZZ], row, column]
     trace = xx + yy + zz
     if kind == _HYDROSTATIC:
         # The trace of B is that of A without its uniform part.
         return (trace + ratio * (trace + mean) + uniform + uniform) / 3.0
-    slope = values[place[_SLOPE_XX], row, column]
+    slope = values[index[_SLOPE_XX], row, column]
     slope_yy = trace + mean - slope
     y = yy + ratio * slope_yy + uniform
     if kind == _YY:
         return y
     x = xx + ratio * slope + uniform
-    xy = values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
-    yz, xz = values[place[_YZ], row, column], values[place[_XZ], row, column]
+    xy = values[index[_XY], row, column] + ratio * values[index[_SLOPE_XY], row, column]
+    yz, xz = values[index[_YZ], row, column], values[index[_XZ], row, column]
     if kind == _VON_MISES:
         first, second = xx - yy + ratio * (slope - slope_yy), yy - zz + ratio * slope_yy + uniform
         return _von_mises(first, second, xy, yz * yz + xz * xz)
@@ -404,14 +405,14 @@ def value_at(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: 
 @compiled
 def _fill_row(basis: Any, kind: int, ratio: Any, uniform: Any, row: int, out: Any) -> None:
     """Fill `out`, (nx,), with one row of a field other than the von Mises stress."""
-    values, _, place, _ = basis
-    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
-        constant = values[place[kind], row]
+    values, _, index, _ = basis
+    if kind < _VON_MISES and (kind != _YY or index[_SLOPE_YY] >= 0):
+        constant = values[index[kind], row]
         if kind in (_ZZ, _YZ, _XZ):
             for i in range(out.size):
                 out[i] = constant[i]
             return
-        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row]
+        slope = values[index[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row]
         added = uniform - uniform if kind == _XY else uniform
         for i in range(out.size):
             out[i] = constant[i] + ratio * slope[i] + added
@@ -427,16 +428,16 @@ def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, li
     What they share is computed once, in the array `shared`, (5, `BLOCK`). Loops that read and write few
     arrays are turned into operations on vectors, one long loop is not.
     """
-    values, columns, place, mean = basis
+    values, columns, index, mean = basis
     first, second, slope_yy, across, slope_first = shared[0], shared[1], shared[2], shared[3], shared[4]
     for start in range(0, columns, BLOCK):
         stop = min(start + BLOCK, columns)
-        xx, yy = values[place[_XX], row, start:stop], values[place[_YY], row, start:stop]
-        zz, yz = values[place[_ZZ], row, start:stop], values[place[_YZ], row, start:stop]
-        xz, xy = values[place[_XZ], row, start:stop], values[place[_XY], row, start:stop]
+        xx, yy = values[index[_XX], row, start:stop], values[index[_YY], row, start:stop]
+        zz, yz = values[index[_ZZ], row, start:stop], values[index[_YZ], row, start:stop]
+        xz, xy = values[index[_XZ], row, start:stop], values[index[_XY], row, start:stop]
         slope, slope_xy = (
-            values[place[_SLOPE_XX], row, start:stop],
-            values[place[_SLOPE_XY], row, start:stop],
+            values[index[_SLOPE_XX], row, start:stop],
+            values[index[_SLOPE_XY], row, start:stop],
         )
         for i in range(xx.size):
             slope_yy[i] = xx[i] + yy[i] + zz[i] + mean - slope[i]
@@ -568,9 +569,9 @@ def _compare(
                 j, i = neighbour(j, ny, periodic), neighbour(i, nx, periodic)
                 value = value_at(basis, kinds[m], ratios[m], uniforms[m], j, i)
             else:
-                for part in range(given.place.size):
+                for part in range(given.index.size):
                     if needed[m, part]:
-                        values = basis.values[basis.place[part]]
+                        values = basis.values[basis.index[part]]
                         along_y, along_x = (
                             (place_y[j + 1], weight_y[j + 1]),
                             (place_x[i + 1], weight_x[i + 1]),

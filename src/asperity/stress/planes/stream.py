@@ -57,8 +57,7 @@ SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 
 KEPT_BYTES = 541_100_000
 """Memory in which the basis fields of two planes are kept side by side: those of 2048² nodes in double
-precision. Of larger planes only one is in memory, and the plane above it is computed again where its stress
-is compared with that below."""
+precision. Of larger planes one at a time is kept; the plane above is computed again for comparisons."""
 
 MAX_PLANES = 10_000
 """Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""
@@ -92,8 +91,8 @@ class LinearPlane:
     scale : float
         Root mean square of σ_zz or less, as far as it is known before the plane is computed.
     refresh : callable
-        Computes the basis fields again if those of another plane have been written over them; calls `visit`,
-        if it is given, as of `PlaneStream.planes`.
+        Computes the basis fields again if another plane has overwritten them, and calls its argument
+        `visit`, a `Visit`, for the rows.
     """
 
     depth: float
@@ -204,11 +203,11 @@ class PlaneStream:
     ) -> Iterator[LinearPlane]:
         """The planes one after the other, or the first `count` of them.
 
-        `watch` is called with every plane before it is computed, and returns what is to be called when some
-        rows of it are there. The basis fields of a plane are in memory until the next plane but one is
-        computed, those of large planes until the next; `LinearPlane.refresh` brings them back.
+        `watch` is called with every plane before it is computed, and returns a function that is called when
+        some of its rows are computed. The basis fields of a plane stay in memory while the next plane is
+        computed, those of planes beyond `KEPT_BYTES` do not; `LinearPlane.refresh` computes them again.
         """
-        depths, (basis_fields, place) = self.depths[:count], self._basis_fields()
+        depths, (basis_fields, indices) = self.depths[:count], self._basis_fields()
         source = self._source(depths)
         done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
         sizes = [len(basis_fields) * own.grid.shape[0] * source.row_length(own.grid) for own in source.plan]
@@ -219,7 +218,7 @@ class PlaneStream:
             if (layer := self.solid.layer).base is not None and depth > layer.height:
                 basis_fields = [field._replace(slope=layer.base.poisson) for field in basis_fields]
             compute = partial(source.compute, depth, own, basis_fields, values)
-            basis = Basis(values, own.grid.shape[1], place, source.dtype.type(source.mean_pressure))
+            basis = Basis(values, own.grid.shape[1], indices, source.dtype.type(source.mean_pressure))
             plane = LinearPlane(
                 float(depth),
                 own.grid,
@@ -245,24 +244,24 @@ class PlaneStream:
         return PeriodicPlanes(*arguments, self.dtype.name)
 
     def _basis_fields(self) -> tuple[list[BasisField], Array]:
-        """The fields to transform, A and B, or A + ν B for one Poisson's ratio, and their `Basis.place`."""
+        """The fields to transform, A and B, or A + ν B for one Poisson's ratio, and their `Basis.index`."""
         needed = set(self.names)
         if "hydrostatic" in needed:
             needed.update(("xx", "yy", "zz"))
         every = not needed.isdisjoint(MEASURES)
         fixed = self.ratios[0] if len(self.ratios) == 1 else None
         fields: list[BasisField] = []
-        place = np.full(len(BASIS), -1)
+        indices = np.full(len(BASIS), -1)
         for entry, (name, part) in enumerate(BASIS):
             if not (every or name in needed):
                 continue
             if part == "slope" and fixed is not None:
-                place[entry] = place[COMPONENTS.index(name)]
+                indices[entry] = indices[COMPONENTS.index(name)]
             elif not (every and (name, part) == ("yy", "slope")):
                 slope = float(part == "slope") if fixed is None else fixed
-                place[entry] = len(fields)
+                indices[entry] = len(fields)
                 fields.append(BasisField(name, float(part == "constant"), slope))
-        return fields, place
+        return fields, indices
 
 
 class _Memory:

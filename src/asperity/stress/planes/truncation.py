@@ -69,8 +69,8 @@ class Truncation:
     envelope : callable
         Depth → the constant K.
     aliases : float
-        Number of short waves of comparable size that the nodes of a plane take for one long wave, at most;
-        0 where the modes of the plane are transformed.
+        Largest number of short waves of comparable amplitude that are aliased to one long wave on the nodes
+        of a plane; 0 where planes are transformed from their modes.
     sliding : (ny, nx // 2 + 1) complex array, optional
         Coefficients of the part of the pressure that causes the shear traction; by default all of it.
     """
