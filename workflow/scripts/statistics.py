@@ -35,5 +35,7 @@ with job(snakemake):
     dataset.write(statistics, output.statistics, f"Statistics of rough surface {name}", settings)
     checked = verification_table(name, {**checks, "all seeds": verify_statistics(statistics)})
     write_table(checked, "verification", output.checks)
-    page = markup.page(f"Verification of {name}", {"": checked.drop(columns="surface")})
+    tables = {"Laws": markup.html_table(checked.drop(columns="surface"))}
+    title = f"Verification of {name}"
+    page = markup.rendered("asperity.core", "base.html.j2", title=title, tables=tables)
     write_text(output.page, page)

@@ -18,4 +18,7 @@ with job(snakemake) as progress:
     shown = for_reader(table)
     write_text(output.table, f"{markup.markdown(shown)}\n")
     write_table(table, "validation", output.numbers)
-    write_text(output.page, markup.page("Validation", {"": shown}))
+    tables = {"Comparisons": markup.html_table(shown)}
+    write_text(
+        output.page, markup.rendered("asperity.core", "base.html.j2", title="Validation", tables=tables)
+    )
