@@ -48,8 +48,8 @@ def test_tables_of_an_answer_are_described(tmp_path):
 
 
 def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
-    pytest.importorskip("openpyxl")
-    rows = [("contact", "mean gap", 1.2e-7, "m", np.nan), ("contact", "largest pressure", 2e9, "Pa", 1e8)]
+    openpyxl = pytest.importorskip("openpyxl")
+    rows = [("contact", "mean gap", 1.2e-7, "m", np.nan), ("contact", "largest pressure", 2e9, "Pa", np.inf)]
     answer = pd.DataFrame(rows, columns=["group", "name", "value", "unit", "error"])
     peaks = pd.DataFrame({"quantity": ["von_mises"], "value_Pa": [3e9], "depth_m": [2e-6]})
     write_workbook({"answer": answer, "peaks": peaks}, tmp_path / "a.xlsx")
@@ -58,6 +58,8 @@ def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
     assert found["answer"]["unit"].tolist() == ["µm", "MPa"]
     assert found["peaks"].iloc[0].tolist() == ["von_mises", 3000.0, 2.0]
     assert [*found["peaks"]] == ["quantity", "value_MPa", "depth_µm"]
+    errors = [*openpyxl.load_workbook(tmp_path / "a.xlsx")["answer"]["E"]][1:]
+    assert [(cell.value, cell.data_type) for cell in errors] == [(None, "n"), ("inf", "s")]
 
 
 def test_costs_add_up_and_keep_the_largest_memory(costs):

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import scipy  # whose parts are loaded when they are first used
 import xarray as xr
-from scipy.optimize import brentq
 
 from asperity.contact import Contact
 from asperity.core.types import Array
@@ -169,4 +169,6 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
             known[logarithm] = math.log(stress_under(math.exp(logarithm)) / limit)
         return known[logarithm]
 
-    return math.exp(brentq(excess, float(ends[0]), float(ends[1]), xtol=YIELD_LOAD_ERROR, rtol=1e-12))
+    return math.exp(
+        scipy.optimize.brentq(excess, float(ends[0]), float(ends[1]), xtol=YIELD_LOAD_ERROR, rtol=1e-12)
+    )

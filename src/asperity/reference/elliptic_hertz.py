@@ -33,8 +33,8 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
+import scipy  # whose parts are loaded when they are first used
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ellipk, elliprd
 
 from asperity.core.arguments import require_positive
@@ -121,7 +121,7 @@ class EllipticHertz:
                 f"curvature_radius_x = {curvature_radius_x!r}: "
                 f"{wanted:.3g} times curvature_radius_y is too much for b/a ≥ {SMALLEST_AXIS_RATIO:g}"
             )
-        ratio = float(np.exp(brentq(excess, lowest, 0.0, xtol=1e-15)))
+        ratio = float(np.exp(scipy.optimize.brentq(excess, lowest, 0.0, xtol=1e-15)))
         # p0 of `curvature_radii` inserted into F = 2/3 π a b p0.
         integral, _ = _curvature_integrals(ratio)
         semi_major = float(np.cbrt(3 * load * curvature_radius_x * integral / (np.pi * effective_modulus)))
@@ -207,7 +207,7 @@ class EllipticHertz:
 
         depths = np.linspace(0.0, 2 * self.semi_minor, DEPTH_SAMPLES + 1)
         at = int(measure(depths).argmax())
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             lambda depth: -float(measure(depth)),
             bounds=(depths[max(at - 1, 0)], depths[min(at + 1, DEPTH_SAMPLES)]),
             method="bounded",

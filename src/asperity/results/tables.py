@@ -7,6 +7,7 @@ all of them; `docs/tables.md` shows it. For a reader a table is made into Markdo
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from importlib.util import find_spec
@@ -94,22 +95,28 @@ def write_workbook(tables: Mapping[str, pd.DataFrame], path: str | os.PathLike[s
     """
     if find_spec("openpyxl") is None:
         return
-    import pandas as pd
+    from openpyxl import Workbook
 
-    with pd.ExcelWriter(path, engine="openpyxl") as book:
-        for name, frame in tables.items():
-            shown = frame.copy()
-            for column in shown.select_dtypes("number"):
-                if "unit" in shown:
-                    factors = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[1])
-                    shown[column] = shown[column] / factors
-                elif (end := str(column).rpartition("_")[2]) in SHEET_COLUMNS:
-                    unit, factor = SHEET_UNITS[SHEET_COLUMNS[end]]
-                    shown[column] = shown[column] / factor
-                    shown = shown.rename(columns={column: f"{str(column).removesuffix(end)}{unit}"})
+    book = Workbook(write_only=True)  # takes half the time of pandas' `to_excel`
+    for name, frame in tables.items():
+        shown = frame.copy()
+        for column in shown.select_dtypes("number"):
             if "unit" in shown:
-                shown["unit"] = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[0])
-            shown.to_excel(book, sheet_name=name, index=False)
+                factors = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[1])
+                shown[column] = shown[column] / factors
+            elif (end := str(column).rpartition("_")[2]) in SHEET_COLUMNS:
+                unit, factor = SHEET_UNITS[SHEET_COLUMNS[end]]
+                shown[column] = shown[column] / factor
+                shown = shown.rename(columns={column: f"{str(column).removesuffix(end)}{unit}"})
+        if "unit" in shown:
+            shown["unit"] = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[0])
+        sheet = book.create_sheet(name)
+        sheet.append(list(shown))
+        # A cell holds no infinity, and nothing where a value is missing.
+        cells = shown.astype(object).replace({math.inf: "inf", -math.inf: "-inf"})
+        for row in cells.where(shown.notna(), None).itertuples(index=False):
+            sheet.append(row)
+    book.save(path)
 
 
 def check_columns(frame: pd.DataFrame, table: str) -> None:

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import scipy  # whose parts are loaded when they are first used
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import map_coordinates
 
 from asperity.core.arguments import magnitude
 from asperity.core.types import Array
@@ -180,10 +179,13 @@ class HertzContact:
         depths = self.narrow * DEPTHS
         planes = stress_planes(solid, depths, fields=COMPONENTS, tolerance=0, **sliding)  # type: ignore
         table = [
-            [map_coordinates(plane.fields[name][0], places, order=3, mode="nearest") for name in COMPONENTS]
+            [
+                scipy.ndimage.map_coordinates(plane.fields[name][0], places, order=3, mode="nearest")
+                for name in COMPONENTS
+            ]
             for plane in planes
         ]
-        spline = CubicSpline(depths, np.moveaxis(np.array(table), 1, 2))
+        spline = scipy.interpolate.CubicSpline(depths, np.moveaxis(np.array(table), 1, 2))
         return lambda depth: spline(min(depth, depths[-1]))
 
     def background(

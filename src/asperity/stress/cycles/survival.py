@@ -14,8 +14,8 @@ The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 +
 from __future__ import annotations
 
 import numpy as np
+import scipy  # whose parts are loaded when they are first used
 import xarray as xr
-from scipy.optimize import brentq
 from scipy.special import gammaln
 
 from asperity.core.arguments import magnitude, number
@@ -41,7 +41,7 @@ def weibull_exponent(scatter: float) -> float:
         inverse = np.exp(-logarithm)
         return float(np.expm1(gammaln(1 + 2 * inverse) - 2 * gammaln(1 + inverse)) - scatter**2)
 
-    return float(np.exp(brentq(excess, -0.1, 6.0, xtol=1e-14)))
+    return float(np.exp(scipy.optimize.brentq(excess, -0.1, 6.0, xtol=1e-14)))
 
 
 def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:

@@ -3,7 +3,7 @@
 from functools import partial
 
 import numpy as np
-from scipy.fft import dctn, idctn
+import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, resample
@@ -239,7 +239,7 @@ def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | 
     Points are the centres of pixels on both grids. The series is the Fourier series of the map continued by
     its mirror images, so no step at an edge is smoothed into the map.
     """
-    coefficients = dctn(height, norm="ortho")
+    coefficients = scipy.fft.dctn(height, norm="ortho")
     if shortest is not None:
         half = [np.pi * np.arange(n) / edge for n, edge in zip(grid.shape, grid.length, strict=True)]
         coefficients[np.hypot(half[0][:, None], half[1][None, :]) > 2 * np.pi / shortest * (1 + 1e-9)] = 0.0
@@ -247,7 +247,7 @@ def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | 
     kept = np.zeros(target.shape)
     rows, columns = (min(a, b) for a, b in zip(grid.shape, target.shape, strict=True))
     kept[:rows, :columns] = coefficients[:rows, :columns]
-    return idctn(kept, norm="ortho") * np.sqrt(kept.size / height.size)
+    return scipy.fft.idctn(kept, norm="ortho") * np.sqrt(kept.size / height.size)
 
 
 def level_lines(height: Array, how: str) -> tuple[Array, Array]:
@@ -288,7 +288,7 @@ def gaussian_filter(
     an L-filter transmits ``1 - 2^-(λ_l/λ)²`` (ISO 16610-61). A map with edges is continued by its mirror
     images.
     """
-    forward = Fourier(grid).forward if periodic else partial(dctn, norm="ortho")
+    forward = Fourier(grid).forward if periodic else partial(scipy.fft.dctn, norm="ortho")
     steps = [np.arange(n) / (2 * edge) for n, edge in zip(grid.shape, grid.length, strict=True)]
     waves = grid.wavenumber() / (2 * np.pi) if periodic else np.hypot(steps[0][:, None], steps[1][None, :])
     coefficients = forward(height)
@@ -297,5 +297,7 @@ def gaussian_filter(
     if l_filter is not None:
         coefficients *= -np.expm1(-np.log(2) * np.square(l_filter * waves))
     return (
-        Fourier(grid).inverse(coefficients, overwrite=True) if periodic else idctn(coefficients, norm="ortho")
+        Fourier(grid).inverse(coefficients, overwrite=True)
+        if periodic
+        else scipy.fft.idctn(coefficients, norm="ortho")
     )
