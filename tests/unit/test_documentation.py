@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import re
 import runpy
+import shutil
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -51,6 +52,7 @@ def test_docstring_example_runs(module, name):
 @pytest.mark.parametrize("block", BLOCKS.values(), ids=BLOCKS)
 def test_page_example_runs(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    shutil.copy(ROOT / "tests/data/steel.x3p", tmp_path)
     names: dict = {}
     exec(block, names)
     names["contact"].certificate.check(1e-4)

@@ -21,6 +21,16 @@ def test_manifest_holds_every_result(quick_study):
     assert listed == {name for name in made if not name.startswith(("log", "benchmark", "SHA256SUMS"))}
 
 
+def test_own_figure_is_drawn_from_results(quick_study, tmp_path, monkeypatch):
+    (tmp_path / "results").symlink_to(quick_study.folder / "results", target_is_directory=True)
+    monkeypatch.chdir(tmp_path)
+    for block in re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs/own_figure.md").read_text("utf-8"), re.DOTALL
+    ):
+        exec(block, {})
+    assert {path.name for path in tmp_path.glob("*.png")} == {"von_mises_peaks.png", "pressure.png"}
+
+
 @pytest.mark.parametrize(
     ("file", "rerun"),
     [

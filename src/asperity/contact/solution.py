@@ -110,7 +110,7 @@ class Contact:
             f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}"
             f"{missed if self.control_error > SHOWN_ERROR else ''}, "
             f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.max_pressure:.4g}, "
-            f"approach {self.approach:.4g}>"
+            f"approach {self.approach:.4g}; plot(), section(), to_dataset()>"
         )
 
     def _repr_html_(self) -> str:
@@ -128,6 +128,7 @@ class Contact:
             ("approach", f"{self.approach:.4g}"),
             *([("plastic", f"{100 * self.plastic_area:.4g} %")] if math.isfinite(self.hardness) else []),
             ("largest violation", f"{self.certificate.worst:.2g}"),
+            ("pictures, files", "plot(), section(), to_dataset()"),
         ]
         return table("Contact", rows, picture(self.pressure, "contact pressure"))
 
