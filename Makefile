@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm peers report crate docs replication bench tradeoff lock clean
+.PHONY: help study quick metadata address theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm peers report crate docs replication bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -90,6 +90,12 @@ peers-tests: $(VENV)/ready
 report: study ## Write the study as one page, report.html, and how each file was made, provenance.html; CONFIG=, RESULTS= as for study
 	snakemake --cores 1 report_page $(STUDY)
 	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/provenance.html"
+
+metadata: $(VENV)/ready ## Write what is made from pyproject.toml and the schema of the settings: environment, schema and README of the workflow
+	python workflow/metadata.py
+
+address: $(VENV)/ready ## Write the address of the repository into all files that name it: make address URL=https://…
+	python workflow/metadata.py --address "$(or $(URL),$(error URL=https://… is needed))"
 
 crate: study ## Describe the results of the study as an RO-Crate, ro-crate-metadata.json among them; CONFIG=, RESULTS= as for study
 	python workflow/crate.py "$(FOLDER)" $(if $(CONFIG),--configfile $(CONFIG))

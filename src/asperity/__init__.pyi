@@ -20,8 +20,8 @@ from .engineering.run import run as run
 from .engineering.sample import pooled as pooled
 from .fourier import fft_engine as fft_engine
 from .fourier.grid import Grid as Grid
-from .results import read_result as read_result
-from .results import write_result as write_result
+from .results.dataset import read_result as read_result
+from .results.dataset import write_result as write_result
 from .stress.analysis import analyse_stress as analyse_stress
 from .stress.cycles.hertz_contact import HertzContact as HertzContact
 from .stress.cycles.stress_cycles import stress_cycles as stress_cycles

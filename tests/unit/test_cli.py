@@ -71,7 +71,7 @@ def test_help_does_not_wait_for_libraries(code, library):
     ],
 )
 def test_a_missing_package_is_one_line(tmp_path, name, command, program):
-    path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
+    path = os.pathsep.join([str(hide(tmp_path / "dark", name)), str(ROOT / "src")])
     command, environment = [sys.executable, "-m", *command.split()], os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert (found.returncode, found.stdout, found.stderr) == (1, "", f"{program}: {message([name])}\n")

@@ -3,7 +3,9 @@
 import base64
 import re
 from io import BytesIO
+from pathlib import Path
 
+import nbformat
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,6 +15,7 @@ import asperity as asp
 from asperity.core import markup
 from asperity.engineering import Body, run
 
+ROOT = Path(__file__).parents[2]
 LENGTH = (1.5e-4, 2e-4)
 HEIGHT = asp.self_affine((48, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=LENGTH)
 STEEL, SHEET = asp.Layer(210e9, 0.3), asp.Layer(110e9, 0.34, height=1e-3, bottom="free", lateral="free")
@@ -53,6 +56,22 @@ def test_representation_is_a_line_and_a_small_table(objects):
 def test_representation_of_a_solid_makes_it_again():
     for solid in (SHEET, asp.TwoBodies(STEEL, SHEET)):
         assert eval(repr(solid), {"Layer": asp.Layer, "TwoBodies": asp.TwoBodies}) == solid
+
+
+def test_contact_names_what_shows_it(contact):
+    for shown in (repr(contact), contact._repr_html_()):
+        assert "plot(), section(), to_dataset()" in shown
+
+
+def test_notebook_runs(tmp_path):
+    """In a kernel of its own, its first cell as on Binder, where asperity is installed."""
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    notebook = nbformat.read(ROOT / "examples/try_asperity.ipynb", as_version=4)
+    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3").execute(cwd=tmp_path)
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert sum("image/png" in output.get("data", ()) for output in outputs) == 3
+    assert any("Contact of 256" in output.get("data", {}).get("text/plain", "") for output in outputs)
 
 
 def test_names_are_escaped_and_pictures_optional(objects, monkeypatch):

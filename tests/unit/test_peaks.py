@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from samples import refuses
 
-from asperity.fourier.grid import Grid, good_size
+from asperity.core.sizes import good_size
+from asperity.fourier.grid import Grid
 from asperity.stress.peaks.finder import find_peaks, plane_peaks
 from asperity.stress.peaks.maxima import refine_in_plane, refine_in_solid
 from asperity.stress.planes.planes import StressPlane

@@ -33,14 +33,14 @@ HIDE = """
 from importlib.machinery import PathFinder
 
 found = PathFinder.find_spec
-PathFinder.find_spec = lambda name, *rest: None if name == "{name}" else found(name, *rest)
+PathFinder.find_spec = lambda name, *rest: None if name in {names} else found(name, *rest)
 """
 
 
-def hide(name, folder):
-    """Make a folder that hides a package from every process that has the folder first on PYTHONPATH."""
+def hide(folder, *names):
+    """Make a folder that hides packages from every process that has the folder first on PYTHONPATH."""
     folder.mkdir()
-    (folder / "sitecustomize.py").write_text(HIDE.format(name=name))
+    (folder / "sitecustomize.py").write_text(HIDE.format(names=names))
     return folder
 
 

@@ -1,9 +1,17 @@
 """A killed study loses no finished result, and continues with the same command."""
 
-import numpy as np
-from project import OWN
+import runpy
+from contextlib import nullcontext
+from dataclasses import asdict
+from types import SimpleNamespace
 
+import numpy as np
+import pytest
+from project import OWN, ROOT
+
+from asperity.paper import figures
 from asperity.results import dataset
+from asperity.study import job
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.stress import stress_of_seed
@@ -24,3 +32,43 @@ def test_killed_study_continues_without_loss(killed_study, own_study, monkeypatc
         assert set(written.variables) >= set(expected.variables), stage
         for name in expected.variables:
             np.testing.assert_array_equal(written[name], expected[name], f"{stage}: {name}")
+
+
+def test_figures_that_a_killed_job_has_drawn_are_kept(own_study, tmp_path, monkeypatch):
+    """Killed at the second of two, and with a label that the report of Snakemake would take for a command."""
+    monkeypatch.chdir(own_study.folder)
+    config, names = read_study(OWN[1:]), ("peaks_pair", "decay_pair")
+    results = {name: str(own_study.results / f"statistics/{name}.nc") for name in ("fine", "fault")}
+    described = {name: figures.figures_of(config)[name] for name in names}
+    labels, drawn, draw = {"fine": "{{1 + 1}}", "fault": "fault"}, [], figures.draw
+
+    def killed_at_the_second(figure, _):
+        drawn.append(figure.name)
+        if len(drawn) == 2:
+            raise KeyboardInterrupt
+        return draw(figure, _)
+
+    monkeypatch.setattr(figures, "draw", killed_at_the_second)
+    monkeypatch.setattr(job, "job", lambda _: nullcontext(lambda *_: None))
+    entries = {
+        name: {"description": asdict(figure), "labels": labels, "results": {"statistics": results}}
+        for name, figure in described.items()
+    }
+    output = {
+        key: [str(tmp_path / f"{name}{suffix}") for name in names]
+        for key, suffix in {"png": ".png", "pdf": ".pdf", "caption": ".rst"}.items()
+    }
+    given = SimpleNamespace(
+        input=[*results.values()],
+        params=SimpleNamespace(figures=entries, drawn=str(tmp_path / "drawn")),
+        output=SimpleNamespace(**output),
+    )
+    script, given = str(ROOT / "workflow/scripts/figures.py"), {"snakemake": given}
+    with pytest.raises(KeyboardInterrupt):
+        runpy.run_path(script, given)
+    assert not list(tmp_path.glob("*.png"))
+    runpy.run_path(script, given)
+    assert drawn == ["peaks_pair", "decay_pair", "decay_pair"]
+    assert {path.stem for path in tmp_path.glob("*.pdf")} == {*names}
+    assert r"{\ {1 + 1}}" in (tmp_path / "peaks_pair.rst").read_text(encoding="utf-8")
+    assert not (tmp_path / "drawn").exists()

@@ -1,14 +1,18 @@
 """A study of a user's own makes what its configuration asks for, and nothing of the paper's."""
 
+import os
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import yaml
-from project import OWN, ROOT, copy_project, snakemake
+from project import OWN, ROOT, copy_project, hide, snakemake
 
 from asperity.core.errors import ConfigError
+from asperity.core.packages import NEEDED
 from asperity.study.config.schema import contact_of, imposed_load
 from asperity.study.config.study import read_study
 
@@ -32,12 +36,19 @@ def project(tmp_path_factory):
 
 
 def jobs(folder, *options):
-    """Rule, first output and inputs of every job in a dry run."""
+    """Rule, outputs and inputs of every job in a dry run."""
     found = snakemake(folder, "--dry-run", *options)
     assert found.returncode == 0, found.stdout + found.stderr
     text = found.stdout + found.stderr
-    pattern = r"^(?:local)?rule (\w+):\n(?:    input: (.*)\n)?(?:    output: ([^,\n]*).*\n)?"
-    return [(rule, output, inputs.split(", ")) for rule, inputs, output in re.findall(pattern, text, re.M)]
+    pattern = r"^(?:local)?rule (\w+):\n(?:    input: (.*)\n)?(?:    output: (.*)\n)?"
+    found = re.findall(pattern, text, re.M)
+    return [(rule, outputs.split(", "), inputs.split(", ")) for rule, inputs, outputs in found]
+
+
+def drawn(jobs):
+    """Names of the pictures that jobs draw."""
+    outputs = [Path(file) for rule, files, _ in jobs if rule.startswith("figures_") for file in files]
+    return {file.name for file in outputs if file.suffix == ".png"}
 
 
 def config_in(folder, name, config):
@@ -52,9 +63,8 @@ def test_two_surfaces_make_their_own_jobs(project):
     found = jobs(project, *config_in(project, "mine.yaml", config))
     expected = {f"{name}_{study}.png" for name in OWN_FIGURES for study in ("both", "one")}
     expected |= {"fig12.png", *(f"{name}_one.png" for name in RATIO_FIGURES)}
-    assert all(output.startswith("results/mine/") for rule, output, _ in found if rule != "study")
-    figures = {output.rsplit("/", 1)[-1] for rule, output, _ in found if rule == "figure"}
-    assert figures == expected
+    assert all(outputs[0].startswith("results/mine/") for rule, outputs, _ in found if rule != "study")
+    assert drawn(found) == expected
 
 
 def test_measured_maps_are_read_before_the_first_job(project):
@@ -76,11 +86,11 @@ def test_claims_are_not_about_surfaces_of_the_user(project):
         "studies": {"hurst": ["a", "b"], "skewness": [], "kurtosis": [], "moments": [], "measured": []},
     }
     found = jobs(project, *config_in(project, "mixed.yaml", config))
-    assert all(output.startswith("results/mixed/") for rule, output, _ in found if rule != "study")
+    assert all(outputs[0].startswith("results/mixed/") for rule, outputs, _ in found if rule != "study")
     (inputs,) = (inputs for rule, _, inputs in found if rule == "claims")
     read = {name.rsplit("/", 1)[-1] for name in inputs if "/statistics/" in name}
     assert read == {"hurst_08.nc"}  # of study compressibility
-    figures = {output.rsplit("/", 1)[-1] for rule, output, _ in found if rule == "figure"}
+    figures = drawn(found)
     assert {"fig06.png", "fig13.png"} <= figures
     assert not figures & {"fig16.png", "fig17.png", "fig18.png"}
 
@@ -128,8 +138,8 @@ def test_list_of_loads_presses_every_surface(project):
     assert loads == [0.02, 0.1, 0.02, 0.1]
     assert study["contact"]["path_area_fractions"] == [0.02, 0.1]
     found = jobs(project, "--configfile", "loads.yaml")
-    made = {output for rule, output, _ in found if rule == "contact"}
-    again = {output: inputs for rule, output, inputs in found if rule == "contact_again"}
+    made = {outputs[0] for rule, outputs, _ in found if rule == "contact"}
+    again = {outputs[0]: inputs for rule, outputs, inputs in found if rule == "contact_again"}
     first = [f"results/loads/surface/{name}_load1/seed{seed}.nc" for name in "ab" for seed in study["seeds"]]
     assert made == {*first}  # each surface is made once, and pressed again from its file
     assert {file for inputs in again.values() for file in inputs} == made
@@ -175,7 +185,7 @@ def test_a_new_label_redraws_figures_and_computes_nothing(own_study):
     overlay = {"surfaces": {"fine": {"label": "ground"}}}
     options = (*OWN, config_in(own_study.folder, "label.yaml", overlay)[1])
     found = jobs(own_study.folder, *options, "--config", f"results={own_study.results}")
-    assert {rule for rule, _, _ in found} == {"figure", "study"}
+    assert {rule for rule, _, _ in found} == {"figures_pair", "study"}
 
 
 def test_the_study_has_a_report(own_study):
@@ -186,3 +196,41 @@ def test_the_study_has_a_report(own_study):
     text = path.read_text(encoding="utf-8")
     assert "peaks_pair.png" in text
     assert "Figures of the paper" not in text
+
+
+# No library outside the project, and no plug-in of Snakemake, which would need pandas.
+ALONE = f"""
+import pkgutil, sys
+
+sys.path = [path for path in sys.path if path != {str(ROOT / "src")!r}]
+listed = pkgutil.iter_modules
+pkgutil.iter_modules = lambda *given: [one for one in listed(*given) if "slurm" not in one.name]
+"""
+
+
+def test_snakemake_alone_plans_the_study(project, tmp_path):
+    """Without the library and the packages that Snakemake does not bring; a job needs them."""
+    brought = ("docutils", "jinja2", "jsonschema", "psutil", "snakemake", "yaml")
+    dark = hide(
+        tmp_path / "dark",
+        *(name for name in (*NEEDED, "snakemake_executor_plugin_slurm") if name not in brought),
+    )
+    with open(dark / "sitecustomize.py", "a", encoding="utf-8") as file:
+        file.write(ALONE)
+
+    def alone(*options):
+        command = [sys.executable, "-m", "snakemake", *options]
+        given = os.environ | {"PYTHONPATH": str(dark)}
+        found = subprocess.run(command, cwd=project, env=given, capture_output=True, text=True)
+        return found.returncode, found.stdout + found.stderr
+
+    assert alone("--lint")[0] == 0
+    code, said = alone("--profile", "profiles/slurm", "--dry-run")
+    assert (code, said.splitlines()[-1].split("; ")[-1]) == (1, 'install with: pip install "asperity[slurm]"')
+    code, said = alone("--dry-run", "--configfile", "config/quick.yaml")
+    assert (code, "figures_hurst" in said) == (0, True), said
+    code, said = alone("--cores", "1", "--configfile", "config/quick.yaml")
+    last = said.splitlines()[-1]
+    assert code == 1
+    assert last.startswith("study: not installed: lazy-loader, ")
+    assert last.endswith(f'install with: pip install "{project}[study]"')

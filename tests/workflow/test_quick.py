@@ -6,11 +6,12 @@ drift check.
 
 import re
 import runpy
+import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from project import QUICK, ROOT, copy_project, snakemake
-
-import asperity
+from project import QUICK, ROOT, copy_project, run, snakemake
 
 
 def test_manifest_holds_every_result(quick_study):
@@ -31,15 +32,21 @@ def test_own_figure_is_drawn_from_results(quick_study, tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.glob("*.png")} == {"von_mises_peaks.png", "pressure.png"}
 
 
+STUDIES = ("validation", "hurst", "measured", "compressibility", "skewness_kurtosis", "kurtosis")
+ALL_FIGURES = {f"figures_{studies}" for studies in STUDIES}
+
+
 @pytest.mark.parametrize(
     ("file", "rerun"),
     [
         ("cli/commands.yaml", set()),
-        ("views/style.mplstyle", {"figure", "claims"}),
-        ("results/variables.yaml", {"contact", "stress", "statistics", "validation", "figure", "claims"}),
+        ("engineering/report.html.j2", set()),
+        ("paper/figures/hertz.py", {"figures_validation"}),
+        ("views/style.mplstyle", {"claims"} | ALL_FIGURES),
+        ("results/variables.yaml", {"contact", "stress", "statistics", "validation", "claims"} | ALL_FIGURES),
     ],
 )
-def test_changed_file_reruns_what_computes_or_draws(quick_study, file, rerun):
+def test_changed_file_reruns_the_jobs_that_use_it(quick_study, file, rerun):
     path = quick_study.folder / "src/asperity" / file
     text = path.read_bytes()
     path.write_bytes(text + b"\n")
@@ -51,23 +58,28 @@ def test_changed_file_reruns_what_computes_or_draws(quick_study, file, rerun):
     assert ("Nothing to be done" in said) == (not rerun)
 
 
-def test_every_file_counts_where_it_is_used(tmp_path, monkeypatch):
-    """A new file in a folder changes the hash of what computes, or of what draws."""
-    monkeypatch.setattr(asperity, "__file__", str(tmp_path / "__init__.py"))
+IMPORTED = """
+import ast, pathlib, sys
+for node in ast.parse(pathlib.Path(sys.argv[1]).read_text()).body:
+    if isinstance(node, (ast.Import, ast.ImportFrom)):
+        exec(ast.unparse(node))
+names = {name for name in sys.modules if name.startswith("asperity.")}
+print(*(sys.modules[name].__file__ for name in names))
+"""
 
-    def hashes():
-        found = runpy.run_path(str(ROOT / "workflow/rules/code.smk"), {"config": {"fft_engine": "numpy"}})
-        return found["COMPUTING"], found["DRAWING"]
 
-    before = hashes()
-    rooms = {path.name for path in (ROOT / "src/asperity").iterdir() if path.is_dir()} - {"__pycache__"}
-    drawing, neither = {"views", "paper"}, {"cli"}
-    for room in rooms:
-        (tmp_path / room / "inner").mkdir(parents=True)
-        (tmp_path / room / "inner/new.py").write_text(room)
-        changed = [now != then for now, then in zip(hashes(), before, strict=True)]
-        assert changed == [room not in drawing | neither, room in drawing], room
-        before = hashes()
+@pytest.mark.parametrize("name", ["contact.py", "claims.py"])
+def test_all_that_a_script_imports_is_hashed(name):
+    """Python itself says which modules those are."""
+    folder = SimpleNamespace(get_path_or_uri=lambda **_: str(ROOT / "workflow/rules"))
+    given = {"config": {"fft_engine": "ducc0"}, "workflow": SimpleNamespace(current_basedir=folder)}
+    rules = runpy.run_path(str(ROOT / "workflow/rules/code.smk"), given)
+    path = ROOT / "workflow/scripts" / name
+    imported = {Path(file) for file in run(ROOT, sys.executable, "-c", IMPORTED, str(path)).stdout.split()}
+    hashed = {file for file in rules["files_of"](name) if isinstance(file, Path)}
+    assert imported
+    assert imported <= hashed
+    assert not {"engineering", "cli"} & {part for file in hashed for part in file.parts}
 
 
 def test_wrong_configuration_ends_before_any_job(tmp_path):

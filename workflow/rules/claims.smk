@@ -40,7 +40,7 @@ rule claims:
     resources:
         **needs("claims"),
     params:
-        code=DRAWING,
+        code=code_of("claims.py"),
         roles=ROLES_OF_DELTA,
         interpretations=INTERPRETATIONS,
     script:

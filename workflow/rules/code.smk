@@ -1,27 +1,88 @@
-# Two hashes of the library's code, parameters of the rules: another hash reruns all that computes, or all that draws.
+# Hash of the code that jobs run, which is a parameter of their rules. Another hash reruns the jobs.
+import ast
 import hashlib
 import re
-from importlib.metadata import version
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import asperity
+from asperity.core.packages import NAMES
 
 LIBRARY = Path(asperity.__file__).parent
+SCRIPTS = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "scripts"
+# Files that modules read; a module that reads one names it.
+DATA = {
+    path.name: path for path in LIBRARY.rglob("*") if path.suffix in (".csv", ".j2", ".mplstyle", ".yaml")
+}
+# Packages whose version may change a number.
+WATCHED = ("numpy", "scipy", "numba", "SurfaceTopography", "mpmath", "skfem")
 
 
-def code_hash(rooms, packages):
-    """Hash of every file in these folders of the library, and of the versions of these packages."""
-    files = (file for room in rooms for file in sorted((LIBRARY / room).rglob("*")))
-    contents = [file.read_bytes() for file in files if file.is_file() and file.parent.name != "__pycache__"]
-    versions = " ".join(f"{name} {version(name)}" for name in packages)
-    return hashlib.sha256(b"".join([*contents, versions.encode()])).hexdigest()[:16]
+def imported(statements):
+    """Names of modules that statements import, also inside functions, but for types."""
+    for node in statements:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif not (isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"):
+            for inner in ("body", "orelse", "handlers", "finalbody"):
+                yield from imported(getattr(node, inner, ()))
 
 
-COMPUTING = code_hash(
-    "core fourier reference surface elasticity results contact stress engineering study".split(),
-    ["numpy", "scipy", "numba", config["fft_engine"], "netCDF4", "SurfaceTopography", "mpmath", "scikit-fem"],
-)
-DRAWING = code_hash(["views", "paper"], ["matplotlib"])
+@cache
+def used_by(path):
+    """Files of the library, and watched packages, that a file of code imports or names."""
+    if path.suffix != ".py":
+        return set()
+    text = path.read_text(encoding="utf-8")
+    words = set(re.findall(r'"([\w.]+)', text))
+    found = {file for name, file in DATA.items() if name in words}
+    found |= {name for name in WATCHED if any(word.startswith(f"{name}.") for word in words)}
+    for name in imported(ast.parse(text).body):
+        package, *parts = name.split(".")
+        if package in WATCHED:
+            found.add(package)
+        elif package == "asperity":
+            places = [LIBRARY.joinpath(*parts[: depth + 1]) for depth in range(len(parts))]
+            files = [each for place in places for each in (place / "__init__.py", place.with_suffix(".py"))]
+            found.update(file for file in files if file.is_file())
+    return found
+
+
+def files_of(script, *modules):
+    """All files and watched packages that a script of the workflow uses, with modules imported by their names."""
+    used, new = set(), {SCRIPTS / script, *(LIBRARY / module for module in modules)}
+    while new:
+        used |= new
+        new = {each for path in new if isinstance(path, Path) for each in used_by(path)} - used
+    return used
+
+
+@cache
+def code_of(script, *modules):
+    """Hash of what a script of the workflow uses."""
+    used = files_of(script, *modules)
+    packages = {NAMES.get(each, each) for each in used if isinstance(each, str)}
+    if LIBRARY / "fourier/engine.py" in used:
+        packages.add(config["fft_engine"])
+    if LIBRARY / "views/style.py" in used:
+        packages.add("matplotlib")
+    digest = hashlib.sha256()
+    for file in sorted(each for each in used if isinstance(each, Path)):
+        digest.update(file.read_bytes())
+    for name in sorted(packages):
+        try:
+            digest.update(f"{name} {version(name)}".encode())
+        except PackageNotFoundError:  # where the workflow is planned only
+            pass
+    return digest.hexdigest()[:16]
+
+
+def modules_of(figure):
+    """Modules that draw a figure, which are imported by their names."""
+    return [f"paper/figures/{module}.py" for module in ("cases", figure.drawing.split(".")[0])]
 
 
 def any_of(names):

@@ -1,38 +1,49 @@
 from dataclasses import asdict
 
+# One job draws the figures of the same studies one after the other: most of the time of a process is its start. What is
+# drawn when a job is killed stays in the folder of parameter `drawn`.
+for group, names in DRAWN_TOGETHER.items():
 
-rule figure:
-    input:
-        results=lambda wildcards: leaves(figure_results(wildcards.figure)),
-    output:
-        png=report(
-            f"{RESULTS}/figures/{{figure}}.png",
-            caption="../report/figure.rst",
-            category=lambda wildcards: FIGURES[wildcards.figure].category,
-            labels=figure_labels,
-        ),
-        pdf=f"{RESULTS}/figures/{{figure}}.pdf",
-        caption=f"{RESULTS}/figures/{{figure}}.rst",
-    log:
-        f"{RESULTS}/log/figure/{{figure}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/figure/{{figure}}.tsv"
-    wildcard_constraints:
-        figure=any_of(FIGURES),
-    conda:
-        "../envs/asperity.yaml"
-    resources:
-        **needs("figure"),
-    params:
-        code=DRAWING,
-        figure=lambda wildcards: asdict(FIGURES[wildcards.figure]),
-        labels=surface_labels,
-        results=lambda wildcards: figure_results(wildcards.figure),
-        caption=lambda wildcards, output: Path(output.caption),  # read when the report is made
-    script:
-        "../scripts/figure.py"
+    rule:
+        name:
+            f"figures_{group}"
+        input:
+            [leaves(figure_results(name)) for name in names],
+        output:
+            png=[
+                report(
+                    f"{RESULTS}/figures/{name}.png",
+                    caption=os.path.abspath(f"{RESULTS}/figures/{name}.rst"),
+                    category=FIGURES[name].category,
+                    labels=figure_labels(name),
+                )
+                for name in names
+            ],
+            pdf=expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=names),
+            caption=expand(f"{RESULTS}/figures/{{figure}}.rst", figure=names),
+        log:
+            f"{RESULTS}/log/figures/{group}.log",
+        benchmark:
+            f"{RESULTS}/benchmark/figures/{group}.tsv"
+        conda:
+            "../envs/asperity.yaml"
+        resources:
+            **needs(f"figures_{group}"),
+        params:
+            figures={
+                name: {
+                    "code": code_of("figures.py", *modules_of(FIGURES[name])),
+                    "description": asdict(FIGURES[name]),
+                    "labels": surface_labels(name),
+                    "results": figure_results(name),
+                }
+                for name in names
+            },
+            drawn=f"{RESULTS}/log/figures/{group}",
+        script:
+            "../scripts/figures.py"
 
 
 rule figures:
     input:
-        expand(rules.figure.output, figure=FIGURES),
+        expand(f"{RESULTS}/figures/{{figure}}{{suffix}}", figure=FIGURES, suffix=[".png", ".pdf", ".rst"]),

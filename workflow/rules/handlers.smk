@@ -1,9 +1,12 @@
 # Before the run: checks, and an announcement of what it takes. After it: the manifest, and where the results are.
+import shutil
 import subprocess
 
 from snakemake.logging import logger
+from snakemake.settings.types import DeploymentMethod
 
 from asperity.core.errors import PreflightError
+from asperity.core.packages import NEEDED, absent, message
 from asperity.study.run import require_memory, require_space, write_manifest
 
 
@@ -31,8 +34,15 @@ def outputs_of_run():
 onstart:
     from asperity.study.cost.model import announce
 
+    if workflow.executor_plugin.name == "slurm" and shutil.which("sbatch") is None:
+        sys.exit("study: sbatch: no such command; a login node of a SLURM cluster is needed")
+    # With --sdm conda the packages are in the environments of the jobs, and the checks that need them are left out.
+    if missing := absent([FFT_ENGINE, *NEEDED]):
+        if DeploymentMethod.CONDA not in workflow.deployment_settings.deployment_method:
+            sys.exit(f"study: {message(missing)}".replace("asperity[", f"{INSTALLED_FROM}["))
     jobs = [job for job in workflow.dag.needrun_jobs() if job.rule.name in SIZES]
-    require_maps(jobs)
+    if not missing:
+        require_maps(jobs)
     costs = {job.output[0]: cost_of(job.rule.name, job.wildcards) for job in jobs}
     try:
         Path(RESULTS).mkdir(parents=True, exist_ok=True)
@@ -41,10 +51,10 @@ onstart:
         require_space(RESULTS, sum(cost.disk for cost in costs.values()) / 1e6)
     except (PreflightError, OSError) as error:
         sys.exit(f"study: {error}")
-    if jobs:
+    if jobs and not missing:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
-    if workflow.local_exec and {"contact", "stress"} & {job.rule.name for job in jobs}:
+    if workflow.local_exec and not missing and {"contact", "stress"} & {job.rule.name for job in jobs}:
         subprocess.run([PYTHON, "-c", "from asperity.study.run import warm_up; warm_up()"], check=True)
 
 

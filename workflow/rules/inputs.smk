@@ -9,6 +9,11 @@ STUDIES = config["studies"]
 MAPS = maps_of(config)
 STUDIED = {name for names in STUDIES.values() for name in names}
 FIGURES = figures_of(config)
+# Groups of figures that one job draws: those of the same studies.
+DRAWN_TOGETHER = {
+    group: [name for name, figure in FIGURES.items() if "_".join(figure.studies or ["validation"]) == group]
+    for group in dict.fromkeys("_".join(figure.studies or ["validation"]) for figure in FIGURES.values())
+}
 WITH_LOAD_AREA = surfaces_with_load_area(config)
 WITH_RATIOS = surfaces_with_ratios(config)
 FFT_ENGINE = config["fft_engine"]
@@ -88,15 +93,15 @@ def leaves(tree):
     return [tree] if isinstance(tree, str) else [file for branch in tree.values() for file in leaves(branch)]
 
 
-def surface_labels(wildcards):
+def surface_labels(figure):
     """Labels of the surfaces that a figure shows: not in their results, so that a new label computes nothing anew."""
-    shown = {name for study in FIGURES[wildcards.figure].studies for name in STUDIES[study]}
+    shown = {name for study in FIGURES[figure].studies for name in STUDIES[study]}
     return {name: {**SURFACES, **MEASURED}[name]["label"] for name in sorted(shown)}
 
 
-def figure_labels(wildcards):
+def figure_labels(name):
     """Number or name of a figure and its studies, as the report lists them: sorted as text."""
-    figure = FIGURES[wildcards.figure]
+    figure = FIGURES[name]
     return {
         "figure": f"{figure.number:02d}" if figure.number else figure.name,
         "study": " and ".join(figure.studies) or "validation",

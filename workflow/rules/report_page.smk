@@ -13,7 +13,7 @@ rule report_page:
     resources:
         **needs("report_page"),
     params:
-        code=DRAWING,
+        code=code_of("report_page.py"),
         figures={name: asdict(figure) for name, figure in FIGURES.items()},
         study={name: config[name] for name in ("figures", "claims", "studies", "seeds")},
     script:

@@ -20,9 +20,9 @@ def loads(wildcards):
     return len({*settings.get("path_area_fractions", ()), area})
 
 
-def fields(wildcards):
+def fields(name):
     """Nodes of the fields that a figure holds: one of every surface and five of every contact that it shows."""
-    figure = FIGURES[wildcards.figure]
+    figure = FIGURES[name]
     names = [name for study in figure.studies for name in STUDIES[study]]
     return nodes(*names) * (("surface" in figure.stages) + 5 * ("contact" in figure.stages))
 
@@ -36,7 +36,10 @@ SIZES = {
         len(stress_settings(wildcards)["poisson"]) * (1 + len(laterals_of(wildcards))),
     ),
     "statistics": lambda wildcards: (nodes(wildcards.surface), len(seeds_of(wildcards.surface))),
-    "figure": lambda wildcards: (fields(wildcards), 1),
+    **{
+        f"figures_{group}": lambda wildcards, names=names: (max(map(fields, names)), len(names))
+        for group, names in DRAWN_TOGETHER.items()
+    },
     "validation": lambda wildcards: (0, 1),
     "claims": lambda wildcards: (0, 1),
     "report_page": lambda wildcards: (0, 1),
@@ -46,7 +49,7 @@ SIZES = {
 def cost_of(rule, wildcards):
     """Cost of a job of a rule."""
     size, repetitions = SIZES[rule](wildcards)
-    kind = rule.removesuffix("_again")
+    kind = "figure" if rule.startswith("figures_") else rule.removesuffix("_again")
     job = "load-area curve" if kind == "contact" and repetitions > 1 else kind
     return job_cost(job, size, repetitions, config["stress"]["depth_spacing"])
 

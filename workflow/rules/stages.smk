@@ -19,7 +19,7 @@ rule contact:
     resources:
         **needs("contact"),
     params:
-        code=COMPUTING,
+        code=code_of("contact.py"),
         surface=lambda wildcards: settings_of_surface(wildcards.surface),
         layer=config["layer"],
         contact=contact_settings,
@@ -53,7 +53,7 @@ rule stress:
     resources:
         **needs("stress"),
     params:
-        code=COMPUTING,
+        code=code_of("stress.py"),
         stress=stress_settings,
         laterals=laterals_of,
         quantities=OTHER_COMPONENTS,
@@ -85,7 +85,7 @@ rule statistics:
     resources:
         **needs("statistics"),
     params:
-        code=COMPUTING,
+        code=code_of("statistics.py"),
         statistics=config["statistics"],
         fft_engine=FFT_ENGINE,
     script:

@@ -19,7 +19,7 @@ rule validation:
     resources:
         **needs("validation"),
     params:
-        code=COMPUTING,
+        code=code_of("validation.py"),
         validation=config["validation"],
         fft_engine=FFT_ENGINE,
     script:

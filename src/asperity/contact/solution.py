@@ -195,7 +195,7 @@ class Contact:
         DatasetError
             If the file cannot be written.
         """
-        from asperity.results import write_result
+        from asperity.results.dataset import write_result
 
         write_result(self.to_dataset(unit_system), path, "Contact with a rough surface")
 

@@ -25,9 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.core.compiled import compiled
+from asperity.core.sizes import good_size
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
-from asperity.fourier.grid import Fourier, Grid, good_size
+from asperity.fourier.grid import Fourier, Grid
 
 # Columns at the end of the padded rows, so that the same elements of several rows do not compete for the same
 # lines of the processor's cache.

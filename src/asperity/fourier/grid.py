@@ -35,7 +35,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy  # whose transforms are loaded when they are first used
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.core.arguments import finite_array, magnitude, real_array, whole_number
@@ -296,11 +295,6 @@ def real_type(dtype: DTypeLike) -> np.dtype[Any]:
 def _require_shape(name: str, values: Array, shape: tuple[int, int]) -> None:
     if values.shape != shape:
         raise ValueError(f"{name} of shape {values.shape}: shape {shape}, that of the grid, is needed")
-
-
-def good_size(minimum: int) -> int:
-    """Smallest even number of nodes ≥ `minimum` whose only prime factors are 2, 3 and 5."""
-    return 2 * scipy.fft.next_fast_len(-(-int(minimum) // 2), real=True)
 
 
 def resample(coefficients: Array, source: Grid, target: Grid) -> Array:

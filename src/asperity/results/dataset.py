@@ -277,3 +277,7 @@ def _attribute_bytes(attributes: Mapping[Any, Any]) -> bytes:
     """Attributes as JSON; NetCDF gives a list of one back as its item."""
     values = {str(name): np.atleast_1d(np.asarray(value)).tolist() for name, value in attributes.items()}
     return json.dumps(values, sort_keys=True).encode()
+
+
+read_result, write_result = read, write
+"""Their names in the package, where `read` alone would not say what is read."""

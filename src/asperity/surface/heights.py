@@ -27,8 +27,9 @@ from numpy.typing import ArrayLike
 from scipy.special import expit, ndtri
 
 from asperity.core.arguments import LARGEST, SMALLEST, finite_array, magnitude, number, require_finite
+from asperity.core.sizes import good_size
 from asperity.core.types import Array
-from asperity.fourier.grid import Fourier, Grid, good_size, resample
+from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.surface.roughness import moments, varying_heights
 
 # Largest δ of the bounded curve: the curve is then straight to a part in a million, and six digits are lost.

@@ -9,8 +9,7 @@ import xarray as xr
 from asperity.cli.files import check_out, read_stage
 from asperity.cli.parser import section
 from asperity.core.errors import one_line
-from asperity.results import write_result
-from asperity.results.dataset import grid_of, height_of, settings_of
+from asperity.results.dataset import grid_of, height_of, settings_of, write_result
 from asperity.results.variables import in_cell_lengths
 from asperity.stress.peaks.selection import selection_for
 from asperity.study.job import ProgressBar

@@ -15,8 +15,8 @@ from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si
 from asperity.engineering.case import CONTROL_UNITS, LOAD_QUANTITIES
-from asperity.results import dataset, write_result
-from asperity.results.dataset import grid_of
+from asperity.results import dataset
+from asperity.results.dataset import grid_of, write_result
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.study.config.check import check_section
 from asperity.study.config.schema import complete_map, default

@@ -7,7 +7,8 @@ import argparse
 from asperity.cli.files import check_out, in_words, read_stage
 from asperity.cli.parser import section
 from asperity.core.errors import one_line
-from asperity.results import dataset, write_result
+from asperity.results import dataset
+from asperity.results.dataset import write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si
 from asperity.study.job import ProgressBar
 from asperity.study.stages.stress import compute_stress

@@ -10,7 +10,7 @@ from asperity.cli.files import check_out
 from asperity.cli.parser import flag, section
 from asperity.core.errors import one_line, shown
 from asperity.core.units import shown_si, to_si
-from asperity.results import write_result
+from asperity.results.dataset import write_result
 from asperity.results.variables import in_si
 from asperity.study.config.check import TWO_NODES_SLACK, needed_instead
 from asperity.study.config.schema import PRESETS, default, setting

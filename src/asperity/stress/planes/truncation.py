@@ -21,10 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from asperity.core.sizes import good_size
 from asperity.core.types import Array
 from asperity.elasticity.kernels import DEEPEST
 from asperity.elasticity.layer import Layer
-from asperity.fourier.grid import Grid, good_size
+from asperity.fourier.grid import Grid
 
 ENVELOPE_MARGIN = 0.01
 """Allowance for the wavenumbers between those at which the bound of a layer is computed; the largest found by

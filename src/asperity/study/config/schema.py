@@ -16,6 +16,7 @@ from typing import Any
 
 from asperity.core.data import packaged_yaml
 from asperity.core.packages import ENGINES
+from asperity.core.sizes import good_size
 
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
@@ -125,9 +126,6 @@ class AccuracySettings:
 
     def points(self, wavelength_short: float) -> int:
         """Nodes on an edge of a unit cell, an even number whose Fourier transform is fast."""
-        # Needs numerical libraries, for which the help of a command does not wait.
-        from asperity.fourier.grid import good_size
-
         return good_size(round(self.points_per_wavelength / wavelength_short - 1e-6))
 
 

@@ -1,6 +1,7 @@
 """Processor time and memory that the jobs of a study took, from the files of their ``benchmark:``."""
 
 import ast
+import re
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ def job_costs(results: Path) -> pd.DataFrame:
         wildcards, resources = (ast.literal_eval(measured[name]) for name in ("wildcards", "resources"))
         rows.append(
             {
-                "rule": measured["rule_name"],
+                "rule": re.sub("^figures_.*", "figure", measured["rule_name"]),
                 "job": " ".join([measured["rule_name"], *list(wildcards.values())[:1]]),
                 "grid_nodes": resources.get("grid_nodes", 0),
                 "repetitions": resources.get("repetitions", 1),
@@ -83,6 +84,8 @@ def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
         nodes = group["grid_nodes"].to_numpy(float)
         terms = np.column_stack([np.ones(nodes.size), nodes, nodes * (group["repetitions"] - 1)])
         memory = _least_squares(terms, group["memory_MB"].to_numpy() * 1e6, covers=True)
+        if rule == "figure":
+            terms[:, 0] = group["repetitions"]
         seconds = _least_squares(terms, group["processor_minutes"].to_numpy() * 60)
         per = {"memory": memory * [1e-6, 1, 1], "seconds": seconds * [1, 1e6, 1e6]}
         rows[str(rule)] = {

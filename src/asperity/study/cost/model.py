@@ -16,10 +16,6 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-import numpy as np
-
-from asperity.fourier.grid import Fourier, Grid
-
 WORKFLOW_MEMORY = 320e6
 """Memory (bytes) of Snakemake beside a job on a node of a cluster: the instance that holds the allocation,
 and the one that runs the job."""
@@ -80,9 +76,10 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     job : str
         A rule of the workflow, or ``load-area curve`` for a contact with several loads.
     nodes : int
-        Nodes of the grid; of a figure, those of all fields that it holds.
+        Nodes of the grid; of figures, those of all fields that one of them holds.
     repetitions : int
-        Loads of a contact, Poisson's ratios times lateral conditions of a stress, seeds of statistics.
+        Loads of a contact, Poisson's ratios times lateral conditions of a stress, seeds of statistics,
+        figures that one job draws.
     depth_spacing : float
         Distance between the upper planes of a stress, in grid spacings.
 
@@ -98,7 +95,7 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
         calculation *= (depth_spacing / PAPER_SPACING) ** SPACING_POWER
     return Cost(
         memory=1e6 * of["memory"] + nodes * of["memory_per_node"] + further * of["memory_per_further"],
-        fixed_seconds=of["seconds"],
+        fixed_seconds=of["seconds"] * (repetitions if job == "figure" else 1),
         calculation_seconds=calculation,
         disk=1e6 * of["disk"] + nodes * of["disk_per_node"],
     )
@@ -106,6 +103,10 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
 
 def transform_seconds(points: int = TRANSFORM_POINTS, repetitions: int = 7) -> float:
     """Processor time now of a pair of Fourier transforms of a square grid, the least of some repetitions."""
+    import numpy as np  # the resources of the rules are read where only Snakemake is installed
+
+    from asperity.fourier.grid import Fourier, Grid
+
     fourier = Fourier(Grid((points, points)))
     values, spectrum = np.ones((points, points)), np.empty(fourier.grid.half_shape, complex)
     times = []

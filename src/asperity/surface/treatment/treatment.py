@@ -17,9 +17,10 @@ import numpy as np
 
 from asperity.core.arguments import require_finite
 from asperity.core.errors import one_line
+from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
 from asperity.core.types import Array
-from asperity.fourier.grid import Grid, good_size
+from asperity.fourier.grid import Grid
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.formats import PROFILE, UNNAMED

@@ -1,0 +1,130 @@
+"""Write the files that are made from others: environment, schema, diagram, and the address of the repository.
+
+    python workflow/metadata.py [--address URL]
+
+workflow/envs/asperity.yaml has the requirements of pyproject.toml, workflow/schemas/config.schema.yaml
+the settings of the library's schema, workflow/README.md some of them and the rules of the quick study.
+With --address the address of the repository, field Repository of pyproject.toml, is replaced there and
+wherever it is written.
+"""
+
+import argparse
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from asperity.study.config.schema import Entry, accepted, schema, setting
+
+ROOT = Path(__file__).parents[1]
+ADDRESSED = (
+    "pyproject.toml",
+    "CITATION.cff",
+    "codemeta.json",
+    ".zenodo.json",
+    "examples/try_asperity.ipynb",
+)
+OWN_KEYWORDS = {"unit", "left_out", "accepts", "renamed", "removed", "format", "$defs", "$schema"}
+SHOWN = """accuracy seeds results fft_engine figures studies surfaces.NAME.hurst surfaces.NAME.rms_height
+surfaces.NAME.wavelength_long surfaces.NAME.wavelength_short measured.NAME.file layer.poisson layer.height
+contact.area_fraction stress.poisson"""
+MARK = "<!-- parameters: python workflow/metadata.py -->\n"
+
+
+def project() -> dict[str, Any]:
+    """Section project of pyproject.toml."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def environment() -> str:
+    """Environment of the jobs: all that the library needs, which a job finds beside the workflow."""
+    extras = project()["optional-dependencies"]
+    needed = sorted({*project()["dependencies"], *extras["maps"], *extras["study"]}, key=str.lower)
+    lines = "".join(f"      - {requirement}\n" for requirement in needed)
+    return f"""\
+# The environment of every rule: what the library needs. A job finds the library itself by the path of
+# Snakemake, which copies this file: no path to the checkout can stand in it. Made by `make metadata`.
+# In a checkout: conda env create --name asperity --file workflow/envs/asperity.yaml
+#                conda run --name asperity pip install --no-deps --editable .
+channels: [conda-forge, nodefaults]
+dependencies:
+  - python {project()["requires-python"]},<3.14
+  - pip
+  - pip:
+{lines}"""
+
+
+def config_schema() -> str:
+    """JSON Schema of a configuration, in the words of the standard alone."""
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    text = yaml.safe_dump(head | standard(schema()), allow_unicode=True, sort_keys=False, width=120)
+    return (
+        f"# Made by `make metadata` from src/asperity/study/config/schema.yaml, read by the workflow.\n{text}"
+    )
+
+
+def standard(entry: Any) -> Any:
+    """An entry of the schema without keywords of our own; the unit is in the description."""
+    if isinstance(entry, list):
+        return [standard(each) for each in entry]
+    if not isinstance(entry, Mapping):
+        return entry
+    unit = f" Unit: {entry['unit']}." if isinstance(entry.get("unit"), str) else ""
+    kept: Entry = {key: value for key, value in entry.items() if key not in OWN_KEYWORDS}
+    made = {key: standard(value) for key, value in kept.items()}
+    if "properties" in entry:
+        made["properties"] = {name: standard(each) for name, each in entry["properties"].items()}
+    if unit:
+        made["description"] = f"{entry.get('description', '')}{unit}".strip()
+    return made
+
+
+def diagram() -> str:
+    """Rules of the quick study as a graph that GitHub draws."""
+    command = [sys.executable, "-m", "snakemake", "--rulegraph", "mermaid-js"]
+    command += ["--configfile", "config/quick.yaml", "--config", "results=results/diagram", "--forceall"]
+    graph = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    names = dict(re.findall(r"(id\d+)\[(\w+)\]", graph))
+    arrows = sorted((names[a], names[b]) for a, b in re.findall(r"(id\d+) --> (id\d+)", graph))
+    return "\n".join(["```mermaid", "flowchart TB", *(f"    {a} --> {b}" for a, b in arrows), "```", ""])
+
+
+def parameters() -> str:
+    """Table of the settings that most studies give."""
+    rows = ["| key | accepts | unit | default | meaning |", "|---|---|---|---|---|"]
+    for key in SHOWN.split():
+        entry = setting(key)
+        value = f"`{entry['default']}`" if "default" in entry else entry.get("left_out", "")
+        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), value, entry["description"])
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join([*rows, ""])
+
+
+def main() -> None:
+    """Write the files."""
+    parser = argparse.ArgumentParser(description="Write the files that are made from others.")
+    parser.add_argument(
+        "--address", help="address of the repository, such as https://github.com/NAME/asperity"
+    )
+    if address := parser.parse_args().address:
+        old = project()["urls"]["Repository"]
+        for path in (ROOT / name for name in ADDRESSED):
+            text = path.read_text(encoding="utf-8")
+            path.write_text(text.replace(old, address.rstrip("/")), encoding="utf-8")
+    (ROOT / "workflow/schemas").mkdir(exist_ok=True)
+    readme = ROOT / "workflow/README.md"
+    for path, text in {
+        ROOT / "workflow/envs/asperity.yaml": environment(),
+        ROOT / "workflow/schemas/config.schema.yaml": config_schema(),
+        readme: f"{readme.read_text(encoding='utf-8').split(MARK)[0]}{MARK}\n{parameters()}\n{diagram()}",
+    }.items():
+        path.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
