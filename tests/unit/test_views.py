@@ -78,6 +78,15 @@ def test_map_of_pressure_has_values_and_units(read, si, unit, x, colours, right)
     assert axis.get_xlim()[1] == pytest.approx(right)  # half a pixel beyond the last of 64 nodes
 
 
+def test_spike_leaves_the_picture_and_is_named(read):
+    surface = read("surface", si=True).copy(deep=True)
+    before = asp.plot_height(surface).axes[0].images[0].norm
+    surface["height"].values[3, 5] = 4e-3
+    figure = asp.plot_height(surface)
+    assert figure.axes[0].images[0].norm.vmax < 1.5 * before.vmax
+    assert "1 point above the scale, up to 4000 µm" in title(figure)
+
+
 def test_every_result_has_a_panel(read):
     contact, names = read("contact"), [f"number {number}" for number in range(4)]
     figure = asp.plot_gap(dict.fromkeys(names, contact), y=(0.25, 0.5), x=(0.0, 0.125))
