@@ -26,7 +26,7 @@ from asperity.core.arguments import (
     is_finite,
     number,
     require_finite,
-    whole_number,
+    thread_count,
 )
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, did_you_mean, shown
@@ -37,9 +37,6 @@ from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.fourier.grid import Grid, real_type
 
 METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
-
-# Most threads: more than any machine has cores, few enough to be started.
-MAX_THREADS = 1024
 
 _LEAST_LOAD, _LARGEST_LOAD = 1e-150, 1e150
 _LOAD = (
@@ -155,8 +152,7 @@ def solve(
         raise ValueError("dtype = None: float64 or float32 is needed")
     precision = real_type(dtype)
     rtol = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
-    accepted = f"a whole number from 1 to {MAX_THREADS}"
-    threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
+    threads = thread_count(threads)
     values = _checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     if not isinstance(solid, (Layer, TwoBodies)):

@@ -58,6 +58,13 @@ def whole_number(name: str, value: Any, accepted: str, accepts: Callable[[int], 
     return int(value)
 
 
+def thread_count(value: Any) -> int:
+    """A number of threads: more than 1024 are more than any machine has cores."""
+    return whole_number(
+        "threads", value, "a whole number from 1 to 1024", lambda threads: 1 <= threads <= 1024
+    )
+
+
 def pair(name: str, value: Any, accepted: str) -> tuple[Any, Any]:
     """The two elements of a tuple, list or array of one dimension."""
     is_sequence = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim == 1)

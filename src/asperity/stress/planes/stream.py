@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.core.arguments import choices, number, real_array, whole_number
+from asperity.core.arguments import choices, number, real_array, thread_count
 from asperity.core.parallel import aligned_memory
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
@@ -64,9 +64,6 @@ MAX_PLANES = 10_000
 
 MAX_RATIOS = 1000
 """Most Poisson's ratios of one stream: steps of 0.0015 over the whole range from −1 to 0.5."""
-
-MAX_THREADS = 1024
-"""Most threads: more than any machine has cores, few enough to be started."""
 
 MAX_DEPTH = 1e30
 """Largest depth over the longer edge of the cell. Modes vanish below a depth of 120; nothing overflows."""
@@ -178,8 +175,7 @@ class PlaneStream:
         self._tolerance = number(
             "tolerance", tolerance, "a number from 0 to below 1", lambda size: 0 <= size < 1
         )
-        accepted = f"a whole number from 1 to {MAX_THREADS}"
-        self.threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
+        self.threads = thread_count(threads)
         self.work = Work() if work is None else work
         self.friction, self.sliding_direction = float(friction), sliding_direction
         low, high = SINGLE_PRECISION_PRESSURES
