@@ -12,8 +12,8 @@ approach δ, or over those of a given mean; by default the hardness H is infinit
             stop if the error, and an imposed area, are within their tolerances    `ActiveSet.run`
             solve for a correction of the pressure, by conjugate gradients         `InnerSolver.solve`
             find the nodes that the correction brings into contact                 `ContactSystem.held_after`
-            if an area is imposed, extend the correction to the load that has it   `load.extended`
-            add the correction, release nodes in tension, and go to the least      `Step.of`, `Step.taken`
+            if an area is imposed, extend the correction to the load that has it   `extended_to_area`
+            add the correction, release nodes in tension, and go to the least      `Step.of`
             energy on the way; if it does not fall, by exact corrections, and      `ActiveSet._next`
             last along its projected gradient
 
@@ -50,7 +50,7 @@ import numpy as np
 from asperity.contact.contact_nodes import field_of
 from asperity.contact.inner_solve import MAX_ITERATIONS, RESIDUAL_DROP, InnerSolver
 from asperity.contact.iterate import ContactSystem, Iterate, Pressure, Step
-from asperity.contact.load import AREA_TOLERANCE, AreaControl, extended
+from asperity.contact.load import AREA_TOLERANCE, AreaControl, extended_to_area
 from asperity.contact.problem import Control, ConvergenceProgress, Problem, State
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array, Progress
@@ -291,7 +291,7 @@ class ActiveSet:
         """The last iterate, its system, and whether it fulfils the rule."""
         stagnation, operators = Stagnation(), None
         iterate = self._evaluated(self._problems[0], start)
-        for taken in count():
+        for steps in count():
             iterate = iterate.without_free_nodes()
             system = ContactSystem.of(iterate, self._control, self._inner, operators)
             same_nodes, operators = system.linear.operators is operators, system.linear.operators
@@ -304,7 +304,7 @@ class ActiveSet:
                 iterate = self._evaluated(iterate.problem, balance, iterate.displacement)
                 continue
             stagnation.record(system.error)
-            if taken == self._rule.max_steps or self._is_hopeless(iterate, system, stagnation):
+            if steps == self._rule.max_steps or self._is_hopeless(iterate, system, stagnation):
                 return iterate, system, False
             exact = (EXACT_RESIDUAL_DROP, MAX_EXACT_ITERATIONS) if self._exact else ()
             longest = MAX_ITERATIONS * 2 ** (PATIENCE if same_nodes else min(stagnation.steps, PATIENCE))
@@ -312,7 +312,7 @@ class ActiveSet:
             correction = self._inner.solve(system.linear, *effort)
             held, load, extension = system.held_after(iterate, correction), iterate.load, None
             if self._area is not None:
-                extension = extended(
+                extension = extended_to_area(
                     self._area, iterate, system, correction, held, self._inner, converged, exact
                 )
                 if extension is None and converged:
@@ -438,7 +438,7 @@ class ActiveSet:
             return None
         pressure = iterate.pressure_field().reshape(-1)
         level = problem.height.reshape(-1) + iterate.displacement.reshape(-1)
-        overlap = (system.approach - level) / problem.unit
+        overlap = (system.approach - level) / problem.nodal_compliance
         entering = np.where(pressure == 0, np.maximum(overlap, 0), 0)
         entering += np.where(pressure >= hardness, np.minimum(overlap, 0), 0)
         change = float(np.dot(direction, overlap[nodes])) / curvature
@@ -454,4 +454,4 @@ class ActiveSet:
 def _displacement(problem: Problem, nodes: Array, pressure: Array) -> Array:
     """Displacement of all nodes under pressures on some of them, in units of the nodal compliance."""
     field = field_of(problem.grid.shape, nodes, pressure.astype(problem.fourier.real, copy=False))
-    return problem.response.displacement(field, field).reshape(-1) / problem.unit
+    return problem.response.displacement(field, field).reshape(-1) / problem.nodal_compliance

@@ -225,11 +225,11 @@ def checked_certificate(
     response, pressure = problem.response, state.pressure.astype(float, copy=False)
     rounding = MAX_ROUNDINGS * float(np.finfo(problem.fourier.real).eps)
     found = certificate_of_fields(
-        pressure, gap, rms_height, problem.unit, load, problem.fourier.threads, problem.hardness
+        pressure, gap, rms_height, problem.nodal_compliance, load, problem.fourier.threads, problem.hardness
     )
     norm = math.sqrt(sum_parts(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
     caused = norm * math.sqrt(response.own_compliance * float(response.half_compliance.max()))
-    scale = rms_height or float(pressure.max()) * problem.unit or 1.0
+    scale = rms_height or float(pressure.max()) * problem.nodal_compliance or 1.0
     lengths = (MAX_UNDERESTIMATE * rtol * caused + rounding * largest) / scale
     allowed = {"tension": rounding, "load_imbalance": rtol + rounding}
     excess = max(

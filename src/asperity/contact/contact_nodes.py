@@ -308,7 +308,7 @@ def _apply_in_strips(
     Parameters
     ----------
     strip : array
-        Zero before and after.
+        Memory for the values of some rows, of zeros; the loop leaves zeros there.
     nodes, first, values
         The nodes that bear values, and the place of the first one in each row.
     shape, repeats

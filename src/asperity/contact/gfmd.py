@@ -171,7 +171,7 @@ class DampedDynamics:
         self.load = _first_load(problem, control, initial)
         self._damping_fraction = damping_fraction
         self._wall = (0.0 if control.fixes_load else control.value) - problem.height
-        self._node_stiffness = 1 / (problem.unit * problem.grid.size)
+        self._node_stiffness = 1 / (problem.nodal_compliance * problem.grid.size)
         self._half_rms_height = 0.5 * float(np.std(problem.height, dtype=float))
         compliance = problem.response.compliance
         stiffness = np.zeros_like(compliance)

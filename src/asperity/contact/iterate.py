@@ -199,7 +199,7 @@ class Iterate:
         The overlap of plastic nodes is added, which keeps them at the hardness.
         """
         real = finer.height.dtype.type
-        stiffness, level = real(1 / finer.unit), real(approach)
+        stiffness, level = real(1 / finer.nodal_compliance), real(approach)
         field = self.displacement * -stiffness
         displaced = level - self.problem.height.reshape(-1)[self.nodes]
         plastic = self.pressure >= self.problem.hardness
@@ -272,17 +272,17 @@ class ContactSystem:
                     _weighted_sum, problem.fourier.threads, operators.uniform, level, approach
                 )
                 approach += weighted / operators.uniform_sum
-        residual = overlap_of(level, approach, problem.unit)
+        residual = overlap_of(level, approach, problem.nodal_compliance)
         system = System(operators, residual, operators.precondition(residual), control.fixes_load)
         # A correction moves no node upward by much more than the contact nodes are to move.
-        bound = approach + 1.25 * problem.unit * max(0.0, -float(residual.min(initial=0)))
+        bound = approach + 1.25 * problem.nodal_compliance * max(0.0, -float(residual.min(initial=0)))
         held = iterate.held_nodes(bound, plastic)
         error, rounding = _error(iterate, system, held, approach, inner)
         return cls(system, elastic, plastic, approach, error, rounding, bound, held)
 
     def held_after(self, iterate: Iterate, correction: Correction, further: float = 0.0) -> OverlapOfHeld:
         """Overlap of the held nodes after a correction, or if the approach then grows further."""
-        unit, approach = iterate.problem.unit, self.approach + correction.approach
+        unit, approach = iterate.problem.nodal_compliance, self.approach + correction.approach
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
         bound = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
         held = self.held if bound <= self.bound else iterate.held_nodes(bound, self.plastic)
@@ -293,7 +293,7 @@ class ContactSystem:
 
 @dataclass(frozen=True)
 class OverlapOfHeld:
-    """Overlap δ − (h + u) of held nodes after a correction, in units of `Problem.unit`.
+    """Overlap δ − (h + u) of held nodes after a correction, in units of `Problem.nodal_compliance`.
 
     New contact nodes are chosen from it before tensile nodes are released: afterwards the pressure is out of
     equilibrium, and nodes around every patch that lost tension seem to penetrate.
@@ -340,7 +340,9 @@ class Step:
     ) -> Step:
         """The step that a correction leads to."""
         enter, real, held = after.enter, iterate.pressure.dtype, after.held
-        overlap = after.overlap * np.float32(iterate.problem.unit / iterate.problem.own_compliance)
+        overlap = after.overlap * np.float32(
+            iterate.problem.nodal_compliance / iterate.problem.own_compliance
+        )
         new = held.nodes[enter]
         at = np.searchsorted(iterate.nodes, new)
         change = np.zeros_like(iterate.pressure)
@@ -367,7 +369,9 @@ class Step:
         """
         rise = float(system.linear.residual.mean(dtype=float)) if system.linear.fixed_load else 0.0
         still = Correction(system.linear.residual - np.float32(rise), np.zeros(1, np.float32), 0.0, 0)
-        overlap = overlap_of(system.held.level, system.approach, iterate.problem.unit) - np.float32(rise)
+        overlap = overlap_of(
+            system.held.level, system.approach, iterate.problem.nodal_compliance
+        ) - np.float32(rise)
         return replace(cls.of(iterate, system, still, OverlapOfHeld(system.held, overlap)), is_projected=True)
 
     def exchanged(self, after: Iterate) -> int:
@@ -489,7 +493,7 @@ def _error(
     # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
     uncertain = max(operators.nodes.size - system.fixed_load, 0)
     of_level = ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(iterate.largest)))
-    rounding = of_level / problem.unit * inner.nodal_stiffness * math.sqrt(uncertain)
+    rounding = of_level / problem.nodal_compliance * inner.nodal_stiffness * math.sqrt(uncertain)
     error = max(error, rounding)
     if not norm > 0:
         return (0.0 if error == 0 else math.inf), 0.0

@@ -230,7 +230,7 @@ class AreaControl:
         return guess if self._low[0] < guess < self._high[0] and shrinks else self._low[0] + 0.5 * width
 
 
-def extended(
+def extended_to_area(
     area: AreaControl,
     iterate: Iterate,
     system: ContactSystem,
@@ -249,7 +249,7 @@ def extended(
     (Correction, OverlapOfHeld, load) or None
         None if the load stays.
     """
-    unit, load = iterate.problem.unit, iterate.load
+    unit, load = iterate.problem.nodal_compliance, iterate.load
     after = iterate.pressure[system.elastic] + correction.pressure
     count = int(np.count_nonzero(after > 0) + np.count_nonzero(held.enter)) + system.plastic.size
     if not converged:
@@ -279,7 +279,7 @@ def extended(
     if system.plastic.size and factor:
         # Nodes that enter bear much of the load where few nodes are elastic.
         elastic = after + np.float32(factor) * tangent.pressure
-        borne = _borne(elastic, near_nodes, factor * rate, iterate.problem)
+        borne = _mean_pressure_after(elastic, near_nodes, factor * rate, iterate.problem)
         new_load = load + min(max(borne - load, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
         if new_load == load and system.plastic.size + 1 >= iterate.nodes.size:
@@ -303,7 +303,9 @@ def extended(
     return moved, replace(near_nodes, overlap=overlap), new_load
 
 
-def _borne(elastic: Array, candidates: OverlapOfHeld, further: Array, problem: Problem) -> float:
+def _mean_pressure_after(
+    elastic: Array, candidates: OverlapOfHeld, further: Array, problem: Problem
+) -> float:
     """Mean pressure on elastic nodes, on nodes that enter and on plastic ones, whose overlap grows."""
     plastic = candidates.held.side < 0
     overlap = candidates.overlap + further + np.where(plastic, problem.hardness, 0)

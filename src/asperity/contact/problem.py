@@ -98,14 +98,14 @@ class Problem:
         return float(self.height.min())
 
     @property
-    def unit(self) -> float:
+    def nodal_compliance(self) -> float:
         """Unit of displacement per pressure, see `Response.nodal_compliance`."""
         return self.response.nodal_compliance
 
     @property
     def own_compliance(self) -> float:
-        """Displacement of a node per unit of its own pressure; `unit` on a single node, which has none."""
-        return self.response.own_compliance or self.unit
+        """Displacement of a node per unit of its own pressure; of a single node, which has none, the unit."""
+        return self.response.own_compliance or self.nodal_compliance
 
     def coarser(self, min_points: int) -> Problem | None:
         """The same problem on half the nodes of each axis, as of `Response.coarser`; None if none is left."""

@@ -202,7 +202,7 @@ def solve(
         problem.plastic.is_set() or units != solid_units.for_problem(values, control, math.inf, response)
     )
     if met_hardness and contact.max_pressure < contact.hardness:
-        # The way to an elastic solution was not that of a solution without a hardness, nor is its rounding.
+        # An earlier iterate was plastic: the solution without a hardness has other rounding errors.
         settings = {
             "boundary": boundary,
             "rtol": rtol,
