@@ -1,8 +1,12 @@
 """Contact with a hardness, against direct solutions, its exact identities and another program."""
 
+import importlib
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
-from samples import HALF_SPACE, difference, every_solid, hardened, load_of, rough
+from samples import HALF_SPACE, LAYER, difference, every_solid, hardened, load_of, rough
 from scipy.optimize import lsq_linear
 
 import asperity as asp
@@ -46,6 +50,19 @@ def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
             assert contact.plastic_area == contact.plastic_load == contact.plastic_depth.max() == 0
 
 
+def test_hardness_out_of_reach_costs_no_solution(monkeypatch):
+    """One that iterates meet does: the rounding of an elastic solution depends on the way to it."""
+    methods = importlib.import_module("asperity.contact.solve").METHODS
+    calls, active_set = [], methods["active_set"]
+    monkeypatch.setitem(methods, "active_set", lambda *given: calls.append(given) or active_set(*given))
+    height = asp.self_affine((64, 64), 0.8, 1 / 2, 1 / 16, 1e-2, seed=0)
+    largest = asp.solve(height, LAYER, mean_pressure=1e-3).max_pressure
+    for factor, solutions in ((10.0, 1), (1.01, 2)):
+        calls.clear()
+        asp.solve(height, LAYER, mean_pressure=1e-3, hardness=factor * largest)
+        assert len(calls) == solutions
+
+
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
 @every_solid
 def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary, share):
@@ -80,6 +97,18 @@ def test_certificate_bounds_errors_up_to_the_hardness(share, size):
         assert 0 < energy / (pressure.sum() * height.std()) <= bound < np.inf
 
 
+def test_pressure_is_that_of_contact_mechanics():
+    """Another program; tolerances of both."""
+    pytest.importorskip("ContactMechanics")
+    peers = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))
+    height = rough((256, 256))
+    load = load_of(height, 0.02)
+    for share in (0.5, 0.2):
+        ours = hardened(height, share, asp.Layer(1.0, 0.0), mean_pressure=load, rtol=1e-10)
+        theirs, _ = peers["contact_mechanics"](height, load, 1e-11, "periodic", ours.hardness)
+        np.testing.assert_allclose(ours.pressure, theirs, atol=1e-7 * ours.hardness)
+
+
 def test_soft_limit_is_the_bearing_area():
     """All contact is plastic: its area is load over hardness, to one node, and its nodes are the lowest."""
     height = rough() * 1e3
@@ -90,6 +119,47 @@ def test_soft_limit_is_the_bearing_area():
         assert abs(nodes - share * height.size) <= 1
         lowest = np.sort(height, axis=None)[nodes]
         assert height[contact.pressure > 0].max() < lowest + 1e-2 * height.std()
+
+
+def test_area_and_approach_grow_as_hardness_falls():
+    found = [hardened(rough(), share) for share in (1.5, 0.7, 0.5, 0.3, 0.2, 0.1)]
+    for quantity in ("area_fraction", "plastic_area", "plastic_load", "approach"):
+        values = np.array([getattr(contact, quantity) for contact in found])
+        assert np.all(np.diff(values) >= 0), quantity
+        assert np.all(np.diff(values)[1:] > 0), quantity
+
+
+def test_approach_and_load_give_the_same_contact():
+    """Solver error of both solutions."""
+    height = rough((64, 96))
+    by_load = hardened(height, 0.3, LAYER, rtol=1e-9)
+    settings = {"approach": by_load.approach, "hardness": by_load.hardness}
+    by_approach = asp.solve(height, LAYER, **settings, rtol=1e-9)
+    assert difference(by_approach.pressure, by_load.pressure) < 1e-7
+
+
+def test_certificate_knows_the_hardness():
+    height = rough()
+    contact, load = hardened(height, 0.5), load_of(height)
+
+    def worst(**given):
+        return asp.verify_contact(height, contact.pressure, HALF_SPACE, mean_pressure=load, **given).worst
+
+    assert worst(hardness=contact.hardness) < 1e-5
+    assert worst() > 1e-2  # the overlap of plastic nodes is a penetration without a hardness
+    assert worst(hardness=0.9 * contact.hardness) > 0.05  # pressures above it
+    assert worst(hardness=1.1 * contact.hardness) > 1e-2  # nodes below it must not overlap
+
+
+def test_results_know_the_hardness(tmp_path):
+    height = rough()
+    contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, hardness=0.02)
+    contact.to_netcdf(tmp_path / "contact.nc")
+    stored = asp.read_result(tmp_path / "contact.nc")
+    np.testing.assert_array_equal(stored["plastic_depth"], contact.plastic_depth)
+    assert float(stored["hardness"]) == 0.02
+    assert float(stored["plastic_area"]) == contact.plastic_area > 0
+    assert "plastic_depth" not in asp.solve(height, HALF_SPACE, area_fraction=0.1).to_dataset()
 
 
 def test_peaks_on_plateaus_are_those_at_the_nodes():
@@ -109,7 +179,7 @@ def test_peaks_on_plateaus_are_those_at_the_nodes():
     )
 
 
-def test_area_of_many_loads_stays_below_hardness():
+def test_area_of_many_loads_keeps_the_hardness():
     """Of two equal lowest nodes; without a hardness the solver takes a load above it."""
     height = np.zeros((7, 3))
     height[6, [0, 2]], height[0, 0] = -2, 1
@@ -118,3 +188,11 @@ def test_area_of_many_loads_stays_below_hardness():
     contact = asp.solve(height, HALF_SPACE, **settings, hardness=0.5 * above)
     assert contact.area_fraction == 2 / 21
     assert 0 < contact.max_pressure <= contact.hardness
+
+
+def test_start_above_the_hardness_finds_the_area():
+    height = 1e-3 * np.random.default_rng(6).normal(size=(2, 2))
+    start = np.random.default_rng(0).normal(size=(2, 2))
+    contact = asp.solve(height, asp.Layer(402.0, 0.0), area_fraction=0.75, initial=start, hardness=1.0)
+    assert contact.area_fraction == 0.75
+    assert contact.max_pressure <= 1.0

@@ -138,6 +138,59 @@ def test_supported_layers_and_half_space_are_special_cases(shape, lateral):
                 assert np.abs(found.fields[name] - exact).max() < ROUNDING * largest
 
 
+def test_sliding_is_a_special_case():
+    grid = Grid((12, 10))
+    pressure = np.random.default_rng(2).random(grid.shape)
+    for height, poisson in product((None, 0.03, 2.0), (0.3, 0.5)):
+        layer = Layer(1.0, poisson, height)
+        found = plane(layer, grid, 0.01, {"pressure": pressure, "traction_x": 0.4 * pressure})
+        pressed = asp.LoadedSolid(pressure, grid, layer)
+        (true,) = asp.stress_planes(pressed, [0.01], fields=COMPONENTS, tolerance=0, friction=0.4)
+        expected = np.stack([true.fields[name][0] for name in COMPONENTS])
+        assert np.abs(stacked(found) - expected).max() < ROUNDING * np.abs(expected).max()
+
+
+def test_free_layer_moves_by_its_green_tensor():
+    rng, grid, layer = np.random.default_rng(3), Grid((5, 7), (1.0, 1.3)), Layer(2.0, 0.2, 0.3)
+    loads = rng.standard_normal((2, 3, *grid.shape))
+    loads -= loads.mean(axis=(2, 3), keepdims=True)
+    top, bottom = (
+        {f"traction_{axis}": load for axis, load in zip("xyz", face, strict=True)} for face in loads
+    )
+    solved = layer_fields(layer, grid, top, bottom)
+    found = np.concatenate([stacked(face.fields, DISPLACEMENTS) for face in solved.planes([0.0, 0.3])])
+    tensor = layer.green_tensor(grid.qx, grid.qy[:, None])
+    modes = np.einsum("ijyx,jyx->iyx", tensor, np.fft.rfft2(loads.reshape(6, *grid.shape)))
+    assert difference(found, np.fft.irfft2(modes, grid.shape)) < ROUNDING
+
+
+def test_equal_faces_are_a_frictionless_support():
+    """By symmetry the middle plane of the layer does not move and bears no shear."""
+    grid, rng = Grid((16, 16)), np.random.default_rng(4)
+    pressure = rng.random(grid.shape)
+    for height in (1e-4, 0.2, 3.0):
+        both = layer_fields(Layer(1.0, 0.3, 2 * height), grid, {"pressure": pressure}, {"pressure": pressure})
+        half = layer_fields(Layer(1.0, 0.3, height, "frictionless"), grid, {"pressure": pressure})
+        depths = np.array([0.0, 0.3, 1.0]) * height
+        for upper, expected in zip(both.planes(depths), half.planes(depths), strict=True):
+            assert difference(stacked(upper.fields), stacked(expected.fields)) < ROUNDING
+            moved, true = (stacked(each.fields, DISPLACEMENTS) for each in (upper, expected))
+            # The bending of the whole layer amplifies rounding by 1/(q height)².
+            assert np.abs(moved - true).max() < ROUNDING * max(1, 0.01 / height**2) * height
+
+
+def test_displacements_of_the_faces_give_the_stress_inside():
+    """The displacements of a solution, as an image correlation measures them, prescribed in its place."""
+    rng, grid = np.random.default_rng(5), Grid((11, 9), (1.0, 0.8))
+    layer = Layer(3.0, 0.35, 0.15)
+    top = {"pressure": rng.random(grid.shape), "traction_y": rng.random(grid.shape)}
+    solved = layer_fields(layer, grid, top)
+    surface = next(solved.planes(0.0)).fields
+    measured = layer_fields(layer, grid, {name: surface[name] for name in DISPLACEMENTS})
+    for true, found in zip(*(each.planes([0.0, 0.05, 0.15]) for each in (solved, measured)), strict=True):
+        assert difference(stacked(found.fields), stacked(true.fields)) < 10 * ROUNDING
+
+
 def test_nyquist_modes_are_the_fields_of_cosines():
     """A cosine along y or x at its Nyquist wavenumber, against the same on a grid twice as fine."""
     layer, coarse, fine = Layer(1.0, 0.3, 0.2), Grid((8, 6)), Grid((16, 12))
@@ -190,6 +243,62 @@ def test_face_pushed_down_against_finite_elements():
 # Laws of mechanics
 
 FACES = Grid((7, 5), (1.0, 1.2))
+
+
+def random_faces(rng, poisson):
+    """Any data on both faces: for each component a traction or a displacement."""
+    moved = rng.integers(0, 2, (2, 3))
+    moved[0, rng.integers(3)] = 1
+    moved[:, moved.sum(axis=0) == 0] = 1
+    kinds = np.where(moved, "displacement_", "traction_")
+    return [
+        {kind + axis: rng.standard_normal(FACES.shape) for kind, axis in zip(face, "xyz", strict=True)}
+        for face in kinds
+    ]
+
+
+def face_data(solved, height):
+    """Tractions and displacements of both faces, (2, 3, ny, nx) each."""
+    loads, moves = [], []
+    for sign, face in zip((1, -1), solved.planes([0.0, height]), strict=True):
+        loads.append(sign * stacked(face.fields, ("xz", "yz", "zz")))
+        moves.append(stacked(face.fields, DISPLACEMENTS))
+    return np.array(loads), np.array(moves)
+
+
+@pytest.mark.parametrize("height", [0.02, 0.3, 2.0])
+def test_reciprocity_and_energy(height):
+    """Betti's theorem, and the work of the faces equals the energy inside, by Gauss's rule over the depth."""
+    rng, young, poisson = np.random.default_rng(6), 1.7, 0.3
+    layer = Layer(young, poisson, height)
+    points, weights = np.polynomial.legendre.leggauss(48)
+    for _ in range(5):
+        first, second = (layer_fields(layer, FACES, *random_faces(rng, poisson)) for _ in range(2))
+        (loads, moves), (others, theirs) = (face_data(solved, height) for solved in (first, second))
+        work, crossed, back = (np.mean(a * b) for a, b in ((loads, moves), (loads, theirs), (others, moves)))
+        scale = np.sqrt(np.mean(loads**2) * np.mean(theirs**2)) + np.sqrt(
+            np.mean(others**2) * np.mean(moves**2)
+        )
+        assert abs(crossed - back) < ROUNDING * scale
+        density = []
+        for level in first.planes(height * (1 + points) / 2):
+            xx, yy, zz, yz, xz, xy = stacked(level.fields)
+            squares = xx**2 + yy**2 + zz**2 + 2 * (yz**2 + xz**2 + xy**2)
+            density.append(np.mean((1 + poisson) * squares - poisson * (xx + yy + zz) ** 2) / young)
+        assert height / 2 * (weights @ density) == pytest.approx(6 * work, rel=1e-11)
+
+
+def test_prescribed_data_are_found_on_the_faces():
+    rng, height = np.random.default_rng(7), 0.1
+    for poisson in (-0.5, 0.5):
+        solved = layer_fields(
+            Layer(1.0, poisson, height, lateral="free"), FACES, *(faces := random_faces(rng, 0))
+        )
+        loads, moves = face_data(solved, height)
+        for given, bears, goes in zip(faces, loads, moves, strict=True):
+            for name, values in given.items():
+                found = (goes if name in DISPLACEMENTS else bears)["xyz".index(name[-1])]
+                assert np.abs(found - values).max() < 1e-12 * max(np.abs(goes).max(), np.abs(bears).max())
 
 
 def test_faces_of_a_thick_layer_decouple():
@@ -276,17 +385,43 @@ def faced(top, bottom=None, layer=LAYER):
 
 test_wrong_argument_is_refused = refuses(
     (lambda: layer_fields(None, FACES, {}), "layer = None, grid = .*: a Layer and a Grid are needed"),
+    (lambda: layer_fields(LAYER, (7, 5), {}), "layer = .*, grid = .*: a Layer and a Grid are needed"),
     (lambda: faced(FIELD), "top = .*: a mapping from displacement_x, .* is needed"),
     (lambda: faced({"load": 1}), "a key of top = 'load': one of displacement_x, .* is needed"),
-    (lambda: faced({}, {"traction_x": 0, "displacement_x": 0}), "bottom: traction_x and displacement_x are"),
+    (
+        lambda: faced({}, {"traction_x": 0, "displacement_x": 0}),
+        "bottom: traction_x and displacement_x are given; only one of them is accepted",
+    ),
+    (lambda: faced({"pressure": 0, "traction_z": 0}), "top: pressure and traction_z are given; only one"),
     (lambda: faced({"pressure": np.nan}), r"top\['pressure'\] = nan: a finite number"),
+    (lambda: faced({"pressure": FIELD * np.nan}), r"top\['pressure'\]: 35 of 35 nodes are not f"),
+    (lambda: faced({"pressure": 1j}), r"top\['pressure'\] = 1j: a finite number or a field"),
     (lambda: faced({"pressure": FIELD[1:]}), r"top\['pressure'\] has the shape \(6, 5\): .*\(7, 5\)"),
     (lambda: faced({"pressure": 1j * FIELD}), r"top\['pressure'\] has the shape .*\(7, 3\) is n"),
-    (lambda: faced({"pressure": 1j * FIELD[:, :3]}), r"top\['pressure'\]: the coefficients of a real field"),
+    (
+        lambda: faced({"pressure": 1j * FIELD[:, :3]}),
+        r"top\['pressure'\]: the coefficients of a real field are needed",
+    ),
+    (
+        lambda: faced({"pressure": np.full((7, 3), np.nan + 0j)}),
+        r"top\['pressure'\]: 21 of 21 nodes are not finite",
+    ),
+    (lambda: faced({"pressure": "high"}), r"top\['pressure'\] = 'high': a finite number"),
     (lambda: layer_fields(Layer(1.0, 0.3), FACES, {}, {}), "bottom = {}: None is needed for a half-space"),
-    (lambda: layer_fields(Layer(1.0, 0.3, 1e-61), FACES, {}), "height = 1e-61: 1e-60 of the cell or more is"),
+    (
+        lambda: layer_fields(Layer(1.0, 0.3, 1e-61), FACES, {}),
+        "height = 1e-61: 1e-60 of the cell or more is needed",
+    ),
     (lambda: faced({}).planes(0.3), "depth = 0.3: a finite depth from 0 to 0.2 is needed"),
-    (lambda: faced({"pressure": 0.1}, layer=FREE), "mean σ_zz = -0.1 on top and 0 on the bottom: equal ones"),
+    (lambda: faced({}).planes([0.1, np.nan]), "depth = nan: a finite depth"),
+    (
+        lambda: faced({"pressure": 0.1}, layer=FREE),
+        "mean σ_zz = -0.1 on top and 0 on the bottom: equal ones are needed for no net force",
+    ),
+    (
+        lambda: faced({"traction_y": FIELD}, {"displacement_z": 0}),
+        "mean σ_yz = 1 on top and 0 on the bottom: equal ones are needed for no net force",
+    ),
     (
         lambda: layer_fields(
             Layer(1.0, 0.3, 0.2, lateral="free"), FACES, {"traction_x": 0.1}, {"traction_x": -0.1}

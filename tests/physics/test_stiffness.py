@@ -40,6 +40,14 @@ def test_stiffness_is_that_of_a_difference_quotient(solid, boundary, share):
     assert contact.stiffness == pytest.approx(quotient, rel=1e-5)
 
 
+def test_full_contact_has_that_of_the_solid():
+    height = rough((32, 32))
+    assert asp.solve(height, HALF_SPACE, area_fraction=1.0).stiffness == np.inf
+    uniform = float(LAYER.uniform_compliance())
+    assert asp.solve(height, LAYER, area_fraction=1.0).stiffness == pytest.approx(1 / uniform)
+    assert asp.solve(height, LAYER, mean_pressure=0.0).stiffness == 0.0
+
+
 def test_conductance_is_that_of_all_touching_nodes():
     """Unloading moves plastic nodes, too: the conductance is that of the flattened surface; solver error."""
     contact = hardened(rough(), 0.3, rtol=1e-10)
@@ -87,6 +95,15 @@ def test_a_node_yields_beyond_the_interval():
         settings = {"mean_pressure": load, "hardness": contact.hardness, "rtol": 1e-10}
         plastic.append(np.count_nonzero(asp.solve(height, HALF_SPACE, **settings).plastic_depth))
     assert np.diff(plastic).tolist() == [1, 0, 1]
+
+
+def test_loads_of_both_methods_are_within_one_interval():
+    """They may differ by as much as the interval is wide, here 15 %."""
+    settings = {"area_fraction": 3 / HEIGHT.size}
+    one, other = (asp.solve(HEIGHT, HALF_SPACE, method=name, **settings) for name in ("active_set", "gfmd"))
+    assert one.load_interval == pytest.approx(other.load_interval, rel=1e-4)
+    low, high = one.load_interval
+    assert low < other.mean_pressure < high
 
 
 def test_nothing_in_contact_has_no_load():

@@ -1,4 +1,6 @@
-"""Cycles of the stress: smallest spheres, fatigue limits, brute force, and shakedown."""
+"""Cycles of the stress: smallest spheres, fatigue limits, and shakedown of Hertz's contacts."""
+
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,6 +11,8 @@ import asperity as asp
 from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor, reduce_rows
 from asperity.stress.cycles.smallest_sphere import smallest_sphere
 from asperity.stress.cycles.smooth_body import Cycles
+
+EDGE, NODES = 1.0, 1024
 
 
 def sphere(points, free=5):
@@ -37,7 +41,7 @@ def test_sphere_around_a_simplex_and_an_arc():
 
 @pytest.mark.parametrize("free", [1, 3, 5])
 @pytest.mark.parametrize("kind", ["scattered", "ties", "plane"])
-def test_centre_is_in_hull_of_farthest_points(free, kind):
+def test_centre_lies_among_the_farthest_points(free, kind):
     """The condition of Karush, Kuhn and Tucker; it is sufficient, as the problem is convex."""
     points = np.random.default_rng(free).normal(size=(300, 5))
     if kind == "ties":
@@ -115,6 +119,71 @@ def test_agreement_with_brute_force(boundary):
         assert float(cycles["shear_range"][0, row]) == pytest.approx(np.ptp(xz), rel=1e-12)
 
 
+@pytest.fixture(scope="module")
+def line():
+    """A cylinder along y, 102 nodes wide: the largest pressure and the half-width of the contact."""
+    length = (EDGE / 64, EDGE)
+    height = asp.add_cylinder(np.zeros((16, NODES)), length, 1.0, axis="y")
+    contact = asp.solve(height, asp.Layer(1.0, 0.3), length, area_fraction=0.1)
+    return contact, float(contact.pressure.max()), 0.05
+
+
+def test_line_contact_without_friction(line):
+    """Johnson (1985), sections 4.2 and 9.3: τ_xz = ±p₀/4 at the depth b/2, shakedown at 4 k.
+
+    The neighbours of the cell change the stress by (b/L)² = 0.25 %, the depth is that of a plane.
+    """
+    contact, largest, half = line
+    depths = half * np.linspace(0.4, 0.6, 21)
+    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3))
+    value, depth, _ = cycles.attrs["worst_shear_range"]
+    assert value / largest == pytest.approx(0.5, rel=3e-3)
+    assert depth / half == pytest.approx(0.5, abs=0.02)
+    for name in ("shakedown_upper", "shakedown_line"):
+        assert cycles.attrs[f"worst_{name}"][0] * largest == pytest.approx(4.0, rel=5e-3)
+    assert cycles.attrs["worst_shakedown_lower"][0] * largest < 4.0
+
+
+def closed_form(x, z, friction, poisson):
+    """Stress under a line contact over p₀, lengths over b: E. McEwen, see Johnson (1985), Eqs. 4.49, 7.8."""
+    square = 1 - x**2 + z**2
+    root = np.sqrt(square**2 + 4 * x**2 * z**2)
+    m = np.sqrt((root + square) / 2)
+    n = np.sign(x) * np.sqrt(np.maximum(root - square, 0) / 2)
+    ratio = (z**2 + n**2) / (m**2 + n**2)
+    xx = -(m * (1 + ratio) - 2 * z)
+    zz, xz = -m * (1 - ratio), -n * (m**2 - z**2) / (m**2 + n**2)
+    shear = friction * (n * (2 - (z**2 - m**2) / (m**2 + n**2)) - 2 * x)
+    xx, zz, xz = xx + shear, zz + friction * xz, xz + friction * xx
+    return np.stack([xx, poisson * (xx + zz), zz, 0 * x, xz, 0 * x])
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
+def test_line_contact_with_friction(line, friction):
+    """Factors against those of McEwen's closed form in the same depths; images change 0.25 %."""
+    contact, largest, half = line
+    depths = half * np.linspace(0.2, 0.6, 9)
+    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3), friction=friction)
+    x = np.linspace(-10, 10, 4001)
+    radii = [reduced(closed_form(x, depth / half, friction, 0.3))[2:4] for depth in depths]
+    exact = np.sqrt(2 / np.array(radii)).min(axis=0)
+    for name, value in zip(("upper", "line"), exact, strict=True):
+        assert cycles.attrs[f"worst_shakedown_{name}"][0] * largest == pytest.approx(value, rel=1e-2)
+
+
+def test_point_contact():
+    """Johnson (1985), section 9.4: shakedown near 4.68 k; first yield at 2.8 k by von Mises."""
+    nodes, radius = 256, 1.0
+    height = asp.add_sphere(np.zeros((nodes, nodes)), EDGE, radius)
+    contact = asp.solve(height, asp.Layer(1.0, 0.3), EDGE, boundary="free", area_fraction=0.02)
+    largest, half = float(contact.pressure.max()), np.sqrt(0.02 / np.pi)
+    depths = half * np.linspace(0.2, 0.7, 21)
+    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3), tolerance=1e-4)
+    upper = cycles.attrs["worst_shakedown_upper"][0] * largest
+    assert upper == pytest.approx(4.68, rel=2e-2)  # 20 nodes across the radius
+    assert 2.8 < cycles.attrs["worst_shakedown_lower"][0] * largest <= upper
+
+
 def test_cycles_of_the_stream_of_the_analysis():
     contact, depths = rough(64), asp.depth_grid(rough(64).grid)[:20]
     limits = (0.3, 0.48, 0.1)
@@ -129,11 +198,30 @@ def test_cycles_of_the_stream_of_the_analysis():
     assert coarse.attrs["worst_dang_van"][0] == pytest.approx(alone.attrs["worst_dang_van"][0], rel=1e-3)
 
 
+def test_motion_is_along_x():
+    """Twice reversed, as the traction on an upper body is, it is the same."""
+    once, twice = (
+        asp.stress_cycles(rough(32), [0.01], friction=0.3, sliding_direction=angle)["shear_range"]
+        for angle in ("x", 360.0)
+    )
+    np.testing.assert_allclose(once, twice, rtol=1e-12)
+
+
 test_wrong_argument_is_refused = refuses(
     (lambda: hydrostatic_factor(1.0, None), "fatigue_bending: missing"),
+    (lambda: hydrostatic_factor(None, 1.0), "fatigue_torsion: missing"),
     (lambda: hydrostatic_factor(0.49, 1.0), "fatigue_torsion: 0.5 to 1 times fatigue_bending .* 0.49 times"),
+    (lambda: hydrostatic_factor(1.01, 1.0), "fatigue_torsion: .* got 1.01 times"),
     (lambda: asp.stress_cycles(rough(32), sliding_direction=30), "sliding_direction = 30: x, y or a mul"),
 )
+
+
+def test_cycles_of_a_plastic_contact():
+    height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    solve = partial(asp.solve, height, asp.Layer(1.0, 0.3), mean_pressure=2e-3)
+    contacts = (solve(hardness=hardness) for hardness in (None, 0.02))
+    elastic, plastic = (asp.stress_cycles(each).attrs["worst_shear_range"][0] for each in contacts)
+    assert plastic < elastic
 
 
 def test_constant_stress_shakes_down_under_any_load():

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from samples import invariants
+from samples import HALF_SPACE, invariants, spots
 
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
@@ -35,6 +35,25 @@ def test_mode_solves_equilibrium_and_hookes_law(poisson, height, kx, ky, degrees
             for name, value in zip(COMPONENTS, stress, strict=True):
                 expected = (complex(value) * np.exp(1j * phase)).real
                 np.testing.assert_allclose(plane.fields[name][-1], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, asp.Layer(1.0, 0.3, 0.1)])
+def test_mean_shear_stress_is_the_mean_traction(layer):
+    solid = spots((32, 32), layer=layer)
+    for plane in asp.stress_planes(solid, [0.0, 0.05, 0.1], None, COMPONENTS, friction=0.3):
+        assert plane.fields["xz"].mean() == pytest.approx(0.3 * solid.pressure.mean(), rel=1e-12)
+        assert plane.fields["yz"].mean() == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("shape", "degrees"), [((20, 24), 0.0), ((21, 27), 33.0), ((30, 41), 90.0)])
+def test_surface_carries_the_pressure_and_the_traction(shape, degrees, boundary):
+    solid = spots(shape, (1.0, 1.4), boundary=boundary)
+    settings = {"tolerance": 0, "friction": 0.4, "sliding_direction": degrees}
+    plane = next(asp.stress_planes(solid, [0.0], None, ("zz", "xz", "yz"), **settings))
+    shares = {"zz": -1, "xz": 0.4 * np.cos(np.radians(degrees)), "yz": 0.4 * np.sin(np.radians(degrees))}
+    for name, share in shares.items():
+        np.testing.assert_allclose(plane.fields[name][0], share * solid.pressure, atol=1e-12)
 
 
 def largest_of_every_field(poisson, friction, height, envelope):
