@@ -9,6 +9,7 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from asperity.core.types import Array
+from asperity.study.cost.model import LARGE_GRID
 
 
 def job_costs(results: Path) -> pd.DataFrame:
@@ -67,7 +68,7 @@ def cost_table(jobs: pd.DataFrame, by: str = "job") -> pd.DataFrame:
 
 
 def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
-    """Memory and time of every rule as linear functions of nodes and further repetitions.
+    """Memory and time of every rule as functions of nodes and further repetitions.
 
     Least squares of the relative error with coefficients ≥ 0. The memory is raised to the largest that was
     measured.
@@ -75,23 +76,31 @@ def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     data frame
-        Coefficients of `asperity.study.cost.model.job_cost` but those of the disk; index the job.
+        Coefficients of `asperity.study.cost.model.job_cost` but those of the disk, and those above
+        `LARGE_GRID` of rules without such a grid; index the job.
     """
     several = (jobs["rule"] == "contact") & (jobs["repetitions"] > 1)
     named = jobs.assign(rule=jobs["rule"].mask(several, "load-area curve"))
     rows = {}
     for rule, group in named.groupby("rule"):
-        nodes = group["grid_nodes"].to_numpy(float)
-        terms = np.column_stack([np.ones(nodes.size), nodes, nodes * (group["repetitions"] - 1)])
-        memory = _least_squares(terms, group["memory_MB"].to_numpy() * 1e6, covers=True)
+        nodes, further = group["grid_nodes"].to_numpy(float), group["repetitions"].to_numpy() - 1
+        small, one = np.minimum(nodes, LARGE_GRID), np.ones(nodes.size)
+        bent = [small, small * further, nodes - small, (nodes - small) * further]
+        if nodes.max() <= LARGE_GRID:
+            bent = bent[:2]
+        memory = _least_squares(
+            np.column_stack([one, *bent]), 1e6 * group["memory_MB"].to_numpy(), covers=True
+        )
+        terms = np.column_stack([one, nodes, nodes * further])
         if rule == "figure":
             terms[:, 0] = group["repetitions"]
-        seconds = _least_squares(terms, group["processor_minutes"].to_numpy() * 60)
-        per = {"memory": memory * [1e-6, 1, 1], "seconds": seconds * [1, 1e6, 1e6]}
+        seconds = _least_squares(terms, 60 * group["processor_minutes"].to_numpy())
+        per = {"memory": memory * ([1e-6] + [1] * len(bent)), "seconds": seconds * [1, 1e6, 1e6]}
+        suffixes = "", "_per_node", "_per_further", "_per_node_large", "_per_further_large"
         rows[str(rule)] = {
             f"{name}{suffix}": float(f"{value:.3g}")
             for name, values in per.items()
-            for suffix, value in zip(("", "_per_node", "_per_further"), values, strict=True)
+            for suffix, value in zip(suffixes, values, strict=False)
         }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("job")
 

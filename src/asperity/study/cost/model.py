@@ -2,10 +2,10 @@
 
 This is the only cost model. The rules of the workflow declare it as their resources, the study announces it
 before it starts, and `asperity plan` states it. Memory and time are linear in the nodes of the grid and in
-the repetitions of a job (loads, Poisson's ratios, seeds). `jobs.csv` holds the coefficients, which
-``python workflow/cost.py --store`` fits to the files of ``benchmark:`` of a finished study
-(`asperity.study.cost.benchmark.fitted`). Times are those on the machine of that study; `time_factor` compares
-this machine with it.
+the repetitions of a job (loads, Poisson's ratios, seeds); the memory has other slopes above `LARGE_GRID`.
+`jobs.csv` holds the coefficients, which ``python workflow/cost.py --store`` fits to the files of
+``benchmark:`` of a finished study (`asperity.study.cost.benchmark.fitted`). Times are those on the machine of
+that study; `time_factor` compares this machine with it.
 """
 
 import csv
@@ -31,6 +31,10 @@ SPACING_POWER = -0.76
 
 PAPER_SPACING = 0.5
 """Distance between planes, in grid spacings, to which the times of `jobs.csv` belong."""
+
+LARGE_GRID = 2048**2
+"""Nodes above which the memory of a job may grow more slowly: of larger planes the stress keeps one, not two
+(`asperity.stress.planes.stream.KEPT_BYTES`)."""
 
 
 class Cost(NamedTuple):
@@ -93,8 +97,12 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     calculation = 1e-6 * (nodes * of["seconds_per_node"] + further * of["seconds_per_further"])
     if job == "stress":
         calculation *= (depth_spacing / PAPER_SPACING) ** SPACING_POWER
+    memory = 1e6 * of["memory"]
+    for suffix, some in (("", min(nodes, LARGE_GRID)), ("_large", max(nodes - LARGE_GRID, 0))):
+        per_node = of[f"memory_per_node{suffix}"] + (repetitions - 1) * of[f"memory_per_further{suffix}"]
+        memory += some * per_node
     return Cost(
-        memory=1e6 * of["memory"] + nodes * of["memory_per_node"] + further * of["memory_per_further"],
+        memory=memory,
         fixed_seconds=of["seconds"] * (repetitions if job == "figure" else 1),
         calculation_seconds=calculation,
         disk=1e6 * of["disk"] + nodes * of["disk_per_node"],
