@@ -1,4 +1,7 @@
-"""Estimates at vanishing grid spacing, from a second solution on half as many nodes."""
+"""Estimates at vanishing grid spacing, from a second solution on half as many nodes.
+
+The formulas are in `asperity.stress.statistics.continuum`.
+"""
 
 from __future__ import annotations
 

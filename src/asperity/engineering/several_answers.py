@@ -1,4 +1,7 @@
-"""The folder of several answers: side by side in a table and a page, or pooled to means with intervals."""
+"""The folder of several answers: side by side in a table and a page, or pooled to means with intervals.
+
+The means and intervals are those of `asperity.engineering.sample`.
+"""
 
 from __future__ import annotations
 
