@@ -28,6 +28,7 @@ ADDRESSED = (
     "codemeta.json",
     ".zenodo.json",
     "examples/try_asperity.ipynb",
+    "paper/metadata.yaml",
 )
 OWN_KEYWORDS = {"unit", "left_out", "accepts", "renamed", "removed", "format", "$defs", "$schema"}
 SHOWN = """accuracy seeds results fft_engine figures studies surfaces.NAME.hurst surfaces.NAME.rms_height

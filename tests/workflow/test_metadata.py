@@ -38,6 +38,8 @@ def test_address_is_one_field(tmp_path):
     shutil.copytree(ROOT / "workflow", tmp_path / "workflow")
     (tmp_path / "Snakefile").symlink_to(ROOT / "Snakefile")
     old = MADE["project"]()["urls"]["Repository"]
+    named = run(ROOT, "git", "grep", "-lF", old).stdout.split()  # empty where git has no checkout
+    assert set(named) <= set(MADE["ADDRESSED"])
     for name in MADE["ADDRESSED"]:
         assert old in (ROOT / name).read_text(encoding="utf-8"), name
         (tmp_path / name).parent.mkdir(exist_ok=True)
