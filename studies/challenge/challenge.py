@@ -30,7 +30,13 @@ from matplotlib.figure import Figure
 from asperity import Grid, Layer, LoadedSolid, analyse_stress, read_map, solve, solve_path
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, mean_square, resample
-from asperity.stress.statistics.continuum import BOUNDARY_SHARE, PERCENTILES, OnGrid, estimates, numbers_on
+from asperity.stress.statistics.continuum import (
+    BOUNDARY_SHARE,
+    PERCENTILES,
+    OnGrid,
+    extrapolated_numbers,
+    numbers_on,
+)
 from asperity.study.kept import kept, rendered
 from asperity.views.style import panels, save, style
 
@@ -141,7 +147,7 @@ def stress_on(
     results = OnGrid(pressure, load, np.nan, grid, stress)
     numbers = numbers_on(results)
     if other is not None:
-        _, best, error = estimates(results, other, 0.0)
+        _, best, error = extrapolated_numbers(results, other, 0.0)
         for name in PERCENTILES:
             numbers[f"{name}_limit"], numbers[f"{name}_error"] = best[name], error[name]
     numbers = numbers.sel(quantity="von_mises").merge(

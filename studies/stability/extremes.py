@@ -93,7 +93,7 @@ class ExtremeCase:
     method: str = "active_set"
 
 
-LEVELS: dict[str, tuple[Any, ...]] = {
+EXTREME_LEVELS: dict[str, tuple[Any, ...]] = {
     "poisson": (-0.95, 0.33, 0.4999, 0.5),
     "scaled_height": (1e-6, 0.1, 1.0, 1e5, math.inf),
     "bottom": ("bonded", "frictionless", "free"),
@@ -206,7 +206,7 @@ def chosen_levels(levels: str) -> Iterator[tuple[str, Any]]:
     """Setting and value of every level that is tried."""
     if levels not in ("all", "ends"):
         raise ValueError(f"levels = {levels!r}: all or ends is needed")
-    for name, values in LEVELS.items():
+    for name, values in EXTREME_LEVELS.items():
         ends = (values[0], values[-1], getattr(ExtremeCase(), name))
         yield from ((name, value) for value in values if levels == "all" or value in ends)
 

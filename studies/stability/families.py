@@ -1,8 +1,8 @@
 """Families of surfaces that engineers press, and contacts drawn from them.
 
 A family gives the relief of a surface: heights from 0, the nodes that touch first, to about 1. A contact
-multiplies the relief by a height and adds an offset. Its settings are drawn from `LEVELS`, or given one by
-one. The study of stability, the random search and the tests draw from here.
+multiplies the relief by a height and adds an offset. Its settings are drawn from `FAMILY_LEVELS`, or given
+one by one. The study of stability, the random search and the tests draw from here.
 """
 
 from collections.abc import Callable, Iterator
@@ -161,7 +161,7 @@ class FamilyCase:
     seed: int = 1
 
 
-LEVELS: dict[str, tuple[Any, ...]] = {
+FAMILY_LEVELS: dict[str, tuple[Any, ...]] = {
     "shape": (
         *((1, 1), (1, 7), (2, 3), (5, 5)),
         *((31, 31), (32, 32), (33, 33), (16, 64), (53, 18), (101, 101), (128, 128)),
@@ -189,7 +189,7 @@ def drawn(random: np.random.Generator, family: str, **given: Any) -> FamilyCase:
 
     A free boundary has a half-space.
     """
-    settings = {name: levels[random.integers(len(levels))] for name, levels in LEVELS.items()}
+    settings = {name: levels[random.integers(len(levels))] for name, levels in FAMILY_LEVELS.items()}
     settings = {name: value for name, value in settings.items() if random.random() < 0.5} | given
     size, seed = SIZES[random.integers(len(SIZES))], int(random.integers(100))
     case = FamilyCase(family, size=size, seed=seed, **settings)
@@ -201,7 +201,7 @@ def drawn(random: np.random.Generator, family: str, **given: Any) -> FamilyCase:
 
 def family_levels() -> Iterator[tuple[str, Any]]:
     """Setting and value of every level."""
-    return ((name, value) for name, values in LEVELS.items() for value in values)
+    return ((name, value) for name, values in FAMILY_LEVELS.items() for value in values)
 
 
 def family_height(case: FamilyCase) -> Array:

@@ -15,7 +15,7 @@ from scipy import ndimage
 import asperity as asp
 from asperity.contact import Contact
 from asperity.core.types import Array
-from asperity.engineering.continuum import estimates, solved_on_half
+from asperity.engineering.continuum import continuum_on_grids, solved_on_half
 from asperity.fourier.grid import Fourier
 from asperity.stress.statistics.continuum import BOUNDARY_SHARE, on_half_the_nodes
 
@@ -40,7 +40,7 @@ def elastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     solid = asp.Layer(1.0, 0.0)
     for contact in asp.solve_path(height, solid, mean_pressures=[gradient * p for p in config["loads"]]):
         half = solved_on_half(contact)
-        area = estimates(contact, half, None, "lower")["area_fraction"]
+        area = continuum_on_grids(contact, half, None, "lower")["area_fraction"]
         wavenumber, power = asp.spectrum(contact.pressure / gradient)
         row = {
             "area": area.sel(kind="estimate", drop=True),

@@ -150,13 +150,13 @@ of_family = {
     "family": st.sampled_from(list(families.FAMILIES)),
     "shape": st.tuples(st.integers(1, 48), st.integers(1, 48)),
     "relief": st.just(1.0) | power_of_ten(-6, 6),
-    "offset": st.sampled_from(families.LEVELS["offset"]),
+    "offset": st.sampled_from(families.FAMILY_LEVELS["offset"]),
     "imposed": loads
     | loads
     | st.tuples(st.just("area"), power_of_ten(-3, 0))
     | st.tuples(st.just("approach"), power_of_ten(-6, -0.001)),
     "hardness": st.none() | st.floats(1.0001, 30),
-    "precision": st.sampled_from(families.LEVELS["precision"]),
+    "precision": st.sampled_from(families.FAMILY_LEVELS["precision"]),
     "size": st.floats(0.05, 0.45),
     "seed": st.integers(0, 100),
 }

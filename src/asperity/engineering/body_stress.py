@@ -18,7 +18,7 @@ from asperity.contact.slip import PartialSlip
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.engineering.case import Body, Case
-from asperity.engineering.continuum import HalfGrid, estimates
+from asperity.engineering.continuum import HalfGrid, continuum_on_grids
 from asperity.engineering.moving import MovingContact
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import SOUGHT, analyse_stress
@@ -324,7 +324,7 @@ def body_answer(
         **sliding,
     )
     main = stress.sel(quantity=list(ESTIMATED))
-    estimated = estimates(contact, half, main, name, case.loaded_body)
+    estimated = continuum_on_grids(contact, half, main, name, case.loaded_body)
     progress(0.8, 1.0)
     volume, depths, fraction = None, None, None
     if body.yield_stress is not None:

@@ -109,7 +109,7 @@ def continuum(
     half = solved_on_half(contact)
     if progress is not None:
         progress(0.2, 1.0)
-    found = estimates(contact, half, stress, body)
+    found = continuum_on_grids(contact, half, stress, body)
     if progress is not None:
         progress(1.0, 1.0)
     return found
@@ -144,7 +144,7 @@ def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGri
     return HalfGrid(half, lost, reason, on_half)
 
 
-def estimates(
+def continuum_on_grids(
     contact: Contact,
     half: HalfGrid,
     stress: xr.Dataset | None,

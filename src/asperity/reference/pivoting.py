@@ -14,7 +14,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from asperity.core.types import Array
 
 # Violations below this fraction of the largest term count as rounding.
-ROUNDING = 1e-13
+VIOLATION_ROUNDING = 1e-13
 
 # Exchanges of all violating nodes that may fail to lower their number before nodes change sides one by one.
 PATIENCE = 10
@@ -76,7 +76,7 @@ def pivot(
         pressure, gap, rounding = _pressure_and_gap(
             surface.reshape(height.shape), spectrum, contact, load, level
         )
-        tension = contact & (pressure < -ROUNDING * np.abs(pressure).max())
+        tension = contact & (pressure < -VIOLATION_ROUNDING * np.abs(pressure).max())
         wrong = np.flatnonzero(tension | (~contact & (gap < -rounding)))
         if wrong.size == 0:
             return np.maximum(pressure, 0).reshape(height.shape)
@@ -107,4 +107,4 @@ def _pressure_and_gap(
     modes = spectrum * np.fft.rfft2(pressure.reshape(surface.shape))
     displacement = np.fft.irfft2(modes, surface.shape)
     gap = (surface + displacement - level).ravel()
-    return pressure, gap, ROUNDING * max(float(np.abs(displacement).max()), abs(level))
+    return pressure, gap, VIOLATION_ROUNDING * max(float(np.abs(displacement).max()), abs(level))

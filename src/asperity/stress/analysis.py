@@ -35,7 +35,7 @@ from asperity.stress.peaks.finder import (
     checked_floor,
     plane_peaks,
 )
-from asperity.stress.planes.fields import FIELDS, Fields, Visit
+from asperity.stress.planes.fields import FIELDS, PlaneFields, Visit
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
 from asperity.stress.search import PlaneSearch
@@ -279,7 +279,7 @@ class _Analysis:
                 self._compare_again(number)
             self._references.settle(memory)
 
-    def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> Fields:
+    def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> PlaneFields:
         """Some of the fields in a plane."""
         names, ratios, uniforms = zip(*(self._fields[number] for number in chosen), strict=True)
         in_base = plane.depth > (plane.solid.layer.interface or np.inf)

@@ -7,7 +7,7 @@ import numpy as np
 from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array
 from asperity.stress.peaks.maxima import Maxima, maxima_in_rows
-from asperity.stress.planes.fields import SUMS, Fields, bands_of
+from asperity.stress.planes.fields import SUMS, PlaneFields, bands_of
 
 
 class PlaneSearch:
@@ -15,7 +15,7 @@ class PlaneSearch:
 
     Parameters
     ----------
-    fields : Fields
+    fields : PlaneFields
     sought : (fields,) bool array
         Fields whose maxima are sought.
     floor : float
@@ -25,7 +25,7 @@ class PlaneSearch:
     references : (fields, ny, nx) array
         Whole numbers, by which the first fields are multiplied.
     kept : KeptArrays
-    above : Fields, optional
+    above : PlaneFields, optional
         Those of the plane above, if it is in memory and on the same grid: most maxima do not exceed it.
 
     Attributes
@@ -36,13 +36,13 @@ class PlaneSearch:
 
     def __init__(
         self,
-        fields: Fields,
+        fields: PlaneFields,
         sought: Array,
         floor: float,
         summed: int,
         references: Array,
         kept: KeptArrays,
-        above: Fields | None = None,
+        above: PlaneFields | None = None,
     ) -> None:
         self._kept = kept
         self.fields, self._sought, self._references, self._above = fields, sought, references, above

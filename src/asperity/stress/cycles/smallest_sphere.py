@@ -19,7 +19,7 @@ from asperity.core.compiled import compiled, compiled_with_arrays
 DIMENSIONS = 5
 """Dimensions of the space, that of the stress deviators."""
 
-ROUNDING = 1e-13
+RADIUS_ROUNDING = 1e-13
 """Share of the squared radius by which a point may lie outside, or the radius must rise."""
 
 MAX_EXCHANGES = 1000
@@ -49,7 +49,7 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
         _fill_distances(points, centre, squared)
         here, farthest = squared[support[0]], squared.argmax()
         distance = squared[farthest]
-        if distance <= here * (1 + ROUNDING) or here <= radius * (1 + 1e-3 * ROUNDING):
+        if distance <= here * (1 + RADIUS_ROUNDING) or here <= radius * (1 + 1e-3 * RADIUS_ROUNDING):
             return distance
         radius = here
         support[count], weight[count] = farthest, 0.0

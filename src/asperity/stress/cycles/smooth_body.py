@@ -19,7 +19,7 @@ from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.cycles.criteria import Criteria, CycleMaps
-from asperity.stress.planes.fields import MARGIN
+from asperity.stress.planes.fields import ROW_MARGIN
 from asperity.stress.planes.stream import LinearPlane, uniform_part
 
 TURNED = [1, 0, 2, 4, 3, 5]
@@ -78,7 +78,7 @@ class Cycles(CycleMaps):
             last = min(first + rows, ny)
             if turned is not None:
                 return self.criteria.reduced(turned[:, first:last], self._is_unloaded)
-            states = fields.rows(first, last)[:, :, MARGIN : MARGIN + nx]
+            states = fields.rows(first, last)[:, :, ROW_MARGIN : ROW_MARGIN + nx]
             return self.criteria.reduced(states, self._is_unloaded)
 
         strips = run_tasks([partial(reduced, first) for first in range(0, ny, rows)], self._threads)

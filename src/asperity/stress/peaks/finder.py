@@ -33,7 +33,7 @@ from asperity.elasticity.loaded_solid import BOUNDARIES
 from asperity.fourier.grid import Grid
 from asperity.stress.peaks.maxima import Entries, Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.selection import checked_ratio
-from asperity.stress.planes.fields import NODES_AT_ONCE, Fields
+from asperity.stress.planes.fields import NODES_AT_ONCE, PlaneFields
 from asperity.stress.planes.planes import StressPlane
 
 REFINED_AT_ONCE = 2**14
@@ -87,7 +87,7 @@ class SearchedPlane(NamedTuple):
 
     depth: float
     grid: Grid
-    fields: Fields
+    fields: PlaneFields
     refresh: Callable[..., None] = lambda: None
 
     def exceeded(
@@ -117,7 +117,7 @@ class PeakFinder:
         of_field = [peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found]
         return Peaks.join([NO_PEAKS, *of_field])
 
-    def plane_above(self, depth: float, grid: Grid) -> Fields | None:
+    def plane_above(self, depth: float, grid: Grid) -> PlaneFields | None:
         """Fields of the last plane, if it is on this grid and in the material of a plane at this depth."""
         if self._last is None or self._last[0].grid != grid or self._are_faces(depth):
             return None
@@ -352,7 +352,7 @@ def _searched(
     check_nodes(grid)
     field, floor = grid.field("field", field), checked_floor(floor)
     periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
-    plane = SearchedPlane(depth, grid, Fields.of_array(field, periodic))
+    plane = SearchedPlane(depth, grid, PlaneFields.of_array(field, periodic))
     ny, rows = grid.shape[0], max(1, 2 * NODES_AT_ONCE // grid.shape[1])
     strips = ((first - 1, first - 1, min(first + rows, ny) + 1) for first in range(0, ny, rows))
     return plane, Maxima.join([maxima_in_rows(plane.fields, *strip, floor) for strip in strips])

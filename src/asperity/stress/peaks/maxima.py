@@ -20,10 +20,10 @@ from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array
 from asperity.stress.planes.fields import (
     BLOCK,
-    MARGIN,
     PACKED,
+    ROW_MARGIN,
     SUMS,
-    Fields,
+    PlaneFields,
     fill_rows,
     row_length,
     sum_row,
@@ -85,13 +85,13 @@ class Maxima(Entries):
 
 
 def maxima_in_rows(
-    fields: Fields,
+    fields: PlaneFields,
     start: int,
     first: int,
     last: int,
     floor: float,
     sought: Array | None = None,
-    above: Fields | None = None,
+    above: PlaneFields | None = None,
     references: Array | None = None,
     sums: Array | None = None,
     kept: KeptArrays | None = None,
@@ -100,14 +100,14 @@ def maxima_in_rows(
 
     Parameters
     ----------
-    fields : Fields
+    fields : PlaneFields
     start, first, last : int
         Rows from `first` to `last` − 1 are computed, those from `start` on have been, the last two into
         `kept`. All rows that now have both neighbours for the first time are searched.
     floor : float
     sought : (fields,) bool array, optional
         Fields whose maxima are sought, by default all.
-    above : Fields, optional
+    above : PlaneFields, optional
         Of the plane above, on the same grid: maxima that do not exceed it at their node are left out.
     references : (fields, ny, nx) array, optional
         Whole numbers, by which the first fields are multiplied.
@@ -164,7 +164,7 @@ def _search_rows(
     for j in range(first, last):
         fill_rows(basis, formulas, j, periodic, shared, values, j % 3, j % 3 + 1)
         for m in range(sums.shape[0]):
-            line = values[m, j % 3, MARGIN : MARGIN + columns]
+            line = values[m, j % 3, ROW_MARGIN : ROW_MARGIN + columns]
             sum_row(line, references, m, j, largest[m], sums[m, j])
         if j < start + 2:
             continue
@@ -180,13 +180,13 @@ def _search_rows(
                     kind, ratio, uniform = formulas.kinds[m], formulas.ratios[m], formulas.uniforms[m]
                     other = value_at(above, kind, ratio, uniform, j - 1, i)
                     places[left] = i
-                    left += abs(lines[1][MARGIN + i]) > abs(other)
+                    left += abs(lines[1][ROW_MARGIN + i]) > abs(other)
                 number = left
             for n in range(number):
                 field[count], row[count], column[count] = m, j - 1, places[n]
                 for a in range(3):
                     for b in range(3):
-                        here[count, a, b] = lines[a][MARGIN - 1 + places[n] + b]
+                        here[count, a, b] = lines[a][ROW_MARGIN - 1 + places[n] + b]
                 count += 1
     for m in range(sums.shape[0]):
         for i in range(BLOCK):
@@ -201,7 +201,7 @@ def _mark(lines: Any, columns: int, floor: float, marks: Any) -> int:
     The nearest four neighbours are compared first, in vectors; a word holds eight flags.
     """
     (above, here, below), (flags, words, places) = lines, marks
-    first, last = MARGIN - 1, MARGIN + columns + 1
+    first, last = ROW_MARGIN - 1, ROW_MARGIN + columns + 1
     above, here, below, line = above[first:last], here[first:last], below[first:last], flags[:columns]
     for i in range(line.size):
         centre = abs(here[i + 1])

@@ -58,7 +58,7 @@ class BasisField(NamedTuple):
 BASIS = (*((name, "constant") for name in COMPONENTS), ("xx", "slope"), ("yy", "slope"), ("xy", "slope"))
 """Components of A and of B for which `Basis.index` has an entry."""
 
-MARGIN = 16
+ROW_MARGIN = 16
 """Numbers before the first node of a row of fields; the last of them is the neighbour beyond the edge."""
 
 BANDS = 8
@@ -127,7 +127,7 @@ class Formulas(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Fields:
+class PlaneFields:
     """Fields of a plane, computed from its basis fields where they are asked for.
 
     Parameters
@@ -143,7 +143,7 @@ class Fields:
     periodic: bool
 
     @classmethod
-    def of_array(cls, values: Array, periodic: bool) -> Fields:
+    def of_array(cls, values: Array, periodic: bool) -> PlaneFields:
         """A field of its own, (ny, nx), in place of σ_zz."""
         real = values.dtype.type
         basis = Basis(np.ascontiguousarray(values)[None], values.shape[1], np.zeros(len(BASIS), int), real(0))
@@ -160,8 +160,8 @@ class Fields:
 
         Returns
         -------
-        (fields, last − first, at least `MARGIN` + nx + 1) array
-            Node i of a row has the index `MARGIN` + i.
+        (fields, last − first, at least `ROW_MARGIN` + nx + 1) array
+            Node i of a row has the index `ROW_MARGIN` + i.
         """
         shape = self.formulas.kinds.size, last - first, row_length(self.basis.columns)
         out = np.empty(shape, self.basis.values.dtype)
@@ -171,7 +171,7 @@ class Fields:
 
     def whole(self) -> Array:
         """Fields in the whole plane, (fields, ny, nx)."""
-        return self.rows(0, self.basis.values.shape[1])[:, :, MARGIN : MARGIN + self.basis.columns]
+        return self.rows(0, self.basis.values.shape[1])[:, :, ROW_MARGIN : ROW_MARGIN + self.basis.columns]
 
     def at(self, row: Array, column: Array) -> Array:
         """The first of the fields at nodes of the plane, (nodes,)."""
@@ -257,7 +257,7 @@ def _needed(kind: int, index: Array) -> Array:
 
 def row_length(columns: int) -> int:
     """Numbers in a row of fields with its margins."""
-    return -(-(MARGIN + columns + 1) // MARGIN) * MARGIN
+    return -(-(ROW_MARGIN + columns + 1) // ROW_MARGIN) * ROW_MARGIN
 
 
 def bands_of(rows: int) -> list[tuple[int, int]]:
@@ -453,7 +453,7 @@ def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, li
             if fields.kinds[m] != _VON_MISES:
                 break
             ratio, uniform = fields.ratios[m], fields.uniforms[m]
-            field = out[m, line, MARGIN + start : MARGIN + stop]
+            field = out[m, line, ROW_MARGIN + start : ROW_MARGIN + stop]
             for i in range(field.size):
                 field[i] = _von_mises(
                     first[i] + ratio * slope_first[i],
@@ -467,7 +467,7 @@ def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, li
 def fill_rows(
     basis: Any, fields: Any, first: int, periodic: bool, shared: Any, out: Any, start: int, stop: int
 ) -> None:
-    """Fill the lines from `start` to `stop` − 1 of `out` with rows from `first` on, see `Fields.rows`.
+    """Fill the lines from `start` to `stop` − 1 of `out` with rows from `first` on, see `PlaneFields.rows`.
 
     `shared` is an array (5, `BLOCK`) in the precision of the plane.
     """
@@ -477,11 +477,11 @@ def fill_rows(
         if fields.kinds[0] == _VON_MISES:
             _fill_von_mises(basis, fields, row, shared, out, line)
         for m in range(fields.kinds.size):
-            here = out[m, line, MARGIN : MARGIN + nx]
+            here = out[m, line, ROW_MARGIN : ROW_MARGIN + nx]
             if fields.kinds[m] != _VON_MISES:
                 _fill_row(basis, fields.kinds[m], fields.ratios[m], fields.uniforms[m], row, here)
-            out[m, line, MARGIN - 1] = here[neighbour(-1, nx, periodic)]
-            out[m, line, MARGIN + nx] = here[neighbour(nx, nx, periodic)]
+            out[m, line, ROW_MARGIN - 1] = here[neighbour(-1, nx, periodic)]
+            out[m, line, ROW_MARGIN + nx] = here[neighbour(nx, nx, periodic)]
 
 
 @vectorised_sums_without_nan
@@ -544,7 +544,7 @@ def _compare(
     kept: Any,
     out: Any,
 ) -> int:
-    """As `Fields.exceeded`; returns the number of nodes that are kept, whose values begin `out`.
+    """As `PlaneFields.exceeded`; returns the number of nodes that are kept, whose values begin `out`.
 
     `given` has one node, to which the `needed` basis fields are interpolated.
     """

@@ -37,8 +37,8 @@ from asperity.stress.planes.fields import (
     MEASURES,
     Basis,
     BasisField,
-    Fields,
     Formulas,
+    PlaneFields,
     Visit,
 )
 from asperity.stress.planes.free_boundary import FreePlanes
@@ -101,7 +101,7 @@ class LinearPlane:
     scale: float
     refresh: Callable[..., None]
 
-    def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> Fields:
+    def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> PlaneFields:
         """Fields of these names and Poisson's ratios, given uniform parts over the mean pressure.
 
         All von Mises stresses stand before other names.
@@ -110,7 +110,7 @@ class LinearPlane:
         kinds = np.array([FIELDS.index(name) for name in names])
         slopes = np.array([0.0 if self.fixed else nu for nu in ratios], real)
         formulas = Formulas(kinds, slopes, np.array([mean * part for part in uniforms], real))
-        return Fields(self.basis, formulas, self.solid.boundary == "periodic")
+        return PlaneFields(self.basis, formulas, self.solid.boundary == "periodic")
 
     def field(self, name: str, poisson: float) -> Array:
         """The field `name` for one Poisson's ratio, (ny, nx)."""
@@ -125,7 +125,7 @@ class LinearPlane:
         """Fields by name, (ratios, ny, nx)."""
         return {name: np.stack([self.field(name, nu) for nu in ratios]) for name in names}
 
-    def _one(self, name: str, poisson: float) -> Fields:
+    def _one(self, name: str, poisson: float) -> PlaneFields:
         return self.fields([name], [poisson], [uniform_part(self.solid.layer, poisson, self.depth)])
 
 

@@ -59,7 +59,7 @@ SECOND_ORDER = "gradient_rms_contact", "peak_count", "mean_depth", "mean_depth_h
 PERCENTILES = {"p90": 0.9, "p99": 0.99, "largest": 1.0}
 """Name of a number → level of the quantile of the peaks that it is."""
 
-LEVELS = (*PERCENTILES.values(),)
+PERCENTILE_LEVELS = (*PERCENTILES.values(),)
 
 DEPTHS = "mean_depth", "mean_depth_highest"
 DECAYS = "decay_length_depth", "decay_length_plane"
@@ -205,14 +205,14 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
         found = numbers_on(fine)
         best = error = found * np.nan
     else:
-        found, best, error = estimates(fine, other, lost)
+        found, best, error = extrapolated_numbers(fine, other, lost)
     outputs = [name for name in OUTPUTS if name in found]
     joined = xr.concat([kind[outputs] for kind in (found, other, best, error)], "kind", coords="minimal")
     return joined.assign_coords(kind=list(KINDS)).assign_attrs({"reason": reason} if reason else {})
 
 
-def estimates(
-    fine: OnGrid, other: xr.Dataset, lost: float, levels: Sequence[float] | Array = LEVELS
+def extrapolated_numbers(
+    fine: OnGrid, other: xr.Dataset, lost: float, levels: Sequence[float] | Array = PERCENTILE_LEVELS
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """Numbers on a grid, their estimates at vanishing spacing, and the relative errors of these.
 
@@ -297,7 +297,7 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> xr.D
     return error
 
 
-def numbers_on(results: OnGrid, levels: Sequence[float] | Array = LEVELS) -> xr.Dataset:
+def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEVELS) -> xr.Dataset:
     """Numbers of the contact, and those of the peaks and the decay of its stress, on one grid."""
     touching = results.pressure > 0
     edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))

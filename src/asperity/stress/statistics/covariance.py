@@ -14,7 +14,7 @@ from asperity.core.compiled import compiled, vectorised_sums_without_nan
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import MARGIN, NODES_AT_ONCE, PACKED, Fields
+from asperity.stress.planes.fields import NODES_AT_ONCE, PACKED, ROW_MARGIN, PlaneFields
 
 MOST_KEPT = 8
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
@@ -102,7 +102,7 @@ class References:
         self._grid = grid
         return self._packed
 
-    def add(self, number: int, sums: Array, fields: Callable[[list[int]], Fields]) -> None:
+    def add(self, number: int, sums: Array, fields: Callable[[list[int]], PlaneFields]) -> None:
         """Add the next plane downward, given the sums of its rows with the references on its grid.
 
         It becomes the reference of the fields whose largest value is the largest so far.
@@ -133,7 +133,7 @@ class References:
             for m in np.flatnonzero(~has_risen).tolist():
                 self._packed[m] = former[m]
         self._largest[risen] = largest[risen]
-        self._fill(self._packed, risen, largest[risen], fields(risen).rows, MARGIN)
+        self._fill(self._packed, risen, largest[risen], fields(risen).rows, ROW_MARGIN)
         self.number[risen] = number
         self.covariance[risen, number] = (square / size - mean * mean)[risen]
         self.missing[risen] = np.where(self._rising[risen], 0, number)

@@ -25,7 +25,7 @@ from asperity.fourier.grid import Grid
 from asperity.results import dataset
 from asperity.results.dataset import grid_of, settings_of
 from asperity.stress.peaks.selection import peaks, selection_for
-from asperity.stress.statistics.continuum import OnGrid, estimates, numbers_on
+from asperity.stress.statistics.continuum import OnGrid, extrapolated_numbers, numbers_on
 from asperity.stress.statistics.density import bin_edges
 from asperity.stress.statistics.patches import depth_patch_correlation
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
@@ -204,7 +204,7 @@ def stress_numbers(
     """
     if half is not None:
         lost = half[0].attrs["lost_gradient"]
-        found, best, error = estimates(
+        found, best, error = extrapolated_numbers(
             _on_grid(contact, stress), numbers_on(_on_grid(*half)), lost, QUANTILES
         )
     else:
