@@ -11,6 +11,7 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -19,7 +20,6 @@ import yaml
 from project import ROOT
 
 import asperity
-from asperity.cli.commands.study import PARTS
 from asperity.core.packages import ALTERNATIVES, PACKAGES
 
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
@@ -134,7 +134,8 @@ def test_the_study_of_the_wheel_can_be_planned(shared):
     folder = shared.folder / "paper"
     found = shared.run("asperity", "study", "init", "paper")
     assert found.returncode == 0, found.stderr
-    for part in PARTS:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    for part in project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]:
         files = [path for path in (ROOT / part, *(ROOT / part).rglob("*")) if path.is_file()]
         names = [path.relative_to(ROOT) for path in files if "__pycache__" not in path.parts]
         assert names

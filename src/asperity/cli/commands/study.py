@@ -5,29 +5,15 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
+import tomllib
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from asperity.core.errors import one_line
 from asperity.core.packages import absent, install_command
 
-PARTS = (
-    "Snakefile",
-    "config",
-    "profiles",
-    "workflow/Snakefile",
-    "workflow/maps.smk",
-    "workflow/cost.py",
-    "workflow/crate.py",
-    "workflow/envs",
-    "workflow/report",
-    "workflow/rules",
-    "workflow/scripts",
-)
-"""Files and folders of the study, by their place in the project."""
-
 PACKAGED = "study/project"
-"""Folder of the installed package that holds them; pyproject.toml puts them there when the wheel is built."""
+"""Folder of the installed package with the study; pyproject.toml puts it there when the wheel is built."""
 
 _NEXT = """\
 next:
@@ -65,13 +51,16 @@ def make_study_folder(folder: str | os.PathLike[str]) -> Path:
         raise ValueError(f"{folder}: holds {held[0]}; the name of an empty or new folder is needed")
     path.mkdir(parents=True, exist_ok=True)
     package = Path(__file__).parents[2]
-    packaged = package / PACKAGED
-    source = packaged if packaged.is_dir() else package.parents[1]  # the project around the package
+    source, parts = package / PACKAGED, ["."]
+    if not source.is_dir():  # the project around the package
+        source = package.parents[1]
+        project = tomllib.loads((source / "pyproject.toml").read_text(encoding="utf-8"))
+        parts = [*project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]]
     try:
         with TemporaryDirectory(dir=path) as temporary:
             unfinished = Path(temporary)
             # Without permissions and times: an installed package may be read-only.
-            for file in (each for part in PARTS for each in (source / part, *(source / part).rglob("*"))):
+            for file in (each for part in parts for each in (source / part, *(source / part).rglob("*"))):
                 if file.is_file() and file.parent.name != "__pycache__":
                     target = unfinished / file.relative_to(source)
                     target.parent.mkdir(parents=True, exist_ok=True)
