@@ -48,9 +48,10 @@ class ResultAccessor:
 
     @property
     def stage(self) -> str | None:
-        """The stage of which it is a result: surface, contact or stress; None for another dataset."""
-        marks = {"stress": "peak_value", "contact": "pressure", "surface": "height"}
-        return next((stage for stage, name in marks.items() if name in self._dataset), None)
+        """The stage of which it is a result, as of `asperity.results.dataset.stage_of`."""
+        from asperity.results.dataset import stage_of
+
+        return stage_of(self._dataset)
 
     def __repr__(self) -> str:
         methods = [name for name, stages in STAGES.items() if self.stage in stages]
