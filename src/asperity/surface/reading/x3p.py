@@ -67,7 +67,9 @@ def read_x3p(file: BinaryIO) -> FileContent:
             _require_checksum("heights", points, text("Record3/DataLink/MD5ChecksumPointData"))
             raw: Array = np.frombuffer(points, TYPES[data_type], math.prod(shape)).astype(float)
         else:
-            raw = np.array([_listed(item.text) for item in root.iterfind("{*}Record3/{*}DataList/{*}Datum")])
+            entries = (item.text or "" for item in root.iterfind("{*}Record3/{*}DataList/{*}Datum"))
+            heights = (entry.split(";")[-1].strip().replace(",", ".") for entry in entries)  # last coordinate
+            raw = np.array([float(height or "nan") for height in heights])
         if raw.size != math.prod(shape):
             raise ValueError(f"{shape[0]} x {shape[1]} heights are needed, it holds {raw.size}")
         bits = member(text("Record3/DataLink/ValidPointsLink") or "-")
@@ -86,12 +88,6 @@ def read_x3p(file: BinaryIO) -> FileContent:
 def _plain(name: str) -> str:
     """Name of a member in one form: small letters, slashes, no point at its begin."""
     return posixpath.normpath(name.replace("\\", "/")).lstrip("/").lower()
-
-
-def _listed(text: str | None) -> float:
-    """Height in an entry of a list, the last of its coordinates; NaN without one."""
-    last = (text or "").split(";")[-1].strip().replace(",", ".")
-    return float(last) if last else math.nan
 
 
 def _require_checksum(what: str, content: bytes, stated: str) -> None:
