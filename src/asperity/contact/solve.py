@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from asperity.contact import active_set, gfmd
 from asperity.contact.certificate import checked_certificate, field_in_double, rms_deviation
 from asperity.contact.problem import Control, Problem, State, Units
-from asperity.contact.response import Response, response_on
+from asperity.contact.response import response_on
 from asperity.contact.solution import Contact
 from asperity.core.arguments import (
     LARGEST,
@@ -37,6 +37,12 @@ from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.fourier.grid import Grid, real_type
 
 METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
+
+FULL_CONTACT = (
+    "the height of the mean plane above the point that touches first; there a periodic half-space is in full "
+    "contact"
+)
+"""Limit of the approach since first touch of a solid without uniform displacement."""
 
 _LEAST_LOAD, _LARGEST_LOAD = 1e-150, 1e150
 _LOAD = (
@@ -171,7 +177,7 @@ def solve(
     solid_units = Units.of_solid(solid, grid)
     solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
-    _check_approach(control, response, values)
+    _check_approach(control, values, solid, boundary)
     units = solid_units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach
         units = replace(units, below=math.inf, above=math.inf)
@@ -356,11 +362,18 @@ def _check_method(method: str, boundary: str, hardness: float | None) -> None:
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
 
 
-def _check_approach(control: Control, response: Response, height: Array) -> None:
+def approach_of_full_contact(height: Array, solid: Solid, boundary: str = "periodic") -> float:
+    """Mean height, out of reach of a periodic solid without uniform displacement; infinite for others."""
+    has_limit = boundary == "periodic" and solid.uniform_compliance() == 0
+    return float(height.mean()) if has_limit else math.inf
+
+
+def _check_approach(control: Control, height: Array, solid: Solid, boundary: str) -> None:
     """Require an approach that the solid can reach."""
-    if control.kind == "approach" and response.uniform_compliance == 0 and control.value >= height.mean():
+    most = approach_of_full_contact(height, solid, boundary)
+    if control.kind == "approach" and control.value >= most:
         raise ValueError(
-            f"approach = {shown(control.value)}: less than the mean height {height.mean():.6g} is needed, "
+            f"approach = {shown(control.value)}: less than the mean height {most:.6g} is needed, "
             "because this solid has no uniform displacement"
         )
 

@@ -11,20 +11,14 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from asperity.contact import Contact, solve
+from asperity.contact import Contact
+from asperity.contact.half_grid import HALF_TOLERANCE, solve_on_half
 from asperity.contact.slip import PartialSlip, partial_slip
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Grid
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.planes.planes import depth_grid
-from asperity.stress.statistics.continuum import (
-    HALF_TOLERANCE,
-    OnGrid,
-    extrapolate,
-    on_half_the_nodes,
-    reason_against,
-)
+from asperity.stress.statistics.continuum import OnGrid, extrapolate, reason_against
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,24 +111,16 @@ def continuum(
 
 def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGrid:
     """The contact on half of the nodes, under the same load, and under its tangential force."""
-    height, grid = contact.height, contact.grid
-    reason, lost = "the boundary is free, and the estimate is made for periodic cells", 0.0
-    if contact.boundary == "free":  # every second node
-        height = height[::2, ::2]
-        edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
-        grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
-    else:
-        reason = reason_against(contact.pressure, height)
-        height, grid, lost = on_half_the_nodes(height, grid)
-    pressure = contact.force / grid.area
-    half = solve(
-        height,
+    reason = "the boundary is free, and the estimate is made for periodic cells"
+    if contact.boundary != "free":
+        reason = reason_against(contact.pressure, contact.height)
+    half, lost = solve_on_half(
+        contact.height,
         contact.solid,
-        grid.length,
-        boundary=contact.boundary,
-        mean_pressure=pressure,
+        contact.grid,
+        contact.boundary,
+        force=contact.force,
         hardness=contact.hardness if math.isfinite(contact.hardness) else None,
-        rtol=HALF_TOLERANCE,
     )
     if slip is None:
         return HalfGrid(half, lost, reason)

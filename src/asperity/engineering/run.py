@@ -11,6 +11,7 @@ import numpy as np
 
 from asperity.contact import Contact, solve
 from asperity.contact.gap import check_film_grid, percolation
+from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.arguments import require_finite
 from asperity.core.packages import require
 from asperity.core.types import Progress
@@ -280,13 +281,10 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
                 f"approach = {shown_si(load.value, 'm')}: a length from {shown_si(least, 'm')}, which is "
                 f"{SMALLEST_APPROACH:g} of the range of heights, to {shown_si(furthest, 'm')} is needed"
             )
-        most = float(face.height.mean()) - lowest
-        if face.boundary == "periodic" and case.solid.uniform_compliance() == 0 and load.value >= most:
-            raise ValueError(
-                f"approach = {shown_si(load.value, 'm')}: less than {shown_si(most, 'm')} is needed, the "
-                "height of the mean plane above the point that touches first; there a periodic half-space "
-                "is in full contact"
-            )
+        most = approach_of_full_contact(face.height, case.solid, face.boundary) - lowest
+        if load.value >= most:
+            accepted = f"less than {shown_si(most, 'm')} is needed, {FULL_CONTACT}"
+            raise ValueError(f"approach = {shown_si(load.value, 'm')}: {accepted}")
         imposed = {"approach": lowest + load.value}
     return solve(
         face.height,

@@ -32,12 +32,9 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.types import Array
-from asperity.fourier.grid import Fourier, Grid, mean_square, resample
+from asperity.fourier.grid import Grid
 from asperity.stress.peaks.selection import peak_numbers
 from asperity.stress.statistics.covariance import decay_lengths
-
-HALF_TOLERANCE = 1e-4
-"""Of the second solution and of the planes of its stress: far below the error of the grid."""
 
 LEAST_NODES = 200
 """Nodes in contact, and nodes out of contact, below which there is no estimate."""
@@ -45,10 +42,6 @@ LEAST_NODES = 200
 FLAT = 1e-3
 """Median curvature at the contact nodes, over the root mean square of all, below which heights are flat or
 stepped; it is 0.7 on a Gaussian surface."""
-
-
-MIRRORED = 1e-9
-"""Largest difference of heights from their mirror images, over their range, for rounding errors."""
 
 BOUNDARY_SHARE = 0.102
 """Area over spacing and boundary that nodes in contact count too much."""
@@ -167,25 +160,6 @@ def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0) ->
     if touching.size - nodes < LEAST_NODES:
         return f"{touching.size - nodes} nodes are out of contact, and {LEAST_NODES} are needed"
     return ""
-
-
-def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
-    """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
-
-    The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
-    The mirrors of a mirrored map stand between two nodes. Its nodes here are moved by half a spacing of all
-    nodes, so that they are mirror images of each other, too.
-    """
-    half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
-    modes = Fourier(grid).forward(height)
-    whole = mean_square(modes, grid, grid.wavenumber() ** 2)
-    modes = resample(modes, grid, half)
-    kept = mean_square(modes, half, half.wavenumber() ** 2)
-    along = (half.qy[:, None], half.odd_qy[:, None]), (half.qx[None, :], half.odd_qx[None, :])
-    for axis, (q, odd_q) in enumerate(along):
-        if np.abs(height - np.flip(height, axis)).max() <= MIRRORED * np.ptp(height):
-            modes *= np.where(odd_q == q, np.exp(0.5j * grid.spacing[axis] * odd_q), 0)
-    return Fourier(half).inverse(modes), half, 1 - kept / whole if whole else 0.0
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:

@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.contact import solve, solve_path
+from asperity.contact import solve_path
+from asperity.contact.half_grid import solve_on_half
+from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.elasticity.layer import Layer, simplest_solid
 from asperity.results.dataset import grid_of, height_of
-from asperity.stress.statistics.continuum import HALF_TOLERANCE, on_half_the_nodes, reason_against
+from asperity.stress.statistics.continuum import reason_against
 from asperity.study.config.schema import imposed_load
 
 SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poisson_contact")
@@ -97,12 +99,9 @@ def solve_contact(
     fractions = {*contact_settings.get("path_area_fractions", ())}
     if kind == "area_fraction":
         fractions.add(value)
-    most = float(height.mean() - height.min())  # of a solid that the mean pressure does not displace
-    if kind == "approach" and layer.uniform_compliance() == 0 and not value < most:
-        raise ValueError(
-            f"contact.approach = {value!r}: less than {most:.6g} is needed, the height of the mean plane "
-            "above the point that touches first; there a periodic half-space is in full contact"
-        )
+    lowest = float(height.min())
+    if kind == "approach" and value >= (most := approach_of_full_contact(height, layer) - lowest):
+        raise ValueError(f"contact.approach = {value!r}: less than {most:.6g} is needed, {FULL_CONTACT}")
     path = sorted(fractions)
     press = partial(
         solve_path,
@@ -120,8 +119,7 @@ def solve_contact(
         if kind == "area_fraction" and fraction == value:
             contact = step
     if kind != "area_fraction":
-        position = float(height.min()) + value
-        own = {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [position]}
+        own = {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [lowest + value]}
         (contact,) = press(**own, progress=progress)
         curve.append((contact.area_fraction, contact.mean_pressure, contact.gradient_rms_contact))
         curve.sort()
@@ -158,8 +156,5 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
     if reason_against(contact["pressure"].values, height, float(contact.get("plastic_area", 0))):
         return None
     layer, record = solid(layer_settings)
-    height, grid, lost = on_half_the_nodes(height, grid_of(contact))
-    half = solve(
-        height, layer, grid.length, mean_pressure=float(contact["mean_pressure"]), rtol=HALF_TOLERANCE
-    )
+    half, lost = solve_on_half(height, layer, grid_of(contact), mean_pressure=float(contact["mean_pressure"]))
     return half.to_dataset().assign_attrs(record, lost_gradient=lost)

@@ -6,12 +6,12 @@ from typing import Any
 
 import xarray as xr
 
+from asperity.contact.half_grid import HALF_TOLERANCE
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.results.dataset import grid_of
 from asperity.stress.analysis import SOUGHT, analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
-from asperity.stress.statistics.continuum import HALF_TOLERANCE
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, contact_on_half_the_nodes, solid
 from asperity.study.stages.statistics import stress_numbers
 
