@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.core.types import Array
-from asperity.results.dataset import unit_system
 from asperity.stress.peaks.selection import SAME_RATIO, peaks
 from asperity.views.panels import canvas, finish_title
 from asperity.views.scales import Measure, measure, robust_limits
@@ -84,7 +83,9 @@ def plot_peaks(
     for _, data in given:
         if not (isinstance(data, xr.Dataset) and "peak_value" in data):
             raise TypeError("stress: a result of stage stress, with its peaks, is needed")
-    systems = [unit_system(data) for _, data in given]
+    systems = [
+        data.attrs.get("unit_system") for _, data in given
+    ]  # None where it is unknown
     require_same_system(systems)
     system = systems[0]
     found = [_peaks(data, quantity, poisson) for _, data in given]

@@ -20,6 +20,7 @@ from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array
 from asperity.stress.planes.fields import (
     BLOCK,
+    LANES,
     PACKED,
     ROW_MARGIN,
     SUMS,
@@ -127,7 +128,7 @@ def maxima_in_rows(
     memory = (
         kept.array("values", (count, 3, row_length(columns)), real),
         kept.array("shared", (5, BLOCK), real),
-        kept.array("largest", (count, BLOCK), real),
+        (kept.array("largest", (count, LANES), real), kept.array("lanes", (3, LANES), real)),
         (flags, flags.view(np.uint64), kept.array("places", (columns // 2 + 1,), np.int32)),
     )
     number = _search_rows(
@@ -158,14 +159,14 @@ def _search_rows(
 ) -> int:
     """As `maxima_in_rows`, row by row, so that values stay in the cache; returns the number of maxima."""
     (basis, above), (floor, periodic, is_compared), (start, first, last) = planes, options, rows
-    (values, shared, largest, marks), (field, row, column, here) = memory, found
+    (values, shared, (largest, lanes), marks), (field, row, column, here) = memory, found
     places, columns, count = marks[2], basis.columns, 0
     largest[:] = -np.inf
     for j in range(first, last):
         fill_rows(basis, formulas, j, periodic, shared, values, j % 3, j % 3 + 1)
         for m in range(sums.shape[0]):
             line = values[m, j % 3, ROW_MARGIN : ROW_MARGIN + columns]
-            sum_row(line, references, m, j, largest[m], sums[m, j])
+            sum_row(line, references, m, j, largest[m], lanes, sums[m, j])
         if j < start + 2:
             continue
         for m in range(sought.size):
@@ -189,7 +190,7 @@ def _search_rows(
                         here[count, a, b] = lines[a][ROW_MARGIN - 1 + places[n] + b]
                 count += 1
     for m in range(sums.shape[0]):
-        for i in range(BLOCK):
+        for i in range(LANES):
             sums[m, first, 2] = max(sums[m, first, 2], largest[m, i])
     return count
 

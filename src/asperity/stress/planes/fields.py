@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.core.compiled import compiled, inlined, vectorised_sums_without_nan
+from asperity.core.compiled import compiled, inlined
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
@@ -78,6 +78,9 @@ BLOCK = 512
 
 SUMS = 4
 """Numbers of each row in `sum_row`."""
+
+LANES = 64
+"""Numbers that are added side by side in `sum_row`."""
 
 PACKED = {"float32": np.int16, "float64": np.int32}
 """Types of the whole numbers in which planes are kept. Rounding, by 2e-5 or 2e-10 of the largest value, is
@@ -484,9 +487,12 @@ def fill_rows(
             out[m, line, ROW_MARGIN + nx] = here[neighbour(nx, nx, periodic)]
 
 
-@vectorised_sums_without_nan
-def sum_row(line: Any, references: Any, m: int, row: int, largest: Any, out: Any) -> None:
+@compiled
+def sum_row(line: Any, references: Any, m: int, row: int, largest: Any, lanes: Any, out: Any) -> None:
     """Sum one row of a field: the sum, the sum of squares, and that of products with a reference.
+
+    Numbers are added by lanes, as operations on vectors do it: the order of additions, and so the rounding,
+    does not depend on what the compiler makes of the loop, nor on the process that has compiled it.
 
     Parameters
     ----------
@@ -494,28 +500,32 @@ def sum_row(line: Any, references: Any, m: int, row: int, largest: Any, out: Any
     references : (fields, ny, columns) array
         Products are summed where the field `m` has a reference.
     m, row : int
-    largest : (`BLOCK`,) array in the precision of the field
-        The largest values so far at places of a block: unlike a single one, they are found in vectors.
+    largest : (`LANES`,) array in the precision of the field
+        The largest values so far.
+    lanes : (3, `LANES`) array in the precision of the field
+        Working space.
     out : (`SUMS`,) array
         The sums become its numbers 0, 1 and 3.
     """
-    total = square = product = 0.0
-    for begin in range(0, line.size, largest.size):
-        end = min(begin + largest.size, line.size)
-        some = line[begin:end]
-        part = squares = products = some[0] - some[0]
+    part, squares, products = lanes[0], lanes[1], lanes[2]
+    for i in range(LANES):
+        part[i] = squares[i] = products[i] = 0
+    for begin in range(0, line.size, LANES):
+        some = line[begin : begin + LANES]
         for i in range(some.size):
-            part += some[i]
-            squares += some[i] * some[i]
-        for i in range(some.size):
-            largest[i] = max(largest[i], some[i])
+            value = some[i]
+            part[i] += value
+            squares[i] += value * value
+            largest[i] = value if value > largest[i] else largest[i]
         if m < references.shape[0]:
-            other = references[m, row, begin:end]
+            other = references[m, row, begin : begin + LANES]
             for i in range(some.size):
-                products += some[i] * some.dtype.type(other[i])
-        total += part
-        square += squares
-        product += products
+                products[i] += some[i] * some.dtype.type(other[i])
+    total = square = product = 0.0
+    for i in range(LANES):
+        total += part[i]
+        square += squares[i]
+        product += products[i]
     out[0], out[1], out[3] = total, square, product
 
 
