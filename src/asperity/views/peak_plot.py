@@ -83,9 +83,7 @@ def plot_peaks(
     for _, data in given:
         if not (isinstance(data, xr.Dataset) and "peak_value" in data):
             raise TypeError("stress: a result of stage stress, with its peaks, is needed")
-    systems = [
-        data.attrs.get("unit_system") for _, data in given
-    ]  # None where it is unknown
+    systems = [data.attrs.get("unit_system") for _, data in given]  # None where it is unknown
     require_same_system(systems)
     system = systems[0]
     found = [_peaks(data, quantity, poisson) for _, data in given]
