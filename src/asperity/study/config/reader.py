@@ -44,9 +44,6 @@ _SCALARS = {
 class _Loader(yaml.SafeLoader):
     """Reader of YAML 1.2 that refuses a key given twice."""
 
-    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
-        return int(node.value)  # decimal, also with a leading zero
-
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         known: set[str] = set()
         for key, _ in node.value:
@@ -61,7 +58,8 @@ class _Loader(yaml.SafeLoader):
 _Loader.yaml_implicit_resolvers = {
     None: [(f"tag:yaml.org,2002:{tag}", re.compile(pattern)) for tag, pattern in _SCALARS.items()]
 }
-_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
+# Decimal, also with a leading zero.
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda _, node: int(node.value))
 
 
 def load(path: str | Path) -> dict[str, Any]:
