@@ -22,11 +22,11 @@ OWN_BEGIN = {
     ".csv": rb"quantity,|[yx]_(um|cell_length),",
     ".vti": rb'<\?xml version="1.0" encoding="UTF-8"\?><VTKFile type="ImageData"',
     ".parquet": rb"PAR1",
-    ".png": rb"\x89PNG.{20}\x08\x06",  # eight bits of four colours, which no map has
+    ".png": rb"\x89PNG.{20}\x08\x06",  # 8-bit RGBA, never a height map
     ".pdf": rb"%PDF",
     ".svg": rb"<\?xml",
 }
-"""End of a name → begin of the files of this name that the commands write."""
+"""Suffix → pattern of the first bytes of files that the commands write."""
 
 MAKERS = {
     "surface": "asperity surface",
@@ -38,7 +38,7 @@ MAKERS = {
 
 
 def read_result(path: str | Path, stages: Collection[str]) -> tuple[str, xr.Dataset]:
-    """Stage and content of a result file, which has to be of one of some stages.
+    """Stage and content of a result file of one of the accepted stages.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def check_out(outs: Iterable[tuple[str, str]], inputs: Iterable[str] = ()) -> No
             with open(path, "rb") as file:
                 begin = file.read(100)
             own = OWN_BEGIN.get(path.suffix)
-            # An empty file may be replaced, and one that a command has written under this name.
+            # Only an empty file, or one in the format that a command writes, may be replaced.
             if begin and not (is_result(path) if own is None else re.match(own, begin, re.DOTALL)):
                 raise ValueError(
                     f"{option} {out}: asperity has not written this file; another name is needed"
@@ -148,7 +148,7 @@ def length(name: str, text: str, si: bool) -> float:
     Raises
     ------
     ValueError
-        If it has no unit although the result is in SI, or one although it is dimensionless.
+        If it has no unit and the result is in SI, or has one and the result is dimensionless.
     """
     if si:
         return to_si(text, "length", name)

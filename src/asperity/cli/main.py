@@ -20,7 +20,7 @@ from asperity.core.packages import BASE, NAMES, NEEDED, PACKAGES, MissingPackage
 INTERRUPTED = "interrupted; run the same command again to start over"
 
 RARELY = 100_000
-"""New objects after which those in circles are collected. Imports make many that stay: with Python's 700,
+"""Allocations between two garbage collections. Imports allocate many objects that stay: with Python's 700,
 `asperity run` on 512² points takes a tenth longer."""
 
 
@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signals = (signal.SIGINT, signal.SIGTERM) if threading.current_thread() is threading.main_thread() else ()
     earlier = {number: signal.signal(number, _interrupt) for number in signals}
     if arguments is None:
-        os.environ["MPLBACKEND"] = "agg"  # a notebook names one that may not be installed here
+        os.environ["MPLBACKEND"] = "agg"  # a notebook sets one that may not be installed here
         gc.set_threshold(RARELY, 50, 50)
     try:
         _run(arguments)
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         module = (error.name or "").split(".")[0]
         return fail(message([module]) if module in NAMES else str(error))
-    except BrokenPipeError:  # of a program such as head, which has seen enough
+    except BrokenPipeError:  # a reader such as head has closed the pipe
         _drop_output()
     except OSError as error:
         if error.filename is None and _output_fails():
@@ -74,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         *(DatasetError, ConvergenceError, PreflightError),
     ) as error:
         return fail(str(error) or type(error).__name__)
-    except (LookupError, ZeroDivisionError) as error:  # a crafted file has a valid fingerprint too
+    except (LookupError, ZeroDivisionError) as error:  # a manipulated file may have a valid fingerprint
         return fail(
             f"not a whole result of asperity, or an error of its own: {type(error).__name__}: {error}"
         )
@@ -94,7 +94,7 @@ def _output_fails() -> bool:
 
 
 def _drop_output() -> None:
-    """Let nothing more be written to stdout, also at the end of the process."""
+    """Discard further output to stdout, also when the process ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -109,7 +109,7 @@ def _run(arguments: Sequence[str] | None) -> None:
     from asperity.cli.parser import parse, with_flags
 
     options = parse(arguments)
-    from asperity.fourier import fft_engine  # takes time, for which help and wrong usage do not wait
+    from asperity.fourier import fft_engine  # a slow import that help and usage errors do not need
 
     engine = getattr(options, "fft_engine", None)
     with fft_engine(engine) if engine else nullcontext():

@@ -27,7 +27,7 @@ SHARED: dict[str, Any] = COMMANDS.pop("shared")
 """Name → a group of arguments that several commands share."""
 
 MANY = 8
-"""Values of a list that a message shows at most."""
+"""Most values of a list that a message shows."""
 
 DESCRIPTION = """\
 Stress inside an elastic solid pressed against a rough surface. The command run takes a measured map,
@@ -42,7 +42,7 @@ hold: verify. The study of the paper: study."""
 _PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"} | {
     quantity: quantity.upper() for quantity in ("pressure", "force", "length", "area", "volume")
 }
-"""Format or type of a setting → its value in the usage of a command."""
+"""Format or type of a setting → placeholder of its value in the usage."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -57,7 +57,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parse(words: Sequence[str] | None) -> argparse.Namespace:
-    """The options of a command line; one given twice is refused, an unknown one answered with the nearest."""
+    """The options of a command line; refuses repeated options, and suggests the nearest for unknown ones."""
     found, unknown = make_parser().parse_known_args(words)
     entry = COMMANDS[found.command]
     known = {
@@ -132,14 +132,14 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
 
 
 def _of_setting(key: str, default_text: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
-    """Options of an argument for a setting, from the schema; its value is found under the setting's key.
+    """Keywords of `add_argument` for a setting, from the schema; its value is stored under its key.
 
     Parameters
     ----------
     key : str
         Dotted key.
     default_text : str, optional
-        What holds if the argument is left out; the default of the setting is not used then.
+        Behaviour if the argument is left out, in place of the default of the setting.
     words : str, optional
         Accepted values, in place of those of the schema.
     as_text : bool

@@ -19,7 +19,7 @@ SMALLEST, LARGEST = 1e-75, 1e75
 """Range of lengths, wavenumbers, heights and moduli: their fourth powers stay within double precision."""
 
 QUANTITY = ("magnitude", "to_value")
-"""Attributes of a quantity of pint, and of one of astropy or unyt, which NumPy takes without its unit."""
+"""Attributes of quantities of pint, and of astropy and unyt, whose unit NumPy would drop."""
 
 
 def number(name: str, value: Any, accepted: str, accepts: Callable[[float], bool]) -> float:
@@ -59,7 +59,7 @@ def whole_number(name: str, value: Any, accepted: str, accepts: Callable[[int], 
 
 
 def thread_count(value: Any) -> int:
-    """A number of threads: more than 1024 are more than any machine has cores."""
+    """A number of threads, at most 1024."""
     return whole_number(
         "threads", value, "a whole number from 1 to 1024", lambda threads: 1 <= threads <= 1024
     )
@@ -129,7 +129,7 @@ COLUMN_AXES = frozenset(("x", "col", "cols", "column", "columns", "lon", "longit
 
 
 def plane_axes(dims: Sequence[Any]) -> tuple[Any, Any] | None:
-    """The axes along y and x among two axes, by their names; None if these do not say it."""
+    """The axes along y and x of two named axes; None if their names do not tell."""
     kinds = [(str(axis).lower() in ROW_AXES) - (str(axis).lower() in COLUMN_AXES) for axis in dims]
     if kinds not in ([1, -1], [-1, 1]):
         return None
@@ -147,7 +147,7 @@ def rising(values: Any) -> Any:
 
 
 def _sorted_frame(name: str, frame: Any) -> Any:
-    """A DataFrame with rows and columns in the order of the numbers by which they are named."""
+    """A DataFrame sorted by its numeric row and column labels."""
     import pandas as pd
 
     for axis, labels in enumerate((frame.index, frame.columns)):
@@ -188,7 +188,7 @@ def require_finite(function: str, results: Mapping[Any, Any], *, undefined: bool
     results : mapping
         Name → number or array; integers, truth values and text are always finite.
     undefined : bool, optional
-        NaN is accepted, where the function says what it stands for.
+        NaN is accepted, for functions that document its meaning.
     """
     for name, values in results.items():
         array = np.asarray(values)
@@ -202,8 +202,7 @@ def require_finite(function: str, results: Mapping[Any, Any], *, undefined: bool
 
 def is_finite(array: Array, undefined: bool = False) -> bool:
     """True if all elements of an array are finite; NaN counts as finite if it is `undefined`."""
-    # The sum of finite numbers is finite unless it overflows, and takes a fraction of the time of the
-    # second test.
+    # A finite sum is proof and takes a fraction of the second test's time, but finite numbers may overflow.
     with np.errstate(over="ignore", invalid="ignore"):
         if np.isfinite(array.sum()):
             return True

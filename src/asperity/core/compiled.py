@@ -1,8 +1,8 @@
 """Decorators of the loops that numba compiles to machine code.
 
-All of them keep the machine code for later runs, release the interpreter's lock, and divide by zero as NumPy
-does. A loop that makes no array is compiled without counting references to arrays, which takes time in loops
-over the rows of a plane. A line on stderr says when the first of them is compiled.
+All of them keep the machine code for later runs, release the GIL, and divide by zero as NumPy does. A loop
+that allocates no array is compiled without reference counts, which take time in loops over the rows of a
+plane. A line on stderr says when the first of them is compiled.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if config.DISABLE_JIT:  # type: ignore[attr-defined]
 
 
 class _Notice(event.Listener):
-    """Says once that functions of asperity are compiled."""
+    """Message, printed once, that functions of asperity are compiled."""
 
     said = False
 
@@ -42,16 +42,15 @@ _loop = partial(_kept, _nrt=False)
 compiled = _loop()
 compiled_with_arrays = _kept()
 
-# Inlined into the calling loop, which can then be turned into operations on vectors.
+# Inlined, so that the calling loop can be vectorised.
 inlined = _loop(forceinline=True)
 
-# A product and a sum may be rounded once instead of twice; infinities and NaN keep their meaning.
+# Fused multiply-add is allowed; infinities and NaN keep their meaning.
 fused = _loop(fastmath={"contract"})
 fused_inlined = _loop(fastmath={"contract"}, forceinline=True)
 
-# Numbers may be added in any order, as operations on vectors need: it depends on the processor, but not on
-# the number of threads.
+# Sums may be reordered for vectorisation: the order depends on the processor, not on the number of threads.
 vectorised_sums = _loop(fastmath={"reassoc", "contract", "nsz"})
 
-# None of the numbers is NaN: only then some loops that sum or compare are turned into operations on vectors.
+# Assumes that no number is NaN: some loops that sum or compare are vectorised only then.
 vectorised_sums_without_nan = _loop(fastmath={"reassoc", "nnan", "nsz", "contract"})

@@ -5,8 +5,8 @@ from typing import Any
 
 
 def packaged_yaml(package: str, name: str) -> Any:
-    """Content of a YAML file beside the modules of a package, read by the fast reader where there is one."""
-    import yaml  # without it, the caller says which package is missing
+    """Content of a YAML file beside the modules of a package, parsed by libyaml where it is available."""
+    import yaml  # the caller reports it if it is missing
 
     text = (files(package) / name).read_text(encoding="utf-8")
     return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-# Characters of a value that a message shows at most.
+# Most characters of a value in a message.
 _LONGEST_VALUE = 60
 
 
@@ -118,7 +118,7 @@ def shown(value: Any) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """End of a message on an unknown word: the known one that is most alike, empty if none is."""
+    """End of a message on an unknown word: suggests the most similar known one; may be empty."""
     names, own = {name.lstrip("-"): name for name in known}, word.lstrip("-")
     longer = [name for name in names if own and name.startswith(own)]
     found = longer or difflib.get_close_matches(own, list(names), 1, 0.7)
@@ -126,6 +126,6 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def fail(message: str, code: int = 1) -> int:
-    """Print the reason why a command ends as one line on stderr, and return the exit code."""
+    """Print in one line on stderr why a command failed, and return the exit code."""
     print(f"asperity: {one_line(' '.join(message.split()))}", file=sys.stderr)
     return code

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def markdown(frame: pd.DataFrame) -> str:
-    """A table in Markdown, without the index; bars in cells are escaped."""
+    """A table in Markdown, without the index; ``|`` in cells is escaped."""
     head, *rows = (
         "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in _cells(frame)
     )
@@ -105,7 +105,7 @@ def table(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str
 
 
 def picture(values: Array, words: str) -> str:
-    """A field [y, x] as a small image, largest value of each block, y upward; empty without matplotlib."""
+    """A field [y, x] as a small image of block maxima, y upward; empty without matplotlib."""
     if find_spec("matplotlib") is None:
         return ""
     from matplotlib.image import imsave

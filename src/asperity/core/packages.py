@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from importlib.util import find_spec
 
 BASE = ""
-"""Name that stands for no extra: packages that ``pip install asperity`` brings."""
+"""Key of the packages that ``pip install asperity`` installs without an extra."""
 
 ENGINES = ("ducc0", "pyfftw", "scipy")
 """Engines of the Fourier transforms, by the names of their modules; the first is the default."""
@@ -30,10 +30,10 @@ PACKAGES = {
     extra: {module: _OTHER_NAMES.get(module, module) for module in modules.split()}
     for extra, modules in _MODULES.items()
 }
-"""Extra → module that is imported → package that provides it. Each extra holds those before it."""
+"""Extra → module that is imported → package that provides it. Each extra includes all before it."""
 
 ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}, "flow": {"reynoldsflow": "reynoldsflow"}}
-"""Extras outside that chain, in the same form; each is needed only for the choice that names it."""
+"""Extras outside that order, in the same form; each is needed only for the option that names it."""
 
 NAMES = {
     module: name for names in (*PACKAGES.values(), *ALTERNATIVES.values()) for module, name in names.items()
@@ -41,7 +41,7 @@ NAMES = {
 """Module → package that provides it."""
 
 NEEDED = tuple(module for modules in PACKAGES.values() for module in modules if module != ENGINES[0])
-"""All modules but those of the `ALTERNATIVES`, and the default engine, which is missed where it is chosen."""
+"""All modules except `ALTERNATIVES` and the default engine, which is checked when it is chosen."""
 
 
 class MissingPackageError(ModuleNotFoundError):
@@ -49,7 +49,7 @@ class MissingPackageError(ModuleNotFoundError):
 
 
 def absent(modules: Iterable[str] = NEEDED) -> list[str]:
-    """Those of the modules, by default of the `NEEDED` ones, that are not installed."""
+    """Modules that are not installed, by default of `NEEDED`."""
     return [module for module in modules if find_spec(module) is None]
 
 

@@ -15,32 +15,32 @@ from typing import Any
 import numpy as np
 
 SMALLEST_PART = 16_384
-"""Number of elements for which a thread of its own is worth while."""
+"""Fewest elements for which another thread saves time."""
 
 SUMMED_PART = 131_072
-"""Least number of elements that are summed up one after the other."""
+"""Fewest elements of a part of a sum."""
 
 PARTS_OF_THREAD = 4
-"""Largest number of parts for each thread: one that has done its own takes those of another."""
+"""Most parts per thread: a thread that has finished early takes further parts."""
 
 STRIP = 131_072
-"""Number of elements of which several arrays stay in the processor's cache."""
+"""Elements of a strip: several arrays of this size fit in the processor's cache."""
 
 CACHE_LINE = 64
-"""Bytes of a line of the processor's cache."""
+"""Bytes of a cache line."""
 
 _helpers = ThreadPoolExecutor(max_workers=256, thread_name_prefix="asperity")
 """Threads that help the calling one; they are started when they are first needed."""
 
 
 class KeptArrays(threading.local):
-    """Arrays of each thread that are used again: the system clears new memory, which takes time."""
+    """Reused arrays of each thread: the system clears new memory, which takes time."""
 
     def __init__(self) -> None:
         self._kept: dict[str, Any] = {}
 
     def array(self, name: str, shape: tuple[int, ...], dtype: Any) -> Any:
-        """An array with any values, in memory that is kept under this name."""
+        """Uninitialised array in memory that is kept under this name."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
         if name not in self._kept or self._kept[name].size < size:
             self._kept[name] = aligned_memory(size)
@@ -48,7 +48,7 @@ class KeptArrays(threading.local):
 
 
 def aligned_memory(size: int) -> Any:
-    """So many bytes with any values, which begin with a line of the processor's cache."""
+    """Uninitialised bytes, aligned to a cache line."""
     memory = np.empty(size + CACHE_LINE, np.uint8)
     start = -memory.ctypes.data % CACHE_LINE
     return memory[start : start + size]
@@ -57,13 +57,13 @@ def aligned_memory(size: int) -> Any:
 def run_tasks(tasks: Sequence[Callable[[], Any]], threads: int) -> list[Any]:
     """Call functions without arguments on several threads, and return their results in order.
 
-    They are begun in their order, and see the caller's context variables, such as `numpy.errstate`. The
-    calling thread takes tasks as its helpers do, so that tasks may have tasks of their own. An error is
-    raised when no thread is at work any more; no further task is begun after it.
+    Tasks start in order, with the caller's context variables such as `numpy.errstate`. The calling thread
+    runs tasks too, so that a task may call this function. After an error no further task starts, and the
+    error is raised when all running tasks have ended.
     """
     if threads == 1 or len(tasks) == 1:
         return [task() for task in tasks]
-    left = enumerate(tasks)  # of which each thread takes the next one
+    left = enumerate(tasks)  # each thread takes the next one
     results = [None] * len(tasks)
 
     def take() -> None:
@@ -138,7 +138,7 @@ def apply(function: Callable[..., object], threads: int, *arguments: Any) -> Non
         As for `in_parts`.
     threads : int
     *arguments
-        Arrays of the same length, of which each part is passed on, and numbers.
+        Arrays of the same length, passed on part by part, and numbers.
     """
     size = max(argument.size for argument in arguments if isinstance(argument, np.ndarray))
     in_parts(lambda part: function(*_parts_of(arguments, part)), size, threads)

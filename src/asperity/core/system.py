@@ -1,6 +1,6 @@
 """Processes and memory, as the operating system provides them.
 
-psutil is imported when it is needed: without it the command line still says what is missing.
+psutil is imported when it is needed: without it the command line still names missing packages.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit
 
 
 SAME_START = 2.0
-"""Seconds by which the start of a process may be told differently: the clock may have been set."""
+"""Tolerance in s on the start time of a process: the clock may have been set."""
 
 
 def process_name() -> str:
@@ -28,9 +28,9 @@ def process_name() -> str:
 
 
 def has_ended(name: str) -> bool:
-    """True if a name of `process_name` is that of a process of this host that does not run any more.
+    """True if a name from `process_name` is of a process of this host that has ended.
 
-    If another process has the number now, as after a restart, its start time differs.
+    A later process with the same number, as after a restart, has another start time.
     """
     import psutil
 
@@ -48,7 +48,7 @@ def has_ended(name: str) -> bool:
 
 
 def _host() -> str:
-    """Name of this host in letters that a file name may have."""
+    """Name of this host in characters that file names may have."""
     return re.sub(r"[^A-Za-z0-9-]", "_", socket.gethostname())[:40]
 
 
@@ -59,9 +59,9 @@ def sha256_of(path: str | os.PathLike[str]) -> str:
 
 
 def flush(path: Path) -> None:
-    """Let the system write a file, or the names in a folder where it can, to the disk before it goes on."""
+    """Flush a file, or the entries of a folder if the system can, to the disk (fsync)."""
     if path.is_dir():
-        with suppress(OSError):  # of systems that open no folders
+        with suppress(OSError):  # of systems that cannot open folders
             folder = os.open(path, os.O_RDONLY)
             try:
                 os.fsync(folder)

@@ -41,8 +41,7 @@ DIMENSIONS = {
     "force": Dimension("N", ("mN", "N", "kN")),
 }
 
-# pint evaluates arithmetic in a text, which a long power would keep busy for hours: only one number and one
-# unit pass.
+# pint evaluates arithmetic in a text, and a long power takes hours: only a number with a unit is passed on.
 _NUMBER_AND_UNIT = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ]+(?:\^?[2-4])?(?:[*/·][A-Za-zµμ]+(?:\^?[2-4])?)*)"
 )
@@ -161,7 +160,7 @@ def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
     power = int(unit.partition("^")[2] or 1)
     exponent = 0
     if largest > 0:
-        # Of an area from 0.1 and of a volume from 0.01 of the next larger unit, that unit is taken.
+        # The next larger unit is used from 0.1 of it for an area, and from 0.01 of it for a volume.
         exponent = 3 * math.floor((math.log10(largest) + 1e-9 + power - 1) / (3 * power))
         exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
     if unit.startswith("m"):

@@ -1,4 +1,4 @@
-"""Writing of files whole or not at all: under another name, renamed on success, deleted on failure."""
+"""Atomic writing of files: under a temporary name, renamed on success, deleted on failure."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from asperity.core.errors import DatasetError
 from asperity.core.system import flush, has_ended, process_name
 
 MIN_FREE_SPACE = 2**20
-"""A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
+"""A disk with fewer free bytes counts as full: the NetCDF library does not report it."""
 
-# Characters of a name that the name of its temporary file holds, which has at most 255 bytes.
+# Most characters of a name in that of its temporary file, which has at most 255 bytes.
 _LONGEST_STEM = 30
 
 
 def write_problem(path: str | os.PathLike[str]) -> str:
-    """Reason why a file cannot be written, empty if it can: to be asked before its content is computed."""
+    """Reason why a file cannot be written, empty if it can; called before its content is computed."""
     target = Path(os.path.realpath(path))
     try:
         if target.is_dir():
@@ -54,8 +54,8 @@ def _problem_of(target: Path) -> str:
 def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     """A temporary file beside `path`: renamed to it when the block succeeds, deleted when it fails.
 
-    It is on the disk before it has the name of an earlier file, which a power failure therefore keeps.
-    Only regular files are replaced; the new one has the permissions of the earlier one. A symbolic link is
+    It is flushed to the disk before it replaces an earlier file, which a power failure therefore keeps. Only
+    regular files are replaced; the new one has the permissions of the earlier one. A symbolic link is
     followed. Temporary files of the same name that killed processes have left are deleted too.
 
     Raises

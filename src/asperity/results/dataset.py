@@ -42,13 +42,13 @@ FORMAT = "format_version"
 """Attribute that holds the version of the file format; a file without it has version 1."""
 
 FORMAT_VERSION = 1
-"""Version that is written, and the newest that is read; a new one is what an older asperity would misread."""
+"""Version that is written, and the newest that is read; it rises if an older asperity would misread files."""
 
 FFT_ENGINE = "fft_engine"
 """Attribute that holds the library of the Fourier transforms, its version and plans."""
 
 _DENSE = ("height", "displacement", "gap")
-"""Fields of which compression would save a sixth of the file and take most of the time of writing it."""
+"""Uncompressed fields: compression would save a sixth of the file and take most of the writing time."""
 
 
 def digest(settings: Any) -> str:
@@ -172,7 +172,7 @@ MAX_MEMORY = "ASPERITY_MAX_MEMORY"
 """Environment variable with the largest size, in GiB, to which a result may unpack."""
 
 DEFAULT_MAX_MEMORY = 16.0
-"""The same without the variable: ten times a contact of 8192² nodes."""
+"""Default of that size: ten times a contact of 8192² nodes."""
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -274,10 +274,10 @@ def fingerprint(dataset: xr.Dataset) -> str:
 
 
 def _attribute_bytes(attributes: Mapping[Any, Any]) -> bytes:
-    """Attributes as JSON; NetCDF gives a list of one back as its item."""
+    """Attributes as JSON; NetCDF returns a list of one item as that item."""
     values = {str(name): np.atleast_1d(np.asarray(value)).tolist() for name, value in attributes.items()}
     return json.dumps(values, sort_keys=True).encode()
 
 
 read_result, write_result = read, write
-"""Their names in the package, where `read` alone would not say what is read."""
+"""Public names, which say what is read and written."""

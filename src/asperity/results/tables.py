@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 SUFFIXES = (".csv", ".parquet")
 
 TABLES: dict[str, dict[str, Any]] = packaged_yaml("asperity.results", "tables.yaml")
-"""Name → ``source``, ``row`` and ``columns`` of a table; a column is [unit, content], maybe marked optional.
+"""Name → ``source``, ``row`` and ``columns`` of a table; a column is [unit, content], and may be marked
+optional.
 
 Numbers in a column have one unit, ``1`` for a plain number; texts and truth values have none.
 """

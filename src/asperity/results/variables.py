@@ -1,6 +1,6 @@
 """Variables of result files: names, units and descriptions, and conversion between systems of units.
 
-The dimension of a variable stands once, in `variables.yaml`; its unit follows from the system of units of the
+The dimension of a variable is defined in `variables.yaml`; its unit follows from the system of units of the
 file, which the global attribute ``unit_system`` names. Results of the study have lengths in units of the edge
 of the cell and stresses in units of the effective modulus E* = E/(1 − ν²); results for given materials are in
 SI. A scaled stress is divided by E* and by the rms gradient of the deformed surface over the real contact,

@@ -28,15 +28,15 @@ from asperity.views.export import (
 from asperity.views.source import Part, Source, Span, sources
 
 FORMATS = {"peaks": SUFFIXES, "surface": (".vti", ".csv"), "profile": (".csv",), "field": (".vti",)}
-"""Option → ends of the names of its files."""
+"""Option → suffixes of its files."""
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write the files that are asked for, and print what each holds."""
+    """Write the requested files, and print a summary of each."""
     wanted = {option: getattr(options, option) or [] for option in FORMATS}
     if not any(wanted.values()):
         for path in filter(os.path.isdir, options.results):
-            read_result(path, ())  # which says that a file is needed
+            read_result(path, ())  # raises the error that a file is needed
         raise ValueError(
             "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
             "--field NAMES:DEPTHS FILE.vti is needed"
@@ -88,13 +88,13 @@ def _box_chosen(text: str) -> tuple[list[str], str]:
 
 
 def _parts(options: argparse.Namespace, si: bool) -> dict[str, Span]:
-    """Parts of the cell along y and x that are given."""
+    """Given parts of the cell along y and x."""
     texts = {"y": options.y, "x": options.x}
     return {name: span(f"--{name}", text, si) for name, text in texts.items() if text}
 
 
 def _export_surface(source: Source, part: Part, path: str) -> tuple[str, list[int]]:
-    """Write the fields over a part of the surface; their names, and the nodes along y and x."""
+    """Write the fields over a part of the surface; return their names and the node counts along y and x."""
     fields = surface_fields(source, part)
     shape, image = [*fields.sizes.values()], Path(path).suffix == ".vti"
     require_space(Path(path).absolute().parent, 1e-6 * math.prod(shape) * len(fields) * (4 if image else 16))

@@ -11,7 +11,7 @@ from asperity.surface.reading.height_map import MapError, MapOptions
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print the description of a height map, and what a calculation needs to be told."""
+    """Print the description of a height map, and the options that a calculation needs."""
     try:
         found = describe_map(options.map, MapOptions(**section(options, "measured.NAME")))
     except MapError as error:

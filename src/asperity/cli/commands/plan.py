@@ -12,7 +12,7 @@ _GIB = 2**30
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print cost and error of the settings that are given, or of the settings proposed for a target."""
+    """Print cost and error of the given settings, or of settings proposed for a target."""
     config = read(options.config, section(options, "contact").get("area_fraction"))
     surfaces, accuracy = planned_contacts(config, surfaces_with_load_area(config))
     outputs = options.output or PEAK_OUTPUTS

@@ -55,9 +55,9 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _ratio(figure: str, name: str, data: xr.Dataset, chosen: Mapping[str, float]) -> float:
-    """Poisson's ratio that a figure shows of one result: the one chosen, or that of the contact.
+    """Poisson's ratio that a figure shows: the chosen one, or that of the contact.
 
-    A contact with a half-space may have been analysed at other ratios than its own.
+    The stress in a half-space may have been analysed at ratios other than the contact's.
     """
     ratio = chosen.get("poisson", data.attrs["poisson_contact"])
     analysed = data["poisson"].values.tolist()

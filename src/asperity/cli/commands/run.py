@@ -19,7 +19,7 @@ from asperity.study.config.reader import CASE_SUFFIXES, CHECKSUMS, PATHS, load, 
 from asperity.study.config.schema import accepted, setting
 
 WRONG_USAGE = 2
-"""Exit status for arguments that are not accepted, as argparse has it."""
+"""Exit status for refused arguments, the same as argparse's."""
 
 OPTIONS = {
     entry["setting"].rpartition(".")[2]: entry["setting"]
@@ -34,9 +34,9 @@ POOLING = ("pooled", "resume", "only")
 
 
 class Job(NamedTuple):
-    """A case as options and files describe it.
+    """A case read from options and files.
 
-    Case, face that is pressed, folder, what is wrong, the maps that are read, and the area of a prediction.
+    Case, rough face, output folder, problems, maps that are read, and area of a prediction.
     """
 
     case: Any
@@ -105,7 +105,7 @@ def run(options: argparse.Namespace) -> None:
 def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, Job]) -> None:
     """Compute the answers of pooled maps, except for kept ones, and their means unless one map is asked for.
 
-    The means are made from the tables in the folders: they are the same whichever process wrote these.
+    The means are made from the tables in the folders: they do not depend on the process that wrote these.
     """
     from asperity.engineering.output import holds_answer
     from asperity.engineering.several_answers import read_sample, write_sample
@@ -123,7 +123,7 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 
 
 def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
-    """Why maps cannot be pooled."""
+    """Reasons why maps cannot be pooled."""
     from asperity.core.units import to_si
     from asperity.engineering.sample import check_alike, check_area
 
@@ -156,14 +156,14 @@ def _answered(job: Job, save: str | None) -> Any:
 
 
 def _is_written(save: str, out: Path) -> bool:
-    """True if a case is saved as the case file that its answer has in its folder anyway."""
+    """True if `save` is the case file that is written into the folder of the answer anyway."""
     from asperity.engineering.folder import CASE_FILE
 
     return Path(save).resolve() == (out / CASE_FILE).resolve()
 
 
 def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Iterator[str]:
-    """Why a case cannot be saved."""
+    """Reasons why a case cannot be saved."""
     from asperity.results.atomic import write_problem
 
     save = Path(options.save)
@@ -190,9 +190,9 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Itera
 
 
 def _job(options: argparse.Namespace, path: str, folder: Path | None, number: int = 0) -> Job:
-    """The case of one map, in a case file of several that of this number; its answer goes into `folder`.
+    """The case of one map; `number` selects the map in a case file of several.
 
-    A map that needs an option whose value is refused already is not blamed for it again.
+    The answer goes into `folder`. A refused option is not also reported as missing.
     """
     values, refused = _values(options, path, number)
     out = folder or Path(values.get("out") or f"{Path(values.get('map', path)).stem}_run")
@@ -206,7 +206,7 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None, number: in
         for name in PATHS[:2]
         if name in values and not os.path.exists(values[name])
     ]
-    if missing:  # is answered without the packages that the calculation needs
+    if missing:  # reported without the packages that the calculation needs
         return Job(None, None, out, [*problems, *_problems_of(out, values), *missing], read, None)
     from asperity.engineering.case import Case
     from asperity.engineering.face import counter_map_of, options_of, read_face
@@ -248,7 +248,7 @@ def _values(
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """Accepted values of all settings by name, and messages on refused ones.
 
-    An option overrides the file of ``--config``, and that the case file in place of a map.
+    Options override the file of ``--config``, which overrides a case file given in place of a map.
     """
     values: dict[str, Any] = {}
     refused: dict[str, str] = {}
@@ -307,7 +307,7 @@ def _add_file(
 def _contradictions(
     options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
 ) -> Iterator[str]:
-    """What is missing, or does not go together; `known` are all settings given, also refused ones."""
+    """Settings that are missing or exclude each other; `known` holds all given ones, also refused ones."""
     for name in ("young", "poisson"):
         if name not in known:
             yield f"{flag(name)}: missing; {accepted(setting(f'engineering.{name}'))} is needed"
@@ -337,7 +337,7 @@ def _contradictions(
 
 
 def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] | None = None) -> Iterator[str]:
-    """Why the answer, or files of some names, cannot be written into a folder."""
+    """Reasons why the answer, or files of some names, cannot be written into a folder."""
     from asperity.engineering.folder import folder_problem
 
     if problem := folder_problem(out, names):

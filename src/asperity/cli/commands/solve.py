@@ -114,7 +114,7 @@ def _load(name: str, text: str, unit: float | None, si: bool) -> float:
     unit : float or None
         Edge of the cell in m, or effective modulus in Pa, if they are known.
     si : bool
-        True if both are: a value with a unit is accepted.
+        True if both are known: a value with a unit is accepted.
     """
     if name != "force":
         with suppress(ValueError):

@@ -41,7 +41,7 @@ def make_study_folder(folder: str | os.PathLike[str]) -> Path:
     ValueError
         If there is a file of this name, or the folder holds anything.
     OSError
-        If the folder cannot be written; nothing of it is left then.
+        If the folder cannot be written; a new one is deleted again.
     """
     path = Path(folder)
     is_new = not path.exists()

@@ -29,7 +29,7 @@ class Check(NamedTuple):
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print what holds, and end with a line for each failure."""
+    """Print the checks that hold, and end with a line for each failure."""
     status = 0
     for path in map(Path, options.results):
         try:
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _of_folder(path: Path) -> Iterator[Check]:
-    """Checks of the folder of an answer, or of a folder that holds those of several."""
+    """Checks of the folder of one answer, or of a folder with several."""
     folders = [folder for folder in (path, *sorted(path.iterdir())) if checksums_in(folder)]
     if not folders:
         text = f"{path}: no answer of asperity run; a result file or the folder of an answer is needed"
@@ -90,7 +90,7 @@ def _of_answer(folder: Path) -> Iterator[Check]:
 
 
 def _of_maps(path: Path) -> Iterator[Check]:
-    """Whether the maps of a case file are those that were read."""
+    """Checks that the maps of a case file are unchanged since they were read."""
     case = load(path)
     for key, name in CHECKSUMS.items():
         if key in case:

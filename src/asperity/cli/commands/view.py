@@ -33,7 +33,7 @@ POSITIONS: dict[str, tuple[str, ...]] = {
 """View → positions that it takes."""
 
 STAGES = {"height": ("surface", "contact"), "peaks": ("stress",)}
-"""View → stages whose results it shows, where that is not the contact alone."""
+"""View → stages whose results it shows, if not only the contact."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
-    """Results by title; titles that occur twice are told apart by their files."""
+    """Results by title; the name of the file is added to repeated titles."""
     read = {}
     needed = STAGES.get(view, ("contact",))
     for path in paths:
