@@ -1,9 +1,8 @@
 """From a measured map, two materials and a load to the answer of an engineer, in SI units.
 
 `run` carries out all stages and returns an `Answer`: real contact, pressures, largest stress with its depth
-and place, volume above yield, and the advice of an experienced colleague. `write_answer` writes result files,
-pictures, tables and a report page into a folder. The public names are listed in ``__init__.pyi`` and imported
-when first used.
+and position, volume above yield, warnings and notes. `write_answer` writes result files, pictures, tables and
+a report page into a folder. The public names are listed in ``__init__.pyi`` and imported when first used.
 """
 
 import lazy_loader

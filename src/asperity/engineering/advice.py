@@ -1,4 +1,4 @@
-"""Warnings and notes that an experienced colleague would give; `advice.yaml` has their texts."""
+"""Warnings and notes on an answer; `advice.yaml` has their texts."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from asperity.surface.treatment.treatment import TreatedMap
 WARNING, NOTE = "warning", "note"
 
 UNLIKELY_STRAIN = 0.02
-"""Von Mises stress over Young's modulus above which hardly a material stays elastic; the yield stress of
+"""Von Mises stress over Young's modulus above which hardly any material stays elastic; the yield stress of
 hardened steel is 0.01 of its modulus (M. F. Ashby, Materials Selection, 2011, figure 4.5)."""
 
 RESOLUTION_CHANGE = 0.1
 """Change on doubling the pixels from which a number is called limited by the grid."""
 
 FEW_PIXELS_PER_WAVE = 8
-"""Pixels on the shortest wave that resolve the stress under it; the preset "paper" takes as many."""
+"""Pixels on the shortest wave that resolve the stress under it; the preset "paper" uses as many."""
 
 STEEP, VERY_STEEP = 0.3, 1.0
 """Rms gradients: linear theory is second order in the slope, 9 % at 0.3; at 1 it does not hold."""
@@ -47,19 +47,19 @@ FEW_PIXELS_ACROSS = 5
 """Width of a patch in pixels that resolves its pressure."""
 
 EDGE_STEP = 3.0
-"""Step at the edges of a period over that between neighbouring pixels; about one for a periodic surface."""
+"""Height step across edges over that between pixels, above which a warning is given; 1 if periodic."""
 
 EDGE_LOAD = 0.01
-"""Share of the load on the edges of a map with a free boundary from which they count."""
+"""Share of the load on the edges of a map with a free boundary above which a warning is given."""
 
 NEIGHBOUR_CHANGE = 0.05
 """Change of real contact or largest pressure by the periodic images of a form that deserves a warning."""
 
 CONFINED = 0.01
-"""Mean lateral stress over the largest von Mises stress from which a form differs from one on a wide body."""
+"""Lateral stress of the confined mean pressure, over the largest von Mises stress, that is worth a note."""
 
 WIDE_SPAN = 0.5
-"""Width of a contact over the distance between neighbouring forms above which they change each other."""
+"""Width of a contact over the distance between neighbouring forms above which they influence each other."""
 
 ALTERED_SHARE = 0.02
 """Share of the area with altered or filled heights that is worth a note."""
@@ -75,26 +75,26 @@ HIGHEST_YIELD = 0.1
 """Yield stress over Young's modulus: about the theoretical strength of a crystal."""
 
 NEGLIGIBLE = 1e-6
-"""Number over that of its kind from which its change by another grid is told."""
+"""Relative size below which a number is zero up to rounding: its change with the grid is not reported."""
 
 ACCEPTED_VIOLATION = 1e-3
-"""Violation of the conditions of contact, relative, from which a solution is doubtful."""
+"""Relative violation of the conditions of contact above which a warning is given."""
 
 NEGLECTED_COUPLING = 0.1
-"""Share of a displacement by which friction changes it, or by which sticking nodes differ, that counts."""
+"""Relative change of a displacement by friction, or between sticking nodes, that is worth a warning."""
 
 FEW_SHIFTS = 0.1
 """Change of the worst cycles with half of the shifts above which these are too few."""
 
 NOT_SEPARATE = 0.1
-"""Change of the Hertz pressure over the map above which it is no small part of the contact."""
+"""Change of the Hertz pressure over the map above which the map is too large for a uniform pressure."""
 
 SPIKE_SIZE = math.inf
-"""Uncertainty of a largest pressure that is on a spike: before all others."""
+"""Uncertainty of a largest pressure on a spike, which is listed before all others."""
 
 Found = tuple[bool, str, dict[str, Any]]
-"""True for a warning, name of an advice in `advice.yaml`, and values in its text beside those of the answer,
-among them ``size``, the relative uncertainty that it says."""
+"""True for a warning, name in `advice.yaml`, and values for its text in addition to the answer; ``size`` is
+the relative uncertainty that it states."""
 
 
 def advise(answer: Answer) -> tuple[Advice, ...]:
@@ -123,7 +123,7 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
         text, known = texts[key], {"answer": answer, "numbers": answer.numbers, **values}
         words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}
         advice = Advice(WARNING if warns else NOTE, **words, size=values.get("size", 0.0))
-        # What holds for both of two bodies of one material is said once.
+        # Advice on two bodies of the same material is given once.
         made.setdefault(key if alike and "where" in values else advice.text, advice)
     return tuple(made.values())
 
@@ -138,7 +138,7 @@ class _Units(Formatter):
 
 
 def _on_contact(answer: Answer) -> Iterator[Found]:
-    """No contact, pressures and heights that cannot be, an area that was missed, a doubtful solution."""
+    """Advice on missing contact, impossible pressures or heights, a missed area, an inaccurate solution."""
     numbers, case, face = answer.numbers, answer.case, answer.face
     if not numbers.contact_nodes:
         yield True, "no_contact", {}
@@ -175,7 +175,7 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
 
 
 def _on_scales(place: HertzPlace, smooth: HertzContact, face: TreatedMap) -> Iterator[Found]:
-    """Change of the Hertz pressure over the map."""
+    """Advice on the change of the Hertz pressure over the map."""
     ends = []
     for middle, width, edge in zip(
         place.at, (smooth.half_width_y, smooth.half_width_x), face.map_length, strict=True
@@ -188,7 +188,7 @@ def _on_scales(place: HertzPlace, smooth: HertzContact, face: TreatedMap) -> Ite
 
 
 def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:
-    """Constants that hardly a material has; stress above yield, or above what any material stands."""
+    """Advice on implausible constants, and on stress above yield or above the strength of any material."""
     body, stress = part.body, part.largest_von_mises
     young, ratio, limit = body.young, body.poisson, body.yield_stress
     values: dict[str, Any] = {"young": young, "ratio": ratio, "limit": limit, "stress": stress}
@@ -219,7 +219,7 @@ def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:
 
 
 def _on_pixels(answer: Answer) -> Iterator[Found]:
-    """Load on single pixels and on patches of few; change of the numbers at half the resolution."""
+    """Advice on load on small patches, and on the change of the numbers at half the resolution."""
     numbers, limits = answer.numbers, answer.bodies["lower"].limits
     share, width = numbers.load_on_small_patches, numbers.typical_patch_width
     if share > SMALL_PATCH_SHARE and width <= 2 and not numbers.pressure_on_spike:
@@ -242,7 +242,7 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
     for name in LIMITS:
         values = limit_of(limits, name)
         least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
-        # The mean slope of a contact of single nodes, by symmetry zero, is left with rounding errors.
+        # The mean slope of a contact of single nodes is zero by symmetry, up to rounding errors.
         if math.isfinite(least + most) and least > NEGLIGIBLE * (
             numbers.rms_gradient if "gradient" in name else most
         ):
@@ -264,7 +264,7 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
 
 
 def _on_map(answer: Answer) -> Iterator[Found]:
-    """Slopes, real contact and edges beyond the theory; altered heights."""
+    """Advice on slopes, real contact and edges beyond the theory, and on altered heights."""
     numbers, face, record = answer.numbers, answer.face, answer.face.treatment
     for doubt in answer.rough.doubts:
         subject = doubt.partition(":")[0]
@@ -296,7 +296,7 @@ def _on_map(answer: Answer) -> Iterator[Found]:
 
 
 def _on_neighbours(answer: Answer) -> Iterator[Found]:
-    """Periodic images of a ball or cylinder, which press on the same body."""
+    """Advice on the periodic images of a ball or cylinder, which press on the same body."""
     if answer.neighbours is None:
         return
     span, alone = answer.neighbours

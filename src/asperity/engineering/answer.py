@@ -49,13 +49,13 @@ IN_PER_CENT = (
     *("real contact", "plastic real contact", "share above yield"),
     *("area at the hardness", "load at the hardness"),
 )
-"""Plain numbers that are shown in per cent."""
+"""Dimensionless numbers that are shown in per cent."""
 
 POSITION_NAMES = "at depth", "at x", "at y"
-"""Numbers that say where another one is."""
+"""Numbers that give the position of another one."""
 
 ALIKE = 0.01
-"""Relative difference of numbers of two bodies of one material up to which they are shown once."""
+"""Relative difference up to which numbers of two bodies of one material are shown once."""
 
 REPEATS = (
     f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
@@ -85,7 +85,7 @@ CONDUCTANCE_UNITS = {"thermal_conductance": "W/(m² K)", "electrical_conductance
 """Conductance per nominal area → its unit."""
 
 UNCERTAINTIES = 3
-"""Largest uncertainties that stand above the answer."""
+"""Number of uncertainties shown above the answer, the largest ones."""
 
 PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
 """Name of a property of peaks → its column in the table of peaks."""
@@ -104,7 +104,7 @@ class Advice(NamedTuple):
     text : str
         One or two sentences.
     short : str
-        The uncertainty of the answer that it says in a few words; empty if it says none.
+        The uncertainty of the answer in a few words; empty if there is none.
     size : float
         Relative size of that uncertainty.
     """
@@ -161,11 +161,11 @@ class Answer:
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
     neighbours : (float, Contact or None) or None
-        Width of the contact of a ball or cylinder over the distance to its periodic images, the larger of
-        those along y and x, but that across a cylinder; and the contact under the same load without images,
-        None for layers and cylinders. None without such a form, and with a free boundary.
+        Width of the contact of a ball or cylinder over the distance to its periodic images (the larger ratio
+        along y and x, or across the cylinder), and the contact under the same load without images (None for
+        layers and cylinders). None without such a form, or with a free boundary.
     plastic : Contact or None
-        Under the hardness, which is 3 times the yield stress if none is given.
+        With pressure limited to the hardness; 3 times the yield stress if none is given.
     curve : AnswerCurve or None
         Of several loads.
     unfiltered : Contact or None
@@ -320,7 +320,7 @@ class Answer:
 
 
 def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
-    """Rows without those of the upper body that are as those of a lower body of the same material."""
+    """Rows without numbers of the upper body that equal the lower body's, if both have one material."""
     known = {(row.group, row.name): row.value for row in rows}
 
     def is_repeated(row: AnyRow) -> bool:
@@ -378,7 +378,7 @@ def _contact_rows(numbers: ContactNumbers, limits: xr.Dataset) -> Iterator[Row]:
 
 
 def _hertz_rows(case: Case) -> Iterator[Row]:
-    """The smooth contact, of which the map is a small part."""
+    """The smooth Hertz contact around the map."""
     contact, group = case.hertz_contact, "Hertz contact of the smooth bodies"
     if contact is None or case.hertz is None:
         return
@@ -491,7 +491,7 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
 
 
 def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
-    """The worst cycles of a body as if it were the smooth one, and the probability that no crack starts."""
+    """The worst stress cycles of a body, and the probability that no crack starts."""
     body, group = answer.bodies[name], cycles_title(answer.case, name)
     cycles = body.cycles
     if cycles is None:
@@ -556,7 +556,7 @@ def _row(
     error: float = np.nan,
     source: str = "the pixels",
 ) -> Row:
-    """A line, with the estimate for vanishing pixels if there is one, or an error of the value as it is."""
+    """A line, with the estimate for vanishing pixels if there is one, else with the error of the value."""
     estimate, words = value, f"by {source}"
     if name in LIMITS:
         values, words = limit_of(limits, name), "for vanishing pixels"

@@ -30,7 +30,7 @@ from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
 
 BOXES = 4
-"""Close-ups, around the highest pressures: the largest stress is in one of them, but for exceptions."""
+"""Number of close-ups around the highest pressures; the largest stress is rarely outside them."""
 
 WIDTHS = 2
 """Half of the edge of a close-up over the typical width of a patch."""
@@ -69,7 +69,7 @@ class CloseUp:
     planes: list[dict[str, Array]] = field(default_factory=list)
 
     def add(self, plane: LinearPlane, names: Sequence[str], poisson: float, periodic: bool) -> None:
-        """Keep the next plane, unless one lies below the box already."""
+        """Keep the next plane, unless the planes already reach below the box."""
         from scipy.ndimage import map_coordinates
 
         edge = max((nodes.stop - nodes.start) * step for nodes, step in self._axes)
@@ -117,7 +117,7 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
     found: list[CloseUp] = []
     weight = face.part(contact.pressure) / max(contact.max_pressure, 1e-300)
     depth = contact.plastic_depth
-    if depth is not None and depth.any():  # of the nodes at the hardness those that overlap most
+    if depth is not None and depth.any():  # ranks nodes at the hardness by their plastic depth
         weight = weight + face.part(depth) / depth.max()
     left = weight.copy()
     half = round(min(max(WIDTHS * width, FEWEST_PIXELS), MOST_PIXELS))
@@ -125,7 +125,7 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
         middle = np.unravel_index(left.argmax(), left.shape)
         ends = zip(map(int, middle), face.map_shape, strict=True)
         rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
-        # The section runs where the pressure changes most: across the lay, also if there are several ridges.
+        # The section follows the larger pressure gradient: across the lay, also of several ridges.
         y, x = (
             float(np.square(np.diff(weight[rows, columns], axis=axis)).sum()) / face.grid.spacing[axis] ** 2
             for axis in (0, 1)
@@ -155,10 +155,9 @@ RESOLUTION_ERRORS = {
     "shakedown_lower": ((1.0, 1.5), (0.28, 0.25)),
     "shakedown_upper": ((1.0, 1.5), (0.2, 0.25)),
 }
-"""Number → its relative error by the grid, as share and power of a measure of the resolution: the relative
-correction of the real contact over the share of the area out of contact. Of an elastic contact, and of one
-whose pressure reaches the hardness. Nine in ten errors of 120 surfaces are smaller
-(`benchmarks/answers.py`)."""
+"""Number → factor a and power b of its relative grid error a·c^b, of an elastic contact and of one whose
+pressure reaches the hardness; c is the relative correction of the real contact over the share of the area out
+of contact. Nine in ten errors of 120 surfaces are smaller (`benchmarks/answers.py`)."""
 
 BOUNDS = {"largest_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
 """Field → factors of the von Mises and the hydrostatic stress in an upper bound of it, or of its negative.
@@ -207,9 +206,9 @@ class BodyAnswer:
         As of `asperity.stress_cycles`, below the coating if there is one; None without fatigue
         limits and without motion.
     interface : dict
-        Component → its values on the faces of the coating and of the base, of ``xx`` those of the largest
-        magnitude, of ``zz`` the most tensile ones; ``shear``, the largest √(σ_xz² + σ_yz²) on either. None
-        without a coating.
+        Component → its extreme values at the interface, in the coating and in the base: of ``xx`` the largest
+        magnitudes, of ``zz`` the most tensile values; ``shear`` is the largest √(σ_xz² + σ_yz²). None without
+        a coating.
     """
 
     body: Body
@@ -288,11 +287,11 @@ def body_answer(
     pressed : Contact or PartialSlip
     half : HalfGrid
     case : Case
-        The peaks of its fields are found beside those that are sought by default.
+        Peaks of its fields are found in addition to the default ones.
     name : "lower" or "upper"
     face : TreatedMap
     near : sequence of CloseUp
-        Take the fields of the case.
+        Are filled with the fields of the case.
     progress : callable
     moving : MovingContact, optional
         Gives the cycles, if the faces move against each other.

@@ -38,7 +38,7 @@ LOAD_QUANTITIES = {
 """Setting → quantity that it imposes, and its dimension."""
 
 CONTROL_UNITS = {kind: DIMENSIONS[name].unit if name else "1" for kind, name in LOAD_QUANTITIES.values()}
-"""Quantity of which one is imposed → its unit."""
+"""Quantity that may be imposed → its unit."""
 
 BODY = {
     "young": ("young", "pressure"),
@@ -60,7 +60,7 @@ BODY = {
 """Setting → field of `Body`, and its dimension; settings of the upper body begin with ``counter_``."""
 
 MAX_LOADS, RISING = 100, "a list of rising values"
-"""Most loads of a load curve, and what they are."""
+"""Most loads of a load curve, and their description in messages."""
 
 LARGEST_LOAD = 1e6
 """Largest mean pressure over the effective modulus, and approach over the edge of the map."""
@@ -75,7 +75,7 @@ FILM = {"flow_direction": "", "viscosity": "", "pressure_difference": "pressure"
 """The same for the gap and the film in it."""
 
 CONDUCTION = ("conductivity", "resistivity")
-"""Fields of `Body` that the conductance of a contact needs of both bodies."""
+"""Fields of `Body` that a contact conductance needs for both bodies."""
 
 LENGTHS = dict.fromkeys(("wavelength_short", "radius", "s_filter", "l_filter"), "length")
 """Fields of `MapOptions` that are lengths; numbers in `physical_size` are in the unit of the heights."""
@@ -92,13 +92,13 @@ class Body:
     poisson : float
         Poisson's ratio.
     yield_stress : float, optional
-        In Pa; without it nothing is said about yielding.
+        In Pa; without it yielding is not analysed.
     hardness : float, optional
         Largest pressure in Pa that its surface bears; without it the contact is elastic. See
         `asperity.contact.solve`.
     conductivity, resistivity : float, optional
-        Thermal conductivity in W/(m K) and electrical resistivity in Ω m. With those of the other body, too,
-        the contact conductance follows.
+        Thermal conductivity in W/(m K) and electrical resistivity in Ω m. If both bodies have them, the
+        contact conductance is computed.
     height : float, optional
         Height in m of a layer on a rigid base; without it the body is a half-space.
     bottom : "bonded", "frictionless" or "free"
@@ -152,7 +152,7 @@ class Body:
             raise ValueError(
                 f"coating = {shown_si(self.coating, 'm')}: not accepted with a height or a bottom of the body"
             )
-        _ = self.layer  # which checks its constants
+        _ = self.layer  # checks its constants
         for name in ("yield_stress", "hardness", "conductivity", "resistivity", "coating_yield"):
             if getattr(self, name) is not None:
                 magnitude(name, getattr(self, name))
@@ -205,7 +205,7 @@ class HertzPlace:
         return math.sqrt(max(0.0, 1 - self.at[0] ** 2 - self.at[1] ** 2))
 
     def contact(self, kind: str, load: float, effective_modulus: float) -> HertzContact:
-        """The Hertz contact under a load of a kind of `Load`; `mean_pressure` is that at the place."""
+        """The Hertz contact under a kind of `Load`; a `mean_pressure` is the pressure at the place."""
         given = {"force": load} if kind == "force" else {"largest_pressure": load}
         if kind == "mean_pressure":
             given["largest_pressure"] /= self.share
@@ -223,7 +223,7 @@ class Load:
         bodies since their first touch in m; real over nominal contact area.
     value : float
     path : tuple of float
-        Rising loads of a load curve, of which the value is the last; empty without one.
+        Rising loads of a load curve, the last equal to the value; empty for a single load.
     """
 
     kind: str
@@ -244,7 +244,7 @@ class Load:
 
     @classmethod
     def chosen(cls, **given: float | Sequence[float] | None) -> Load:
-        """The load from keyword arguments of which exactly one is given; several values are a load curve."""
+        """The load from exactly one given keyword argument; several values are a load curve."""
         named = {kind: value for kind, value in given.items() if value is not None}
         if len(named) != 1:
             known, found = ", ".join(CONTROL_UNITS), ", ".join(named) or "none"
@@ -271,13 +271,13 @@ class Case:
     load : Load
     friction : float
         Coefficient μ of full sliding, with the shear traction μ p; the pressure stays that of the contact
-        without friction. Half-spaces, coated or not, and layers bonded to a rigid base.
+        without friction. For half-spaces, coated or not, and layers bonded to a rigid base.
     sliding_direction : "x", "y" or float
         Direction in which the upper body moves over the lower one, that of the traction on the lower body; a
         number is an angle in degrees from x towards y.
     options : MapOptions
-        By default points without data are filled, and a map that does not call itself periodic is mirrored.
-        With ``periodic="none"`` nothing surrounds the map.
+        By default points without data are filled, and a map that is not declared periodic is mirrored. With
+        ``periodic="none"`` nothing surrounds the map.
     counter_map : CounterMap or None
     fields : names
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
@@ -286,7 +286,7 @@ class Case:
         force of that contact, or the mean pressure at the place.
     shifts : int, optional
         Positions of two rough faces that move against each other along the sliding direction, for the stress
-        cycles of each; in a Hertz contact the places of a point that passes through it. See
+        cycles of each; in a Hertz contact, positions of a point that passes through it. See
         `asperity.MovingContact`.
     slide_to_roll : float
         As of `asperity.MovingContact`.
@@ -300,8 +300,8 @@ class Case:
     flow_direction : "x" or "y", optional
         Direction of a leak; with it the percolation of the gap is analysed, see `asperity.percolation`.
     viscosity, pressure_difference : float, optional
-        Of a film that leaks along that direction, by default x, in Pa s, and its fall of pressure over the
-        length of the map in Pa; see `asperity.film_flow`.
+        Viscosity in Pa s of a film that leaks along that direction, by default x, and its pressure drop over
+        the length of the map in Pa; see `asperity.film_flow`.
 
     Examples
     --------
@@ -423,7 +423,7 @@ class Case:
         return self.load.value if contact is None else contact.largest_pressure * self.hertz.share  # type: ignore
 
     def loaded_body(self, contact: Contact, name: str) -> LoadedSolid:
-        """A body under the pressure of a contact, with what the Hertz contact adds to the stress."""
+        """A body under the pressure of a contact, with the stress that the Hertz contact adds."""
         loaded = contact.in_body(name)
         if self.hertz is None:
             return loaded
@@ -435,7 +435,7 @@ class Case:
         return replace(loaded, background=smooth.background(y, x, loaded.layer, **self.sliding_of(name)))
 
     def check_pressure(self, mean_pressure: float) -> None:
-        """Raise `ValueError` for a mean pressure that the bodies do not bear, or that no body bears."""
+        """Raise `ValueError` for a mean pressure that is too large, or not below the hardness."""
         most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST_PRESSURE)
         if not mean_pressure < most:
             given = shown_si(self.load.value, CONTROL_UNITS[self.load.kind])
@@ -519,7 +519,7 @@ class Case:
         )
 
     def settings(self) -> dict[str, Any]:
-        """The settings from which `of` makes the case, those left out that have their default."""
+        """The settings from which `of` makes the case, without those at their default."""
         found: dict[str, Any] = {"map": _name_of(self.source)}
 
         def add(name: str, value: Any, default: Any = None, dimension: str = "") -> None:
@@ -579,7 +579,7 @@ class Case:
     def different_bodies(self) -> dict[str, Body]:
         """The elastic bodies by name; of two with the same stress only the lower one.
 
-        It is the same without friction, and without cycles of faces that move.
+        Equal bodies have the same stress without friction and without moving faces.
         """
         alike = self.lower == self.upper and not self.friction and self.shifts is None
         return {"lower": self.lower} if alike else self.bodies
@@ -601,7 +601,7 @@ class Case:
 
     @property
     def solid(self) -> Layer | TwoBodies:
-        """What the solver presses."""
+        """The solid, or the two bodies, that the solver presses."""
         return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)
 
 
@@ -629,7 +629,7 @@ def loads_of(name: str, settings: Mapping[str, Any]) -> float | list[float]:
 
 
 def hertz_of(settings: Mapping[str, Any]) -> HertzPlace | None:
-    """The Hertz contact in settings of ``asperity run``; None without one of its settings."""
+    """The Hertz contact in settings of ``asperity run``; None if they describe none."""
     if not is_hertz(settings) or "radius" not in settings:
         return None
     radius = to_si(settings["radius"], "length", "radius")

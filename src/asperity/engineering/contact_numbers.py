@@ -27,7 +27,7 @@ from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
 IN_FULL_CONTACT = "infinite, as the bodies touch everywhere"
-"""Stiffness and conductance in full contact, instead of a number."""
+"""Text in place of an infinite stiffness or conductance."""
 
 SPANS = "none", "y", "x", "x and y"
 """Directions along which a patch of contact spans the cell."""
@@ -59,7 +59,7 @@ class ContactNumbers:
     patches, contact_nodes : int
         Connected patches of nodes of the map under pressure, and these nodes.
     typical_patch_width : float
-        Wider patches carry half of the load; in pixels.
+        Width in pixels; wider patches carry half of the load.
     pressure_on_spike : bool
         True if the largest pressure is on a spike of the map.
     load_of_largest_node, load_on_small_patches : float
@@ -104,7 +104,7 @@ def certificate_in_words(certificate: Certificate) -> str:
 def stored_certificate(
     contact: xr.Dataset, height: Array | None = None
 ) -> tuple[Certificate, dict[str, float]]:
-    """Certificate of a stored contact, computed anew, and the largest violations that are accepted.
+    """Certificate of a stored contact, recomputed, and the largest violations that are accepted.
 
     These are the violations that the solver found, with the rounding of the fields in the file.
 
@@ -150,8 +150,8 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
     -------
     DataFrame
         Columns as ``docs/tables.md`` describes them. Length and width are the axes of the ellipse with the
-        area of the spot and the ratio of its principal second moments. A spot that spans the cell has no
-        ends: its numbers are those of one period of it.
+        area of the spot and the ratio of its principal second moments. Numbers of a spot that spans the cell
+        are for one period.
     """
     pressure, grid = face.part(contact.pressure), Grid(face.map_shape, face.map_length)
     periodic = face.boundary == "periodic" and not face.is_mirrored  # opposite edges of the map meet
@@ -240,10 +240,10 @@ Numbers = tuple[str, float, str, str]
 """Name, value, unit, and words of a number."""
 
 COMPARED_SLIP = ("tangential displacement", "sticking part of the contact", "energy lost in a cycle ± force")
-"""Numbers of partial slip that are compared with those of pixels twice as large."""
+"""Numbers of partial slip that are also computed on pixels twice as large."""
 
 CYCLE_STEPS = 6
-"""Forces of first loading in the cycle: chords enclose 97 % of the energy, and cost five contacts more."""
+"""Steps of first loading in the cycle: chords enclose 97 % of the energy, and cost five more contacts."""
 
 
 def slip_of(case: Case, face: TreatedMap, contact: Contact) -> PartialSlip | None:
@@ -299,7 +299,7 @@ def flow_of(case: Case, face: TreatedMap, contact: Contact) -> FilmFlow | None:
 
 
 def interface_on_half(case: Case, face: TreatedMap, half: HalfGrid) -> dict[str, float]:
-    """Numbers of slip and leak by name, as they are with pixels twice as large; no leak is 0."""
+    """Numbers of slip and leak by name, on pixels twice as large; a leak is 0 if the gap is closed."""
     found = {}
     if half.slip is not None:
         found = {

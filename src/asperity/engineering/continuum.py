@@ -23,15 +23,15 @@ from asperity.stress.statistics.continuum import OnGrid, extrapolate, reason_aga
 
 @dataclass(frozen=True, eq=False)
 class HalfGrid:
-    """A contact solved again on half of the nodes along both edges, which serves the stress in both bodies.
+    """A contact solved again on half of the nodes along both edges, used for the stress in both bodies.
 
     Parameters
     ----------
     contact : Contact
     lost : float
-        Share of the squared gradient of the surface that these nodes do not hold.
+        Share of the squared gradient of the surface that these nodes do not resolve.
     reason : str
-        Why the grid allows no estimate; empty if it does.
+        Reason why the grid allows no estimate; empty if it does.
     slip : PartialSlip or None
         The contact under a tangential force.
     """
@@ -75,11 +75,11 @@ def continuum(
         stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
         ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest tenth;
         along `poisson` the ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the
-        contact pressure.
-        Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why. The attribute
-        ``lost_gradient`` is the share of the squared gradient of the surface that half of the nodes do not
-        hold; a surface whose roughness goes on below its nodes loses a third and more. ``plastic_area`` is
-        that of the contact: at a hardness errors are larger, and depths and decay lengths have no estimate.
+        contact pressure. Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why.
+        The attribute ``lost_gradient`` is the share of the squared gradient of the surface that half of the
+        nodes do not resolve: a third or more if the roughness continues below the spacing. ``plastic_area``
+        is that of the contact: at a hardness errors are larger, and depths and decay lengths have no
+        estimate.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def continuum_on_grids(
     coarse = None
     if stress is not None:
         planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface
-        # The same on both grids, in their spacings; in a thin coating planes lie closer.
+        # Depths over the spacing are the same on both grids; in a thin coating planes lie closer.
         spacing = planes[1] / min(contact.grid.spacing) if interface is None else 0.5
         coarse = analyse_stress(
             loaded(half.contact, body) if half.slip is None else half.slip.in_body(body),

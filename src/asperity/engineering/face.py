@@ -1,4 +1,4 @@
-"""The rough face that is pressed: a map, or two maps face to face, read, treated and measured."""
+"""The rough face that is pressed: one map, or the composite roughness of two, read, treated and measured."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from asperity.surface.treatment.face_to_face import face_to_face
 from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
 
 LONGEST_NAME = 60
-"""Characters of the name of a map that titles show at most."""
+"""Most characters of the name of a map in titles."""
 
 Source = str | os.PathLike[str] | HeightMap
 """File of a map, or a map in metres."""
@@ -81,10 +81,9 @@ class RoughFace(NamedTuple):
     files : tuple of ReadFile
         The files that were read.
     options : MapOptions, optional
-        Those that the file of the map needs, with the channel that was read.
+        Options that the file of the map needs, with the channel that was read.
     upper : array, optional
-        The lower face of the upper body, whose sum with that of the lower body turned over is pressed, if
-        both are rough.
+        The lower face of the upper body, if both are rough: its part of the composite roughness.
     """
 
     face: TreatedMap
@@ -102,7 +101,7 @@ def is_hertz(settings: Mapping[str, Any]) -> bool:
 
 
 def options_of(settings: Mapping[str, Any]) -> MapOptions:
-    """What settings of ``asperity run`` say of the map."""
+    """Options of the map in settings of ``asperity run``."""
     given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
     if is_hertz(settings):
         given = {
@@ -125,8 +124,7 @@ def read_face(
 ) -> RoughFace:
     """Read a map and prepare it, with the map of the counter body if that is rough too.
 
-    Options that are shared with other maps, also those of the counter map by default, count where the file
-    does not say otherwise.
+    The file overrides options that are shared with other maps, as those of the counter map are by default.
 
     Raises
     ------
@@ -163,7 +161,7 @@ def read_face(
 
 
 def _read_file(source: Source) -> tuple[ReadFile, ...]:
-    """The file of a map, none of a map that is given as an array."""
+    """The file of a map; empty for a map that is given as an array."""
     if isinstance(source, HeightMap):
         return ()
     return (ReadFile(os.path.abspath(source), os.path.getsize(source), sha256_of(source)),)
@@ -172,7 +170,7 @@ def _read_file(source: Source) -> tuple[ReadFile, ...]:
 def _read(
     source: Source, options: MapOptions, shared: bool
 ) -> tuple[str, HeightMap, tuple[str, ...], Array, MapOptions]:
-    """Name and heights of a map that has all that its treatment needs, doubts, places of spikes, options."""
+    """Name and heights of a map, its doubts, places of spikes, and options; checks that none is missing."""
     if isinstance(source, HeightMap):
         name, surface = source.name or "map", replace(source, unit=source.unit or "m")
     else:
@@ -193,9 +191,9 @@ def _read(
 
 
 def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:
-    """The options, by default with points filled and a map mirrored that does not call itself periodic.
+    """The options; by default points are filled, and a map that is not declared periodic is mirrored.
 
-    The points asked for are those of the map, also if it is mirrored.
+    `points` counts the points of the map, also if it is mirrored.
     """
     periodic = options.periodic or (None if surface and surface.periodic else "mirrored")
     points = options.points

@@ -1,4 +1,4 @@
-"""The folder of an answer: whole files of one answer, which replace those of an earlier one and no others."""
+"""The folder of an answer: complete files, which replace only the files of an earlier answer."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ MANIFEST = ".asperity-run.json"
 """File with the names and checksums of all files of an answer in its folder; no other file is replaced."""
 
 UNFINISHED = ".unfinished-"
-"""Begin of the name of the folder in which files are written before they are moved to their places."""
+"""Prefix of the name of the folder in which files are written before they are moved to their places."""
 
 COMPLETE = ".complete"
-"""Name of that folder once all its files are written, which then replace those of an earlier answer."""
+"""Name of that folder when it is complete; its files then replace the files of an earlier answer."""
 
 LOCK = ".asperity-run.{}.lock"
 """Name of the empty file in a folder that says which process writes into it."""
 
 LOCK_ATTEMPTS = 5
-"""Attempts to lock a folder: processes that try at the same moment all step back, and try again."""
+"""Attempts to lock a folder: processes that try at the same moment all withdraw, and retry."""
 
 COMPARISON = ("comparison.csv", "comparison.html")
 """Names of the files that compare several answers."""
@@ -52,7 +52,7 @@ _held: set[tuple[Path, int]] = set()
 
 
 def names_of(case: Case | None) -> list[str]:
-    """Names of the files that the answer of a case has, or may have; without a case those of every answer."""
+    """Names of the files that the answer of a case may have; without a case, that any answer may have."""
     names = [
         CASE_FILE,
         "surface.nc",
@@ -101,7 +101,7 @@ def locked(folder: Path) -> Iterator[None]:
     """Keep other processes and threads from writing an answer into a folder while the block runs.
 
     The folder is made if it is not there, and deleted again if nothing was written into it. The lock is a
-    file whose name says its owner; those of processes that have ended are deleted.
+    file named after its owner; locks of processes that have ended are deleted.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _lock(folder: Path, lock: Path) -> None:
-    """Write the file of a lock, unless there is another one whose owner lives: `DatasetError` then."""
+    """Write the file of a lock; `DatasetError` if a running process has locked the folder."""
     others: list[Path] = []
     for attempt in range(LOCK_ATTEMPTS):
         if attempt:
@@ -140,7 +140,7 @@ def _lock(folder: Path, lock: Path) -> None:
         try:
             lock.parent.mkdir(parents=True, exist_ok=True)
             lock.touch(exist_ok=False)
-        except FileNotFoundError:  # another process has just deleted the folder, which it had made
+        except FileNotFoundError:  # another process that made the folder has just deleted it
             continue
         others = [path for path in lock.parent.glob(LOCK.format("*")) if path != lock]
         for ended in (path for path in others if has_ended(_owner(path))):
@@ -173,7 +173,7 @@ def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
         names = {path.name for path in unfinished.iterdir()}
         if problem := folder_problem(folder, names):
             raise ValueError(f"{folder}: {problem}")
-        from asperity.results.atomic import write_text  # the check of a folder does not wait for xarray
+        from asperity.results.atomic import write_text  # imports xarray, only to write
 
         checksums = {name: found for name, found in checksums_in(folder).items() if name in kept}
         for name in names:
@@ -186,7 +186,7 @@ def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
 
 
 def move_complete(folder: Path) -> None:
-    """Move the complete files to their places, after those of the earlier answer are deleted.
+    """Delete the files of the earlier answer, and move the complete ones to their places.
 
     The folder never holds files of two answers. Its manifest is deleted before the first file is moved, and
     moved last, so that the steps can be continued wherever they were interrupted.

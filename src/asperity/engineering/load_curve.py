@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import scipy  # whose parts are loaded when they are first used
+import scipy  # submodules are imported at first use
 import xarray as xr
 
 from asperity.contact import Contact
@@ -78,7 +78,7 @@ def load_curve(
     resistivities : mapping, optional
         Name of a conductance → sum of the resistivities of both bodies; see `asperity.Contact.conductance`.
     loaded : callable, optional
-        Contact and name of a body → the body as it is loaded; by default by the contact alone.
+        Contact and name of a body → the loaded body; by default under the contact alone.
     **sliding
         `friction` and `sliding_direction` on the lower body, as for `asperity.analyse_stress`.
 

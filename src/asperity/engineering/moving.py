@@ -37,13 +37,13 @@ LONGEST_STEP = 8
 """Most nodes along an axis of one step in a direction of the grid."""
 
 REACH = 1.5
-"""Places from the middle of a Hertz contact, in half-widths, from which on a point counts as unloaded."""
+"""Places from the middle of a Hertz contact, in half-widths, beyond which a point counts as unloaded."""
 
 DEEPEST = 2.0
 """Depth in smaller half-widths of a Hertz contact down to which cycles are computed."""
 
 SAME_DIRECTION = 1e-3
-"""Degrees between an angle and a direction of the grid that are the same."""
+"""Largest difference in degrees between an angle and the direction of the grid that it means."""
 
 
 class State(NamedTuple):
@@ -83,8 +83,8 @@ class MovingContact:
     hardness : float, optional
         As for `asperity.solve`.
     wavelength_short : float, optional
-        Shortest wavelength of the faces, of which a step is at most half; by default two steps of nodes,
-        so that all nodes are needed.
+        Shortest wavelength of the faces; a step is at most half of it. By default it is two node steps, so
+        that every node is a position.
     rtol : float
         Of each contact; see `asperity.solve`.
     progress : callable, optional
@@ -93,11 +93,11 @@ class MovingContact:
     Raises
     ------
     TypeError, ValueError
-        If an argument is out of range, the direction is none of the grid, or there are too few shifts.
+        If an argument is out of range, no line through nodes has the direction, or there are too few shifts.
 
     Examples
     --------
-    Two equal wavy faces that roll and slide along x; the cycles are those of points of the lower one:
+    Two equal wavy faces that roll and slide along x; the cycles are at points of the lower one:
 
     >>> x = np.arange(64) / 64
     >>> waves = 1e-3 * np.cos(2 * np.pi * x) * np.ones((4, 1))
@@ -268,7 +268,7 @@ class MovingContact:
                 **self._settings,
             ).pressure
         pressure = self._solved[key]
-        if not both_rough and np.ptp(self._upper):  # which takes the pressure with it
+        if not both_rough and np.ptp(self._upper):  # the pressure moves with the rough upper body
             pressure = np.roll(pressure, shift, (0, 1))
         return pressure if body == "lower" else np.roll(pressure, -shift, (0, 1))
 

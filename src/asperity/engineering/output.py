@@ -52,8 +52,8 @@ PACKAGES = ("numpy", "numba", "xarray", "SurfaceTopography")
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     """Write an answer into a folder: first the results and tables, then the pictures and the report.
 
-    A process that is killed at any moment leaves the earlier answer or the results of the new one. Should it
-    be killed while files are moved to their places, the next call moves those that are left.
+    A killed process leaves the earlier answer or the results of the new one. If it is killed while files are
+    moved to their places, the next call moves the rest.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     Raises
     ------
     ValueError
-        If a file would replace one that is not of an earlier answer, or is read-only.
+        If a file would replace one that no earlier answer wrote, or that is read-only.
     DatasetError
         If it cannot be written, or another process writes into it; the earlier answer is still there then, or
         the results of the new one without pictures and report.
@@ -102,7 +102,7 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
             try:
                 with replacing(folder, kept=results) as unfinished:
                     _write_report(answer, unfinished)
-            except Exception as error:  # drawing fails with errors of any type
+            except Exception as error:  # drawing may raise errors of any type
                 message = f"{folder}: results are written, pictures and report not ({error})"
                 raise DatasetError(message) from error
             return [folder / name for name in sorted(names_in(folder))]
@@ -147,7 +147,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
         canvas = FigureCanvasAgg(picture.figure)
         canvas.print_png(path, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
-        if same and picture.body == "upper" and "cycles" not in picture.name:  # as those of the lower body
+        if same and picture.body == "upper" and "cycles" not in picture.name:  # like the lower body's
             continue
         title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
@@ -180,7 +180,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
 
 
 def headline(rows: Sequence[Row], several: bool) -> list[tuple[str, str, str]]:
-    """The numbers that are asked for first: name, value with its error, and the value on the pixels."""
+    """The main numbers: name, value with its error, and the value on the pixels."""
     found = []
     for row in rows:
         if row.name in HEADLINE:
@@ -261,7 +261,7 @@ def pool_text(cases: Sequence[tuple[Case, Sequence[ReadFile]]], folder: Path, ar
 
 
 def holds_answer(folder: Path, case: Case, files: Sequence[ReadFile]) -> bool:
-    """Whether a folder has the whole answer of a case, with maps of the same checksums wherever they lie."""
+    """True if a folder has the complete answer of a case, with maps of the same checksums in any folder."""
     if "report.html" not in names_in(folder):
         return False
     texts = (folder / CASE_FILE).read_text(encoding="utf-8"), case_text(case, folder, files=files)

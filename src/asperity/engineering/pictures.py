@@ -65,7 +65,7 @@ WIDE = 10
 """Largest over smallest value of a number of a load curve above which its axis is logarithmic."""
 
 FADED = 0.1
-"""Share of the largest stress below which, and below the yield stress, a section ends."""
+"""A section ends where the stress is below the yield stress and this share of the largest stress."""
 
 FRAMED = "framed part"
 """Title of the second map."""
@@ -86,9 +86,8 @@ class Picture(NamedTuple):
 def pictures(answer: Answer) -> Iterator[Picture]:
     """Pictures of an answer: height, contact pressure, and the stress in each body.
 
-    Mirror images of the map are left out. Beside each overview stands the place of the largest stress, close
-    to it. The stress is drawn in a plane and in a section through the extreme value of each field, and as its
-    peaks.
+    Mirror images of the map are left out. A close-up of the largest stress is beside each overview. The
+    stress is drawn in a plane and in a section through the extreme value of each field, and as its peaks.
     """
     (source,) = sources({plain_text(answer.face.name): answer.contact}, SI_UNITS)
     if answer.slip is not None:
@@ -227,7 +226,7 @@ def _of_cycles(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
     section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
     touching = (source.field("pressure") > 0).any(axis="xy".index(axis))
     section = section.assign_coords(contact=(axis, touching)).isel({axis: rows}).rename(source.title)
-    # Cycles in a Hertz contact go down to its own depth, of which the map sees the top.
+    # Cycles in a Hertz contact go deeper than the picture, which ends at half of the edge of the map.
     section = section.sel(depth=slice(0, max(answer.face.map_length) / 2))
     look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
     faded = min(FADED * float(section.max()), limit)
@@ -256,7 +255,7 @@ def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:
 
 
 def _shown(answer: Answer, body: str, field: str, near: CloseUp) -> str:
-    """What a close-up is close to, in words."""
+    """Description of the place that a close-up shows."""
     found = answer.bodies[body].largest[field]
     return "one of the highest pressures" if near.node(found.y, found.x) is None else "the largest stress"
 
@@ -268,7 +267,7 @@ def _whole(answer: Answer, grid: Grid) -> Part:
 
 
 def _drawn(maps: list[Map], look: Look, level: float | None = None) -> Figure:
-    """Maps in the same colours, with a frame in the first around what the second shows."""
+    """Maps in the same colours, with a frame in the first around the part that the second shows."""
     figure = draw_maps(maps, look, None, level)
     if len(maps) > 1:
         from matplotlib.patches import Rectangle

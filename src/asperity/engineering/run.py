@@ -45,7 +45,7 @@ from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
 SMALLEST_APPROACH = 1e-7
-"""Least approach over the range of heights, of which the rounding is 1e-16."""
+"""Least approach over the range of heights; their rounding is 1e-16 of it."""
 
 
 def run(
@@ -107,8 +107,8 @@ def run(
         Map of the upper body, with its peaks upward as measured. It is turned over and laid on the other one;
         see `CounterMap`.
     map_options : MapOptions, optional
-        By default points without data are filled, and a map that does not call itself periodic is mirrored.
-        With ``periodic="none"`` nothing surrounds the map. `points` are those of the map, also if it is
+        By default points without data are filled, and a map that is not declared periodic is mirrored. With
+        ``periodic="none"`` nothing surrounds the map. `points` counts the points of the map, also if it is
         mirrored.
     fields : names
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
@@ -172,7 +172,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     ----------
     case : Case
     rough : RoughFace, optional
-        What `read_face` has read for it; by default that is done here.
+        The result of `read_face` for it; by default it is read here.
     progress : callable, optional
         Called as progress(done, total).
 
@@ -328,8 +328,7 @@ def answer_curve(answer: Answer, progress: Progress) -> AnswerCurve:
 def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact | None:
     """The contact of a case under its hardness, or under the one that its yield stresses suggest.
 
-    None without a hardness, and if the elastic pressure stays below the suggested one or no contact bears the
-    load.
+    None without a hardness, if the elastic pressure stays below the suggested one, or if the load exceeds it.
     """
     if case.hardness is not None:
         return contact
@@ -353,8 +352,9 @@ def unfiltered_contact(case: Case) -> Contact | None:
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:
     """Width of a contact over the distance between its periodic images, and the contact without them.
 
-    None for layers, whose contact cannot be solved without images. A cylinder goes on along its axis, where
-    its images are parts of itself, and would end without them: its width is that across, and there is none.
+    None for layers, whose contact cannot be solved without images. The images of a cylinder along its axis
+    continue it: its width is taken across the axis, and without images, where it would end, no contact is
+    solved.
     """
     widths = np.ptp(np.argwhere(face.part(contact.pressure) > 0), axis=0) + 1
     spans = dict(zip("yx", (widths / face.map_shape).tolist(), strict=True))

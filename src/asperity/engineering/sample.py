@@ -82,7 +82,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
 
     The threshold is the lowest one above which the shape is stable: it differs from those of all higher
     thresholds by less than twice their standard error. The interval is that of a bootstrap of the maps and of
-    their peaks; it draws one map fewer than there are, since for a few it were too narrow else.
+    their peaks; it draws one map fewer than there are: otherwise it would be too narrow for few maps.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
 
     Examples
     --------
-    Of exponential peaks, 100 on a unit of area, the largest of 10000 has the median log(10000 / log 2) = 9.6:
+    For exponential peaks, 100 per unit area, the median of the largest of 10000 is log(10000 / log 2) = 9.6:
 
     >>> from asperity.engineering.sample import largest_on
     >>> random = np.random.default_rng(1)
@@ -133,7 +133,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
 
 
 def check_area(area: float, sample_area: float) -> None:
-    """Raise `ValueError` for an area beyond what a sample of another area bears."""
+    """Raise `ValueError` for an area too large to predict from a sample."""
     if not 0 < area <= MAX_AREA_RATIO * sample_area * (1 + 1e-9):
         given, most = (shown_si(value, "m^2") for value in (area, MAX_AREA_RATIO * sample_area))
         raise ValueError(
@@ -172,13 +172,13 @@ CONFIDENCE = 0.95
 """Confidence of the intervals."""
 
 SAME_PIXELS = 1e-6
-"""Relative difference of pixels, and of numbers that all maps have alike, by rounding."""
+"""Relative difference by rounding of pixels, and of numbers that are equal on all maps."""
 
 OTHER_UNIT = 100
-"""Ratio of rms heights from which two maps have heights in unlike units, as nm and µm."""
+"""Ratio of rms heights from which two maps have heights in different units, as nm and µm."""
 
 VOLUME, DEEPEST = "volume above yield per area", "deepest point above yield"
-"""Numbers of which the share above yield is made."""
+"""Numbers from which the share above yield is computed."""
 
 SCALED = "m", "m^2", "m^3", "Pa", "N"
 """Units that take prefixes."""
@@ -194,7 +194,7 @@ LARGEST = {
     "von_mises": "largest von Mises stress",
     "dang_van": "largest Dang Van stress over limit",
 }
-"""Quantity of peaks → number whose error of the grid that of its largest value on an area is."""
+"""Quantity of peaks → number whose grid error is used for the largest value on an area."""
 
 ONE_MAP = "one map: no interval, as parts of one map do not tell how places of the surface differ"
 
@@ -236,7 +236,7 @@ class Mean(NamedTuple):
     error : float
         Root of the sum of the squares of both parts; NaN for one map.
     of_maps : float
-        Of Student's t over the maps; NaN for one map.
+        From Student's t over the maps; NaN for one map.
     of_grid : float
         Mean of the errors of the grid; NaN where no map has one.
     """
@@ -281,12 +281,12 @@ def pooled(answers: Sequence[Answer]) -> Sample:
     Parameters
     ----------
     answers : sequence of Answer
-        Of `run`, for maps of unlike places, with the same pixels, bodies and load.
+        Of `run`, for maps of different places, with the same pixels, bodies and load.
 
     Raises
     ------
     ValueError
-        If there is no answer, or maps, bodies or loads are unlike.
+        If there is no answer, or maps, bodies or loads differ.
 
     Examples
     --------
@@ -322,7 +322,7 @@ def pooled(answers: Sequence[Answer]) -> Sample:
 
 
 def check_alike(faces: Mapping[str, TreatedMap]) -> None:
-    """Raise `ValueError` for maps of unlike pixels, or of heights in unlike units."""
+    """Raise `ValueError` for maps of different pixels, or of heights in different units."""
     (first, known), *others = faces.items()
     for name, face in others:
         pixels = [each.grid.spacing for each in (face, known)]
@@ -376,7 +376,7 @@ class Sample:
                 volume = next(row for row in found if (row.group, row.name) == (group, VOLUME))
                 deepest = self.numbers[self.numbers["name"] == DEEPEST].groupby("group")["value"].max()[group]
                 values, errors = volume.of_each / deepest, volume.mean.of_grid / deepest
-            if name not in POSITION_NAMES[1:]:  # the mean depth says something
+            if name not in POSITION_NAMES[1:]:  # only a mean depth is meaningful
                 found.append(
                     SampleRow(group, name, part["unit"].iloc[0], mean_of_maps(values, errors), values)
                 )
@@ -437,8 +437,8 @@ class Sample:
         Returns
         -------
         DataFrame
-            Columns as in ``docs/tables.md``. The interval holds the error of the grid, too. Of less than 40
-            peaks there is no row.
+            Columns as in ``docs/tables.md``. The interval holds the error of the grid, too. There is no row
+            for fewer than 40 peaks.
 
         Raises
         ------

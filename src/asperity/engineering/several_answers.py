@@ -28,7 +28,7 @@ COMPARED_PICTURES = ("height", "pressure", "plane", "section", "peaks")
 
 
 def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
-    """Write ``comparison.csv`` and ``comparison.html`` into the folder that holds those of the answers.
+    """Write ``comparison.csv`` and ``comparison.html`` into the parent folder of the answers.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def read_sample(folder: Path, names: Sequence[str], case: Case) -> Sample:
 def write_sample(
     sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]], area: str | None = None
 ) -> str:
-    """Write tables, page and case file of pooled answers into the folder that holds those of the maps.
+    """Write tables, page and case file of pooled answers into the parent folder of the maps' answers.
 
     Parameters
     ----------
