@@ -1,6 +1,7 @@
-"""What a dataset of xarray can do with a result of asperity, as ``dataset.asperity``.
+"""Methods of xarray datasets that hold a result of asperity, as ``dataset.asperity``.
 
-What a method needs is imported when it is called: this module is imported with the first name of asperity.
+Each method imports its modules when it is called, because this module is imported with the first name of
+asperity.
 """
 
 from __future__ import annotations
@@ -134,7 +135,7 @@ class ResultAccessor:
         Raises
         ------
         ValueError
-            If the dataset is no result of a stress analysis, or has not the quantity.
+            If the dataset is no result of a stress analysis, or lacks the quantity.
         """
         self._needed("peaks")
         from asperity.stress.peaks.selection import peaks

@@ -48,7 +48,7 @@ class ExportUnits(NamedTuple):
     length, stress : float
         Size of the exported unit in that of the result; numbers are divided by it.
     length_name, stress_name : str
-        Ends of the names of columns and fields.
+        Suffixes of the names of columns and fields.
     """
 
     length: float = 1.0

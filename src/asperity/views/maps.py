@@ -142,7 +142,7 @@ def map_of(source: Source, name: str, part: Part, note: str = "") -> Map:
 
 
 DENSE, THINNEST = 8, 0.3
-"""Crossings of a row with a contour from which its lines are thinner, down to a share of their width."""
+"""Crossings of a row with a contour above which its line is thinner, and its smallest relative width."""
 
 
 def draw_maps(

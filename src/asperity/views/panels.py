@@ -16,7 +16,7 @@ SINGLE = 110 * MILLIMETRE
 """Width of a figure of one panel."""
 
 LEAST_HEIGHT, MOST_HEIGHT = 30 * MILLIMETRE, 150 * MILLIMETRE
-"""Heights of a panel; cells that are longer or wider leave some of it free."""
+"""Limits of the height of a panel; longer or wider cells do not fill it."""
 
 FLATTEST = 0.01
 """Smallest height of a panel over its width; that of a row of nodes would be 0."""
@@ -74,7 +74,7 @@ def canvas(
 def add_colour_bar(figure: Figure, axes: Sequence[Axes], scale: Scale, below: bool = False) -> None:
     """Add the colour bar of some panels, beside or below them; arrows mean that values lie beyond its ends.
 
-    A bar with both signs shows the values that occur only, although its colours are symmetric.
+    A bar with both signs shows only the range of values that occur, although its colours are symmetric.
     """
     limits, unit = scale.limits, scale.unit
     bar = figure.colorbar(

@@ -68,7 +68,7 @@ def plot_peaks(
     Raises
     ------
     ValueError, TypeError
-        If a result is of another stage, or has not the quantity or the ratio.
+        If a result is of another stage, or lacks the quantity or the ratio.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def _number_of_bins(values: Array, high: float) -> int:
     """Number of bins from 0 to `high` by the rule of Freedman and Diaconis, at least that of Sturges.
 
     D. Freedman and P. Diaconis, Z. Wahrscheinlichkeitstheorie 57 (1981) 453, doi 10.1007/BF01025868. Equal
-    values, of which the rule asks for any number of bins, get `MOST_BINS`.
+    values, for which the rule is undefined, get `MOST_BINS`.
     """
     least = math.ceil(math.log2(max(values.size, 1))) + 1
     quartiles = np.quantile(values, [0.25, 0.75]) if values.size else [0.0, high]

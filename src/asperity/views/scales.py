@@ -90,7 +90,7 @@ MIN_IN_TAIL = 3
 """Fewest values at each end that do not count: one wrong node of a map makes up to three high peaks."""
 
 BEYOND_SHARE = 1e-6
-"""Values beyond a limit by less than this share of the scale are not said to lie beyond it."""
+"""Values beyond a limit by less than this share of the scale are not reported."""
 
 QUANTILE_MARGIN = 0.25
 """The limits reach beyond the quantiles by at most this share of their distance. So the limits of Gaussian

@@ -7,17 +7,17 @@ Dang Van
 --------
 The elastic cycle is shaken down to one around the centre c of the smallest sphere that encloses its
 deviators. The largest τ_a(t) + α σ_H(t), with the Tresca shear stress τ_a of s(t) − c and the mean σ_H of the
-normal stresses, stays below the fatigue limit in reversed torsion; α makes that in reversed bending a limit,
-too (K. Dang Van, ASTM STP 1191 (1993) 120).
+normal stresses, stays below the fatigue limit in reversed torsion; α follows from the limit in reversed
+bending (K. Dang Van, ASTM STP 1191 (1993) 120).
 
 Shakedown
 ---------
 By Melan's theorem a body shakes down to elastic cycles if some residual stress in equilibrium keeps every
 stress below yield (K. L. Johnson, Contact Mechanics, Cambridge 1985, ch. 9). The yield stress over the
 smallest radius is the factor by which the load can rise. Residual stresses that do not change along x are
-restricted by equilibrium: ρ_xx(y, z) is free, which gives a lower bound, and nothing else is free at every
-point, so that a centre without restriction gives an upper bound. Under a contact that does not change along
-y, ρ_xx, ρ_yy and ρ_xy are free, and no other component: the factor with these is exact there.
+restricted by equilibrium: only ρ_xx(y, z) can be chosen freely at every point. The factor is a lower bound
+with the centre free along xx alone, and an upper bound with an unrestricted centre. Under a contact that does
+not change along y, exactly ρ_xx, ρ_yy and ρ_xy are free: the factor with these is exact.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ at 1 (α = 3/2) that of a tensile stress is as large as that of its shear stress
 0.75."""
 
 LARGEST_FACTOR = 1e12
-"""Factor of shakedown of a row whose stress hardly changes, where it would be infinite."""
+"""Largest shakedown factor, given in place of an infinite one where the stress does not change."""
 
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
@@ -105,7 +105,7 @@ class Criteria:
 
     @property
     def names(self) -> list[str]:
-        """Names of the numbers that follow, of `NUMBERS`."""
+        """Names of the computed numbers, from `NUMBERS`."""
         shakedown = [] if self.yield_stress is None else [*RESIDUALS]
         return ["shear_range", *(["dang_van"] if self.has_fatigue else []), *shakedown]
 
@@ -121,7 +121,7 @@ class Criteria:
         return out
 
     def over_limit(self, dang_van: Array) -> Array:
-        """Dang Van stress with that of the residual stress, over the limit in torsion."""
+        """Dang Van stress including the residual stress, over the limit in torsion."""
         return (dang_van + self.alpha * 2 / 3 * self.residual_stress) / (self.fatigue_torsion or 1.0)
 
     def above(self, dang_van: Array) -> Array:
@@ -138,7 +138,7 @@ class Criteria:
 
 
 class CycleMaps:
-    """Numbers of the histories of a body over the depth and one axis, from one plane after the other.
+    """Numbers of the histories of a body over the depth and one axis, added plane by plane.
 
     Parameters
     ----------

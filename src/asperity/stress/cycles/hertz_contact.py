@@ -1,8 +1,8 @@
 """Hertz contact of two smooth bodies, in which a far smaller rough cell lies at one place.
 
 Scales are separate: over the cell the Hertz pressure hardly changes. The cell is solved as periodic, under
-the Hertz pressure of its place as mean pressure. Below it the stress is that of the cell, and that of the
-smooth contact at the place beyond the mean (q = 0) mode of the cell.
+the Hertz pressure of its place as mean pressure. The stress below it is the sum of the cell's and of the
+smooth contact's at that place, less the mean (q = 0) mode, which both contain.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import scipy  # whose parts are loaded when they are first used
+import scipy  # submodules are imported at first use
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import magnitude
@@ -138,7 +138,7 @@ class HertzContact:
     ) -> Callable[[float], Array]:
         """Stress below places of the surface, as a function of the depth.
 
-        Under a roller in closed form; else that under the pressure on pixels, by `asperity.stress_planes`.
+        In closed form under a roller; else from the pressure on pixels, by `asperity.stress_planes`.
 
         Parameters
         ----------

@@ -1,18 +1,19 @@
 """Histories of the stress at all points of a body whose contact pressure changes from state to state.
 
 The states are the shifts of two rough bodies against each other, or the places of a point on its way through
-a Hertz contact. Every point of the body has a history of its own. All states of a plane are in memory at a
-time. The smallest spheres are computed for candidates only: a sphere around the middle of the smallest box
-that holds a history bounds the smallest one, and its radius over √2 the shear stress. Of each row along x the
-point of the largest bound is computed first, then those whose bound exceeds its value.
+a Hertz contact. Every point of the body has its own history. All states of a plane are in memory at the same
+time. The smallest spheres are computed for candidates only: a sphere around the middle of the bounding box of
+a history bounds the smallest one, and its radius over √2 bounds the shear stress. In each row along x the
+point of the largest bound is computed first, then all points whose bound exceeds its value.
 
 Shakedown
 ---------
 Points along a row have different histories. A centre without restriction still gives an upper bound of the
-factor. A residual stress ρ_xx(y, z) is in equilibrium: one for all histories of a row gives a lower bound.
+factor. A residual stress ρ_xx(y, z), common to all histories of a row, is in equilibrium and gives a lower
+bound.
 
-Grids are those of an envelope, whose modes have the largest magnitude of all states: the bound of its dropped
-modes holds for every state.
+Grids are chosen for an envelope, whose modes have the largest magnitude of all states, so that the bound of
+the dropped modes holds for every state.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ STATES_BYTES = 2**29
 """Memory for the states of some rows of a plane; the planes are computed again for the next rows."""
 
 DEEPER = 25
-"""Depths below those of the cell at which the background alone matters."""
+"""Number of depths below the cell's depths, where only the background matters."""
 
 EXACT_ABOVE = 0.5
 """Share of the largest Dang Van stress above which that of every point is computed, for the distribution."""
@@ -51,7 +52,7 @@ ERROR_OVER_CHANGE = 2.0
 cases of ``docs/stress.md``."""
 
 STRIP = 4096
-"""Points whose candidates are chosen together, in whole rows."""
+"""Number of points whose candidates are chosen together, in whole rows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +132,7 @@ class Histories(CycleMaps):
         self._halves = np.full((2, 3), -np.inf)
 
     def run(self, progress: Progress | None) -> None:
-        """Take all planes."""
+        """Compute all planes."""
         for plane in self._stream.planes(progress):
             self._use(plane.grid)
             (ny, nx), count = plane.grid.shape, len(self._states)
@@ -146,7 +147,7 @@ class Histories(CycleMaps):
             )
 
     def _use(self, grid: Grid) -> None:
-        """The states on the grid of a plane."""
+        """Resample the states to the grid of a plane."""
         if grid == self._grid:
             return
         self._grid, coarse = grid, Fourier(grid, threads=self._threads)
@@ -187,7 +188,7 @@ class Histories(CycleMaps):
         return np.concatenate(found, axis=1), np.concatenate(along, axis=1), above
 
     def _strip(self, states: Array, columns: int) -> tuple[Array, Array, Array, Array]:
-        """Largest numbers of some rows, (5, rows), their columns, those of halves of the states, Dang Van."""
+        """Largest numbers of some rows, (5, rows), their columns, the same of half the states, Dang Van."""
         states = np.ascontiguousarray(states.transpose(1, 2, 0))  # a history in consecutive memory
         rows = states.shape[1] // columns
         exact, dang_van = self._numbers(states, rows)
@@ -202,7 +203,7 @@ class Histories(CycleMaps):
     def _numbers(self, states: Array, rows: int) -> tuple[Array, Array]:
         """Range, Dang Van stress and squared radius, (3, points), of the points that may be largest.
 
-        And the Dang Van stress of all points, of those below `EXACT_ABOVE` its upper bound.
+        Also the Dang Van stress of all points, below `EXACT_ABOVE` as its upper bound.
         """
         unloaded, alpha = self._moving.is_unloaded, self.criteria.alpha
         bound, exact = np.empty((2, states.shape[1])), np.full((3, states.shape[1]), -np.inf)
@@ -247,7 +248,7 @@ class Histories(CycleMaps):
 
 @compiled_with_arrays
 def fill_row_radii(states: Any, unloaded: bool, out: Any) -> None:
-    """Fill `out`, (rows,), with squared radii of all histories of a row together, the centre along xx."""
+    """Fill `out`, (rows,), with the squared radius around all histories of a row, free along xx."""
     count = states.shape[2]
     points, centre = np.zeros((DIMENSIONS, count + (1 if unloaded else 0))), np.empty(DIMENSIONS)
     for row in range(states.shape[1]):

@@ -1,11 +1,11 @@
 """The smallest sphere that encloses points in five dimensions, its centre anywhere or in a subspace.
 
 With the centre c in the subspace of the first coordinates, the squared distance of a point is that to its
-projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). The optimum is fixed
-by at most one point more than the subspace has dimensions (E. Welzl, LNCS 555 (1991) 359). It is reached by
+projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). At most one point more
+than the subspace has dimensions determines the optimum (E. Welzl, LNCS 555 (1991) 359). It is reached by
 exchange, as in P. Wolfe, Math. Program. 11 (1976) 128: the farthest point is added to those that fix the
 sphere, and the centre walks towards the point equally far from all of them; a point whose weight in the
-centre falls to 0 on the way is dropped. The radius rises with every point, so that no set of points returns.
+centre falls to 0 on the way is dropped. The radius rises with every point, so that no set of points recurs.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ DIMENSIONS = 5
 """Dimensions of the space, that of the stress deviators."""
 
 RADIUS_ROUNDING = 1e-13
-"""Share of the squared radius by which a point may lie outside, or the radius must rise."""
+"""Relative tolerance on the squared radius: of points outside, and of its rise in a step."""
 
 MAX_EXCHANGES = 1000
-"""Most points that are added; about ten are."""
+"""Most points that are added; about ten are needed."""
 
 
 @compiled_with_arrays
@@ -36,7 +36,7 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
     free : 1 to 5
         Number of the first coordinates along which the centre may move; the others are 0.
     centre : (5,) array
-        Is filled with the centre.
+        Filled with the centre.
     """
     support = np.empty(DIMENSIONS + 2, np.int64)
     weight, wanted = np.empty(DIMENSIONS + 2), np.empty(DIMENSIONS + 2)
@@ -87,7 +87,7 @@ def _fill_distances(points: Any, centre: Any, squared: Any) -> None:
 
 @compiled_with_arrays
 def _wanted_weights(points: Any, free: int, support: Any, count: int, wanted: Any) -> bool:
-    """Weights of the points in the centre equally far from all; False if there is none, as one depends.
+    """Weights of the points in the centre equally far from all; False if they are affinely dependent.
 
     `wanted` is then the direction in which the weight of the last point rises while the centre stays.
     """

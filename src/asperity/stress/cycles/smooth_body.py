@@ -1,9 +1,9 @@
 """Cycles of the stress in a smooth body over which a rough one slides or rolls along x or y.
 
 In steady motion along x the stress moves with the rough body: the point at (y, z) of the smooth body sees the
-row σ(·, y, z) as its history, and likewise the column along y. A periodic map repeats it; with a free
-boundary the point is also unloaded, σ = 0. This is exact for a smooth elastic body under a translating rough
-one, at the nodes of the row. Histories of two rough bodies are in `asperity.stress.cycles.histories`.
+row σ(·, y, z) as its history, and likewise the column along y. With a periodic map the history repeats; with
+a free boundary the point is also unloaded, σ = 0. This is exact for a smooth elastic body under a translating
+rough one, at the nodes of the row. Histories of two rough bodies are in `asperity.stress.cycles.histories`.
 """
 
 from __future__ import annotations

@@ -48,8 +48,8 @@ def stress_cycles(
     friction, sliding_direction
         As for `stress_planes`; the direction is also that of the motion, along x or along y.
     residual_stress : float
-        Equal normal stress along x and y in the unloaded body, compression negative. Shakedown ends at the
-        same centre of the cycle; two thirds of it add to the mean stress in that of Dang Van.
+        Equal normal stress along x and y in the unloaded body, compression negative. The cycle after
+        shakedown does not depend on it; two thirds of it add to the mean stress in the Dang Van stress.
 
     Returns
     -------
@@ -59,14 +59,14 @@ def stress_cycles(
         direction of motion, in the unit of the pressure; with fatigue limits ``dang_van``, the largest stress
         of Dang Van over the limit in torsion; with a yield stress ``shakedown_upper``, ``shakedown_line`` and
         ``shakedown_lower``, the factors of the load up to elastic shakedown: an upper bound, the exact one
-        under a contact that does not change along y, and a lower bound. Rows of a plane on a coarser grid
-        stand at all rows of the contact to which they are nearest, so that none is lost. The attribute
-        ``worst_shear_range`` is the largest value, its depth and y; so are the others, of the factors the
-        smallest. With fatigue limits ``fatigue_volume`` is the volume per nominal area whose Dang Van stress
-        is above a ``fatigue_share`` of the limit. Of a `MovingPressure` each value is the worst along x,
-        ``worst_…`` names x, too, there is no ``shakedown_line``, ``few_shifts_error`` estimates the relative
-        error of the worst values, twice their largest change with half of the states, as a mean over both
-        halves, and ``fatigue_volume`` is an upper bound below half of the largest value.
+        under a contact that does not change along y, and a lower bound. Each row of a plane on a coarser grid
+        is repeated at all rows of the contact nearest to it. The attribute ``worst_shear_range`` holds the
+        largest value, its depth and y, and likewise ``worst_…`` of the others; of factors the smallest value.
+        With fatigue limits ``fatigue_volume`` is the volume per nominal area whose Dang Van stress is above a
+        ``fatigue_share`` of the limit. Of a `MovingPressure` each value is the worst along x, ``worst_…``
+        names x, too, there is no ``shakedown_line``, ``few_shifts_error`` estimates the relative error of the
+        worst values, twice their largest change with half of the states, as a mean over both halves, and
+        ``fatigue_volume`` is an upper bound below half of the largest value.
 
     Raises
     ------

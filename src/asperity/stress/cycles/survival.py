@@ -1,6 +1,6 @@
 """Cracks that are expected to start, from cycles of the stress and the scatter of the fatigue limit.
 
-By the weakest link a body survives if each of its volumes does. With a limit of Weibull's distribution, whose
+In the weakest-link model a body survives if each of its volumes does. With a Weibull-distributed limit whose
 mean is t₋₁ for specimens of the stressed volume V₀, the expected number of cracks per nominal area is
 
     h = 1/V₀ ∫ (Γ(1 + 1/m) d)^m dz,    averaged over the area,
@@ -14,7 +14,7 @@ The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 +
 from __future__ import annotations
 
 import numpy as np
-import scipy  # whose parts are loaded when they are first used
+import scipy  # submodules are imported at first use
 import xarray as xr
 from scipy.special import gammaln
 
@@ -25,7 +25,7 @@ SCATTERS = (0.01, 1.0)
 
 
 def weibull_exponent(scatter: float) -> float:
-    """Exponent m of Weibull's distribution of a coefficient of variation.
+    """Exponent m of the Weibull distribution with a coefficient of variation.
 
     Examples
     --------
