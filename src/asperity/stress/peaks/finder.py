@@ -231,9 +231,8 @@ def _matched_maxima(
     taken = np.zeros((upper_plane.fields.formulas.kinds.size, *count), bool)
     for shift in product((-1, 0, 1), repeat=2):
         taken[squares(upper, upper_plane, shift)] = True
-    near = np.flatnonzero(
-        taken[squares(lower, lower_plane)]
-    )  # few have an upper one in a square beside theirs
+    # Few lower maxima have an upper one in their square or beside it.
+    near = np.flatnonzero(taken[squares(lower, lower_plane)])
     if not near.size:
         return near, near, np.empty(0, bool)
     (high, place_up), (low, place_low) = (
