@@ -260,9 +260,7 @@ def extended_to_area(
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
-    # Area grows nearly in proportion to the load: twice the change expected from that is far enough.
-    largest = MAX_LOAD_CHANGE if converged else min(MAX_LOAD_CHANGE, 2 * abs(area.log_ratio(count)) + 0.01)
-    up = largest * load / slope
+    up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = system.held_after(iterate, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
