@@ -110,8 +110,8 @@ class Ducc0Engine:
     LINES = 128
 
     # Distance of rows in bytes whose elements share the same lines of the processor's cache. In single
-    # precision ducc0 takes two to four times as long to write such rows as to write rows that are so many
-    # numbers longer, and to copy them.
+    # precision ducc0 takes two to four times as long to write such rows, and twice as long to read them, as
+    # with rows that are so many numbers longer, and to copy them.
     CRITICAL_STRIDE = 4096
     PADDING = 16
 
@@ -127,10 +127,24 @@ class Ducc0Engine:
         """
         import ducc0
 
-        rows = len(values)
-        for part, workers in self._shares(rows, threads):
-            ducc0.fft.r2c(values[part], axes=(1,), forward=True, inorm=2, out=out[part], nthreads=workers)
-        out[rows:] = 0
+        def transform(rows: Array, target: Array, workers: int) -> None:
+            ducc0.fft.r2c(rows, axes=(1,), forward=True, inorm=2, out=target, nthreads=workers)
+
+        def transform_copied(part: slice) -> None:
+            room = self._room(values)
+            for first in range(part.start, part.stop, self.LINES):
+                rows = slice(first, min(first + self.LINES, part.stop))
+                some = room[: rows.stop - first]
+                some[...] = values[rows]
+                transform(some, out[rows], 1)
+
+        count = len(values)
+        if self._is_slow(values):
+            in_parts(transform_copied, count, threads, multiple=self.LINES, smallest=self.LINES)
+        else:
+            for part, workers in self._shares(count, threads):
+                transform(values[part], out[part], workers)
+        out[count:] = 0
         for part, workers in self._shares(out.shape[1], threads):
             columns = out[:, part]
             ducc0.fft.c2c(columns, axes=(0,), forward=True, inorm=2, out=columns, nthreads=workers)
@@ -149,13 +163,13 @@ class Ducc0Engine:
 
         `coefficients` may be overwritten. The rows of `out` may begin where theirs do, in the same memory.
         """
-        if out.dtype != np.float32 or out.strides[-2] % self.CRITICAL_STRIDE:
+        if not self._is_slow(out):
             for part, workers in self._shares(out.shape[-2], threads):
                 _rows_back(coefficients[..., part, :], out[..., part, :], workers)
             return
 
         def transform(part: slice) -> None:
-            room = np.empty((self.LINES, out.shape[-1] + self.PADDING), out.dtype)[:, : out.shape[-1]]
+            room = self._room(out)
             for source, target in zip(_planes(coefficients), _planes(out), strict=True):
                 for first in range(part.start, part.stop, self.LINES):
                     rows = slice(first, min(first + self.LINES, part.stop))
@@ -164,6 +178,14 @@ class Ducc0Engine:
                     target[rows] = some
 
         in_parts(transform, out.shape[-2], threads, multiple=self.LINES, smallest=self.LINES)
+
+    def _is_slow(self, field: Array) -> bool:
+        """True if the distance of the rows of a field makes its transforms slow."""
+        return field.dtype == np.float32 and field.strides[-2] % self.CRITICAL_STRIDE == 0
+
+    def _room(self, field: Array) -> Array:
+        """Memory of `LINES` rows of a field, which are not so far apart."""
+        return np.empty((self.LINES, field.shape[-1] + self.PADDING), field.dtype)[:, : field.shape[-1]]
 
     @classmethod
     def _shares(cls, lines: int, threads: int) -> list[tuple[slice, int]]:

@@ -35,10 +35,10 @@ from asperity.stress.peaks.finder import (
     checked_floor,
     plane_peaks,
 )
+from asperity.stress.peaks.search import PlaneSearch
 from asperity.stress.planes.fields import FIELDS, PlaneFields, Visit
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
-from asperity.stress.search import PlaneSearch
 from asperity.stress.statistics.covariance import References
 
 QUANTITIES = ("pressure", *FIELDS)
@@ -254,7 +254,7 @@ class _Analysis:
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
             searched = SearchedPlane(plane.depth, plane.grid, search.fields, plane.refresh)
             floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)
-            self._finder.add(searched, search.maxima(floor))  # a name would hold them until the next plane
+            self._finder.add(searched, *search.maxima(floor))  # a name would hold them until the next plane
         self._finder.finish()
         self._search = None  # with the basis fields
 
@@ -295,9 +295,16 @@ class _Analysis:
             self._fields_of(plane, range(len(self._fields))),
             self._references.on(plane.grid, plane.basis.values),
         )
-        above = self._finder.plane_above(plane.depth, plane.grid) if self._stream.keeps_planes else None
+        above, candidates = self._finder.plane_above(plane.depth, plane.grid)
         self._search = PlaneSearch(
-            fields, self._sought, floor, self._von_mises + 1, references, self._kept, above
+            fields,
+            self._sought,
+            floor,
+            self._von_mises + 1,
+            references,
+            self._kept,
+            above if self._stream.keeps_planes else None,
+            candidates,
         )
         return self._search.add_rows
 

@@ -31,9 +31,10 @@ from asperity.core.arguments import choice, number, require_finite
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import BOUNDARIES
 from asperity.fourier.grid import Grid
-from asperity.stress.peaks.maxima import Entries, Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
+from asperity.stress.peaks.maxima import Entries, Maxima, refine_in_plane, refine_in_solid
+from asperity.stress.peaks.search import Lower, PlaneSearch
 from asperity.stress.peaks.selection import checked_ratio
-from asperity.stress.planes.fields import NODES_AT_ONCE, PlaneFields
+from asperity.stress.planes.fields import PlaneFields, bands_of, strips_of
 from asperity.stress.planes.planes import StressPlane
 
 REFINED_AT_ONCE = 2**14
@@ -93,7 +94,7 @@ class SearchedPlane(NamedTuple):
     def exceeded(
         self, maxima: Maxima, grid: Grid, decided: Array, wins: Array, threads: int
     ) -> tuple[Array, Array]:
-        """True where a maximum in a plane on `grid` is above the nine values here, and these if it is.
+        """Which maxima in a plane on `grid` are above the nine values here, and these.
 
         Those that are `decided` do not depend on the values.
         """
@@ -117,11 +118,11 @@ class PeakFinder:
         of_field = [peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found]
         return Peaks.join([NO_PEAKS, *of_field])
 
-    def plane_above(self, depth: float, grid: Grid) -> PlaneFields | None:
-        """Fields of the last plane, if it is on this grid and in the material of a plane at this depth."""
+    def plane_above(self, depth: float, grid: Grid) -> tuple[PlaneFields | None, Maxima | None]:
+        """The last plane and its candidates, if it is on this grid and in the material at this depth."""
         if self._last is None or self._last[0].grid != grid or self._are_faces(depth):
-            return None
-        return self._last[0].fields
+            return None, None
+        return self._last[0].fields, self._last[1]
 
     def _are_faces(self, depth: float) -> bool:
         """True if a plane at this depth and the last one are the two faces of an interface."""
@@ -131,7 +132,7 @@ class PeakFinder:
         """Forget the last plane, in which there are no peaks."""
         self._last = None
 
-    def add(self, plane: SearchedPlane, maxima: Maxima) -> None:
+    def add(self, plane: SearchedPlane, maxima: Maxima, lower: Lower) -> None:
         """Add the next plane downward.
 
         Parameters
@@ -140,15 +141,15 @@ class PeakFinder:
             Its arrays must last until the plane after the next is computed.
         maxima : Maxima
             The maxima in it.
+        lower : Lower
+            The candidates of the last plane that exceed this one, if both are on the same grid.
         """
-        above = None
         if self._last is None:
             # Of the planes that may come first, the surface alone has no neighbour above.
-            kept = np.full(maxima.size, plane.depth == 0)
+            maxima = maxima if plane.depth == 0 else maxima.select(np.empty(0, np.int64))
         elif self._are_faces(plane.depth):
             last, upper = self._last
             self._found.append((upper.field, _refined(upper, last)))
-            kept = np.full(maxima.size, True)
             self._depth_above = last.depth
         else:
             last, upper = self._last
@@ -158,23 +159,22 @@ class PeakFinder:
                 )
             pair = partner = np.empty(0, np.int64)
             wins = np.empty(0, bool)
-            if last.grid.shape != plane.grid.shape and upper.size and maxima.size:
-                pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
-            # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`.
-            upper_kept, below = plane.exceeded(upper, last.grid, pair, wins, self._threads)
-            chosen = np.flatnonzero(upper_kept)
-            if chosen.size:
-                depths = self._depth_above, last.depth, plane.depth
-                for start in range(0, chosen.size, REFINED_AT_ONCE):
-                    some = slice(start, start + REFINED_AT_ONCE)
-                    found = upper.select(chosen[some])
-                    self._found.append((found.field, _refined(found, last, below[some], depths)))
+            if last.grid != plane.grid:
+                if upper.size and maxima.size:
+                    pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
+                # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`.
+                lower = Lower(*plane.exceeded(upper, last.grid, pair, wins, self._threads))
+            depths = self._depth_above, last.depth, plane.depth
+            for start in range(0, lower.size, REFINED_AT_ONCE):
+                some = slice(start, start + REFINED_AT_ONCE)
+                found = upper.select(lower.number[some])
+                self._found.append((found.field, _refined(found, last, lower.values[some], depths)))
             self._depth_above, self._last = last.depth, None
-            del upper, below  # before the other values take memory
-            kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
-        if not kept.all():
-            maxima = maxima.select(np.flatnonzero(kept))
-        maxima.above = above
+            del upper, lower  # before the other values take memory
+            if maxima.above is None:
+                kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
+                maxima = maxima.select(kept)
+                maxima.above = above
         self._last = plane, maxima
 
 
@@ -291,7 +291,7 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     -1.00 at y = 0.90, x = 0.30
     +1.00 at y = 0.90, x = 0.80
     """
-    plane, maxima = _searched(0.0, grid, field, floor, boundary)
+    plane, maxima, _ = _searched(0.0, grid, field, floor, boundary)
     found = _refined(maxima, plane)
     require_finite("plane_peaks", vars(found))
     return found
@@ -338,23 +338,32 @@ def find_peaks(
     for plane in planes:
         values = plane.fields[choice("name", name, list(plane.fields))]
         ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
-        finder.add(*_searched(plane.depth, plane.grid, values[ratio], floor, boundary))
+        above = finder.plane_above(plane.depth, plane.grid)
+        finder.add(*_searched(plane.depth, plane.grid, values[ratio], floor, boundary, *above))
     found = finder.peaks()
     require_finite("find_peaks", vars(found))
     return found
 
 
 def _searched(
-    depth: float, grid: Grid, field: Array, floor: float, boundary: str
-) -> tuple[SearchedPlane, Maxima]:
-    """A plane with one field of its own, and its maxima; the arguments are checked here."""
+    depth: float,
+    grid: Grid,
+    field: Array,
+    floor: float,
+    boundary: str,
+    above: PlaneFields | None = None,
+    candidates: Maxima | None = None,
+) -> tuple[SearchedPlane, Maxima, Lower]:
+    """A plane with one field of its own, and what a search finds in it; the arguments are checked here."""
     check_nodes(grid)
     field, floor = grid.field("field", field), checked_floor(floor)
     periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
-    plane = SearchedPlane(depth, grid, PlaneFields.of_array(field, periodic))
-    ny, rows = grid.shape[0], max(1, 2 * NODES_AT_ONCE // grid.shape[1])
-    strips = ((first - 1, first - 1, min(first + rows, ny) + 1) for first in range(0, ny, rows))
-    return plane, Maxima.join([maxima_in_rows(plane.fields, *strip, floor) for strip in strips])
+    fields = PlaneFields.of_array(field, periodic)
+    search = PlaneSearch(fields, np.ones(1, bool), floor, above=above, candidates=candidates)
+    for place, band in enumerate(bands_of(grid.shape[0])):
+        for strip in strips_of(band, grid.shape[1]):
+            search.add_rows(place, *strip)
+    return SearchedPlane(depth, grid, fields), *search.maxima(floor)
 
 
 def checked_floor(floor: float) -> float:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -192,7 +193,7 @@ class PlaneFields:
         magnitude: Array,
         threads: int,
     ) -> tuple[Array, Array]:
-        """True where a magnitude is above the nine values at and around a node, and these values if it is.
+        """Nodes where a magnitude is above the nine values at and around a node, and these values.
 
         On another grid than that of the plane, the basis fields are interpolated in double precision by
         Lagrange's formula on the six nearest nodes along each axis.
@@ -208,11 +209,14 @@ class PlaneFields:
 
         Returns
         -------
-        kept : (nodes,) bool array
+        kept : (kept nodes,) integer array
+            Which nodes these are.
         values : (kept nodes, 3, 3) array in the precision of the plane
         """
         basis, numbers = self.basis, np.arange(len(BASIS))
         own, real = (basis.values.shape[1], basis.columns), basis.values.dtype
+        if not which.size:
+            return np.empty(0, np.int64), np.empty((0, 3, 3), real)
         kept = np.empty(which.size, bool)
         given = np.where(basis.index < 0, -1, numbers), float(basis.mean_pressure)
         precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
@@ -245,7 +249,7 @@ class PlaneFields:
                 return around[:count]
 
             values.append(np.concatenate(in_parts(compare, above.size, threads, smallest=256)))
-        return kept, np.concatenate(values)
+        return np.flatnonzero(kept), np.concatenate(values)
 
 
 def _needed(kind: int, index: Array) -> Array:
@@ -268,6 +272,17 @@ def bands_of(rows: int) -> list[tuple[int, int]]:
     count = min(BANDS, max(1, rows // ROWS_OF_BAND))
     edges = [rows * number // count for number in range(count + 1)]
     return list(pairwise(edges))
+
+
+def rows_at_once(columns: int) -> int:
+    """Most rows of a band that are transformed, searched and summed together."""
+    return max(4, NODES_AT_ONCE // columns)
+
+
+def strips_of(band: tuple[int, int], columns: int) -> list[tuple[int, int]]:
+    """First row and last row + 1 of the strips of a band that are searched one after the other."""
+    rows = rows_at_once(columns)
+    return [(first, min(first + rows, band[1])) for first in range(*band, rows)]
 
 
 @inlined
@@ -616,6 +631,7 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 """Denominators of Lagrange's formula on six nodes."""
 
 
+@lru_cache(maxsize=256)
 def _stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
     """Places and weights, (others + 2, 6), of the six nodes nearest to nodes −1 to `others` of another grid.
 

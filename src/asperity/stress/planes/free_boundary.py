@@ -31,7 +31,7 @@ from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import padded_grid
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import BasisField, Visit, bands_of
+from asperity.stress.planes.fields import BasisField, Visit, bands_of, strips_of
 from asperity.stress.planes.rectangle import rectangle_stress
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
@@ -136,8 +136,12 @@ class FreePlanes:
         run_tasks(tasks, self._threads)
         self._work.nodes += 2 * len(fields) * len(modes) * cell.size
 
+        def visit_band(number: int, band: tuple[int, int], visit: Visit) -> None:
+            for strip in strips_of(band, nx):
+                visit(number, *strip)
+
         if visit is not None:
-            bands = [partial(visit, number, *band) for number, band in enumerate(bands_of(ny))]
+            bands = [partial(visit_band, *band, visit) for band in enumerate(bands_of(ny))]
             run_tasks(bands, self._threads)
 
     def _cell(self, grid: Grid) -> tuple[Grid, list[Array], Array | float]:

@@ -16,13 +16,16 @@ from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, Work
-from asperity.stress.planes.fields import NODES_AT_ONCE, BasisField, Visit, bands_of
+from asperity.stress.planes.fields import NODES_AT_ONCE, BasisField, Visit, bands_of, strips_of
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 
-COLUMNS_AT_ONCE = 64
-"""Columns of modes whose spectra stay in the processor's cache until they are transformed along y."""
+COLUMNS_AT_ONCE = 32
+"""Fewest columns of modes that are transformed along y together."""
+
+FACTORS_AT_ONCE = 512
+"""Modes whose factors are computed together, if a row has no more: loops over fewer ones take longer."""
 
 
 class PeriodicPlanes:
@@ -155,8 +158,11 @@ class PeriodicPlanes:
         edges = [0, *(k for k in range(1, len(along_y)) if along_y[k] > along_y[k - 1] + 1), len(along_y)]
         runs = [slice(along_y[start], along_y[stop - 1] + 1) for start, stop in pairwise(edges)]
 
+        # The spectra of some columns stay in the processor's cache until they are transformed.
+        together = max(COLUMNS_AT_ONCE, NODES_AT_ONCE // ny)
+
         def transform_columns(start: int) -> None:
-            columns = slice(start, min(start + COLUMNS_AT_ONCE, own.columns))
+            columns = slice(start, min(start + together, own.columns))
             found = self._coefficients(depth, [own_fields[n] for n in along_y], columns)
             done = 0
             for some in runs:
@@ -165,8 +171,7 @@ class PeriodicPlanes:
                 done += count
 
         def transform_rows(band: int) -> None:
-            for start in range(bands[band][0], bands[band][1], rows):
-                stop = min(start + rows, bands[band][1])
+            for start, stop in strips_of(bands[band], nx):
                 if is_xz_derived:
                     constant, slope = fields[first["xx"]][1:]
                     factor = self._along_x[1, : own.columns] * self.dtype.type(
@@ -175,7 +180,7 @@ class PeriodicPlanes:
                     numbers = tuple(first[name] for name in ("xx", "yy", "zz", "xz"))
                     _fill_xz(numbers, factor, start, stop, np.empty(2 * own.columns, self.dtype), values)
                 for some in runs if is_surface else [slice(None)]:
-                    spectra[some, start:stop, own.columns :] = 0
+                    _clear_columns(2 * own.columns, 2 * spectra.shape[2], start, stop, values[some])
                     engine.inverse_along_x(spectra[some, start:stop], values[some, start:stop, :nx])
                 if is_surface:
                     places = np.array([first["xx"], first["xy"]])
@@ -184,11 +189,7 @@ class PeriodicPlanes:
                 if visit is not None:
                     visit(band, start, stop)
 
-        starts, bands, rows = (
-            range(0, own.columns, COLUMNS_AT_ONCE),
-            bands_of(ny),
-            max(4, NODES_AT_ONCE // nx),
-        )
+        starts, bands = range(0, own.columns, together), bands_of(ny)
         run_tasks([partial(transform_columns, start) for start in starts], self._threads)
         run_tasks([partial(transform_rows, band) for band in range(len(bands))], self._threads)
         columns = len(along_y) * own.columns / grid.half_shape[1]
@@ -196,27 +197,34 @@ class PeriodicPlanes:
 
     def _coefficients(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
         """Coefficients of basis fields in some columns, (fields, ny, columns)."""
-        real, kept = self.dtype.type, self._kept
-        modes = self._modes_of("modes", columns)
-        out = kept.array("coefficients", (len(fields), *modes.shape), modes.dtype)
-        directions = np.ascontiguousarray(self._along_x[:, columns]), self._along_y
+        real, kept, grid, modes = self.dtype.type, self._kept, self._fourier.grid, self._modes["modes"]
+        count = columns.stop - columns.start
+        out = kept.array("coefficients", (len(fields), grid.shape[0], count), modes.dtype)
+        wavevector = np.ascontiguousarray(self._along_x[0, columns]), self._along_y[0]
         kinds = np.array([COMPONENTS.index(field.component) for field in fields])
         factors = np.array([(field.constant, field.slope) for field in fields], self.dtype)
         kernels = np.empty((3, 1, 1), self.dtype)
         if is_layer := self._layer.height is not None:
             kernels = np.stack(self._layer.kernels(self._wavenumber(columns), depth)[:3])
-        count = modes.shape[1]
-        row = kept.array("row", (3, count), float)
-        rows = row, row[2].view(np.int64), kept.array("shared", (6, 2 * count), self.dtype)
-        numbers = modes.view(self.dtype), out.view(self.dtype)
-        _fill_spectra((kinds, factors), real(depth), directions, is_layer, kernels, rows, *numbers)
+        numbers = max(1, FACTORS_AT_ONCE // count) * count
+        row = kept.array("row", (3, numbers), float)
+        memory = row, row[2].view(np.int64), kept.array("shared", (10, numbers), self.dtype)
+        source = modes.view(self.dtype), 2 * columns.start
+        settings = (kinds, factors), real(depth), wavevector, is_layer, kernels
+        _fill_spectra(*settings, memory, source, out.view(self.dtype))
+        (ny, nx), is_coarser = grid.shape, grid != self._finest
+        for number, (component, _, _) in enumerate(fields):
+            if ny % 2 == 0 and (is_coarser or component in ("yz", "xy")):
+                out[number, ny // 2] = 0
+            if nx % 2 == 0 and columns.stop > nx // 2 and (is_coarser or component in ("xz", "xy")):
+                out[number, :, nx // 2 - columns.start] = 0
         if any(self._traction):
             q = self._wavenumber(columns)
             shear_kernels = tuple(self._layer.shear_kernels(q, depth))
             over_q = 1 / np.where(q > 0, q, np.inf).astype(self.dtype)
-            sliding = tuple(map(real, self._traction)), (*directions, over_q), shear_kernels
-            if "sliding" in self._modes:
-                modes = self._modes_of("sliding", columns)
+            directions = np.ascontiguousarray(self._along_x[:, columns]), self._along_y, over_q
+            sliding = tuple(map(real, self._traction)), directions, shear_kernels
+            modes = self._modes_of("sliding" if "sliding" in self._modes else "modes", columns)
             for kind, (constant, slope), spectrum in zip(kinds, factors, out, strict=True):
                 _add_sliding(kind, constant, slope, *sliding, modes, spectrum)
         if columns.start == 0:
@@ -281,6 +289,15 @@ def _fill_surface(
 
 
 @compiled
+def _clear_columns(left: int, right: int, start: int, stop: int, values: Any) -> None:
+    """Set some columns of some rows of (fields, rows, columns) to zero."""
+    for n in range(values.shape[0]):
+        for j in range(start, stop):
+            for i in range(left, right):
+                values[n, j, i] = 0
+
+
+@compiled
 def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, values: Any) -> None:
     """Fill rows of A_xz after the transform along y: i q_x depth/2 times the trace of A, in a half-space.
 
@@ -309,71 +326,111 @@ def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, value
 
 @fused
 def _fill_spectra(
-    fields: Any, depth: float, directions: Any, is_layer: bool, kernels: Any, rows: Any, modes: Any, out: Any
+    fields: Any,
+    depth: float,
+    wavevector: Any,
+    is_layer: bool,
+    kernels: Any,
+    memory: Any,
+    source: Any,
+    out: Any,
 ) -> None:
     """Fill `out` with the coefficients of a A + b B of some components under the pressure.
+
+    The factors of several rows are computed in one loop: a row of `out` is short.
 
     Parameters
     ----------
     fields : tuple
         Places of the components in `COMPONENTS`, (fields,), and a and b, (fields, 2).
     depth : float
-    directions : tuple
-        q_x of the columns and q_y of the rows, each for factors even in it and, zero in a Nyquist mode, for
-        odd ones.
+    wavevector : tuple
+        q_x of the columns and q_y of the rows.
     is_layer : bool
     kernels : (3, ny // 2 + 1, columns) array
         Z, L and T of a layer; those of the half-space are computed here.
-    rows : tuple
-        Arrays with any values: (3, columns) in double precision, the memory of its third row as integers, and
-        (6, 2 columns) in that of the planes.
-    modes : (ny, 2 columns) array
-        Coefficients of the pressure, real and imaginary parts in turn.
+    memory : tuple
+        Arrays with any values: (3, numbers) in double precision, the memory of its third row as integers, and
+        (10, numbers) in that of the planes, where `numbers` is a multiple of the number of columns.
+    source : tuple
+        Coefficients of the pressure on this or a finer grid, real and imaginary parts in turn, and the place
+        of the first one in a row.
     out : (fields, ny, 2 columns) array
+        Modes that are zero because they are Nyquist modes are not made so here.
     """
-    (kinds, factors), (row, exponent, shared), ((qx, odd_qx), (qy, odd_qy)) = fields, rows, directions
-    ny, columns, one = out.shape[1], qx.size, qx.dtype.type(1)
-    over, z, along, shear = shared[0], shared[1], shared[2], shared[3]
-    scaled, factor = shared[4], shared[5]
-    for j in range(ny // 2 + 1):
-        for i in range(columns):
-            q = np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
+    (kinds, factors), (row, exponent, shared) = fields, memory
+    (qx, qy), (modes, left) = wavevector, source
+    ny, columns, zero, one = out.shape[1], qx.size, qx.dtype.type(0), qx.dtype.type(1)
+    rows = shared.shape[1] // columns
+    both = shared[8:].reshape(-1)
+    for first in range(0, ny // 2 + 1, rows):
+        last = min(first + rows, ny // 2 + 1)
+        size = (last - first) * columns
+        scaled, over, z, along = shared[0, :size], shared[1, :size], shared[2, :size], shared[3, :size]
+        shear, sum_z, c, s = shared[4, :size], shared[5, :size], shared[6, :size], shared[7, :size]
+        factor = both[: 2 * size]
+        for j in range(first, last):
+            some = slice((j - first) * columns, (j - first + 1) * columns)
+            x, y = c[some], s[some]
+            for i in range(columns):
+                x[i] = qx[i]
+            for i in range(columns):
+                y[i] = qy[j]
+        for i in range(size):
+            q = np.sqrt(c[i] * c[i] + s[i] * s[i])
             scaled[i] = depth * q
-            over[i] = one / q if q > 0 else qx.dtype.type(0)
+            over[i] = one / q if q > 0 else zero
+        for i in range(size):
+            c[i] *= over[i]
+        for i in range(size):
+            s[i] *= over[i]
         if is_layer:
-            for i in range(columns):
-                z[i], along[i], shear[i] = kernels[0, j, i], kernels[1, j, i], kernels[2, j, i]
+            for j in range(first, last):
+                for i in range(columns):
+                    n = (j - first) * columns + i
+                    z[n], along[n], shear[n] = kernels[0, j, i], kernels[1, j, i], kernels[2, j, i]
         else:
-            _fill_decay(scaled, row[0], row[1], row[2], exponent, z)
-            for i in range(columns):
+            _fill_decay(scaled, row[0, :size], row[1, :size], row[2, :size], exponent[:size], z)
+            for i in range(size):
                 along[i] = (one - scaled[i]) * z[i]
+            for i in range(size):
                 shear[i] = scaled[i] * z[i]
+            for i in range(size):
                 z[i] = (one + scaled[i]) * z[i]
+        for i in range(size):
+            sum_z[i] = z[i] + along[i]
         for n in range(kinds.size):
             kind, a, b = kinds[n], factors[n, 0], factors[n, 1]
             if kind == _ZZ:
-                for i in range(columns):
+                for i in range(size):
                     factor[2 * i] = factor[2 * i + 1] = -a * z[i]
             elif kind == _YZ:
-                for i in range(columns):
-                    factor[2 * i] = factor[2 * i + 1] = a * odd_qy[j] * over[i] * shear[i]
+                for i in range(size):
+                    factor[2 * i] = factor[2 * i + 1] = a * s[i] * shear[i]
             elif kind == _XZ:
-                for i in range(columns):
-                    factor[2 * i] = factor[2 * i + 1] = a * odd_qx[i] * over[i] * shear[i]
+                for i in range(size):
+                    factor[2 * i] = factor[2 * i + 1] = a * c[i] * shear[i]
             elif kind == _XY:
-                for i in range(columns):
-                    both = odd_qx[i] * over[i] * (odd_qy[j] * over[i])
-                    factor[2 * i] = factor[2 * i + 1] = both * (b * (z[i] + along[i]) - a * along[i])
-            else:
-                for i in range(columns):
-                    c, s = qx[i] * over[i], qy[j] * over[i]
-                    own, other = (c, s) if kind == _XX else (s, c)
-                    value = a * own * own * along[i] + b * other * other * (z[i] + along[i])
+                for i in range(size):
+                    value = c[i] * s[i] * (b * sum_z[i] - a * along[i])
+                    factor[2 * i] = factor[2 * i + 1] = value
+            elif kind == _XX:
+                for i in range(size):
+                    value = a * c[i] * c[i] * along[i] + b * s[i] * s[i] * sum_z[i]
                     factor[2 * i] = factor[2 * i + 1] = -value
-            # The row of −qy has the same factors but for the sign of those odd in qy.
-            for k, sign in ((j, one), (ny - j, -one if kind in (_YZ, _XY) else one)):
-                if k == j or 0 < j < k:
-                    _multiply(factor, sign, modes[k], kind in (_XZ, _YZ), out[n, k])
+            else:
+                for i in range(size):
+                    value = a * s[i] * s[i] * along[i] + b * c[i] * c[i] * sum_z[i]
+                    factor[2 * i] = factor[2 * i + 1] = -value
+            is_turned = kind in (_XZ, _YZ)
+            for j in range(first, last):
+                own = factor[2 * (j - first) * columns : 2 * (j - first + 1) * columns]
+                _multiply(own, one, modes[j, left : left + 2 * columns], is_turned, out[n, j])
+                # The row of −qy has the same factors but for the sign of those odd in qy.
+                if 0 < j < ny - j:
+                    sign = -one if kind in (_YZ, _XY) else one
+                    opposite = modes[modes.shape[0] - j, left : left + 2 * columns]
+                    _multiply(own, sign, opposite, is_turned, out[n, ny - j])
 
 
 _LARGEST_ARGUMENT = 700.0

@@ -111,7 +111,7 @@ class References:
         ----------
         number : int
         sums : (fields, ny, `SUMS`) array
-            As of `asperity.stress.peaks.maxima.maxima_in_rows`.
+            As of `asperity.stress.peaks.search.PlaneSearch`.
         fields : callable
             Returns some of the fields of the plane, which are kept if their largest value has risen.
         """
@@ -195,14 +195,13 @@ class References:
         if finer and m in self._own:
             grid, packed, step, _ = self._own[m]
         fourier = Fourier(grid, self._real, self._threads, self._work)
-        out = None
-        if memory is None or self._keeps:
-            field = packed * self._real.type(step)
-        else:
+        out = field = None
+        if memory is not None:
             start = 2 * grid.half_shape[0] * grid.half_shape[1]
-            out = memory[:start].view(fourier.complex).reshape(grid.half_shape)
             field = memory[start : start + grid.size].reshape(grid.shape)
-            np.multiply(packed, self._real.type(step), out=field)
+            if not self._keeps:
+                out = memory[:start].view(fourier.complex).reshape(grid.half_shape)
+        field = np.multiply(packed, self._real.type(step), out=field)
         found = grid, fourier.forward(field, out)
         if self._keeps:
             self._modes[m] = found
