@@ -1,7 +1,5 @@
 """Result files that the commands read and write, and positions in them on the command line."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

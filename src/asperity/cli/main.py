@@ -1,7 +1,5 @@
 """Entry point of the command line: runs one command, and answers every error with one line."""
 
-from __future__ import annotations
-
 import gc
 import io
 import os

@@ -1,7 +1,5 @@
 """The parser of the command line, made from `commands.yaml` and the schema of the settings."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys

@@ -39,8 +39,6 @@ arXiv:1506.00532). New here are
   first steps in single precision, for a solution in double precision.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import count

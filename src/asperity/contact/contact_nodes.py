@@ -12,8 +12,6 @@ is zero if nothing surrounds the map. The weights of a stencil are symmetric, an
 odd rows and columns.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

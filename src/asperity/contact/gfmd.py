@@ -24,8 +24,6 @@ per change of the mean is estimated along the way. It sets the speed of the adju
 is still wrong, which counts in the error.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

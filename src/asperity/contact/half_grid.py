@@ -1,7 +1,5 @@
 """The same contact on half of the nodes along both edges, whose change tells the error of the grid."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -15,8 +15,6 @@ every iteration (Notay 2000, 10.1137/S1064827599362314). New here is the precond
 correction, and the outer loop evaluates the gap anew in the precision of the fields.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

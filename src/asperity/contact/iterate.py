@@ -4,8 +4,6 @@ An iterate is a pressure 0 ≤ p ≤ H with the gap it causes. Its *contact node
 hardness H are *elastic*, those at it *plastic*. Nodes at a bound are *held* there.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import partial
@@ -55,7 +53,7 @@ class Pressure:
     is_projected: bool = False
 
     @classmethod
-    def of_field(cls, field: Array, load: float) -> Pressure:
+    def of_field(cls, field: Array, load: float) -> "Pressure":
         """The positive values of a field [y, x]."""
         nodes = np.flatnonzero(field > 0).astype(np.uint32)
         return cls(nodes, field.reshape(-1)[nodes], load)
@@ -108,7 +106,7 @@ class Iterate:
     largest: float
 
     @classmethod
-    def of(cls, problem: Problem, control: Control, start: Pressure, out: Array | None = None) -> Iterate:
+    def of(cls, problem: Problem, control: Control, start: Pressure, out: Array | None = None) -> "Iterate":
         """Evaluate a pressure, after scaling it to its load, or to the least energy at a given approach.
 
         At a given load, the node that touches first bears a pressure that has vanished everywhere. No
@@ -140,7 +138,7 @@ class Iterate:
         largest = _write_levels(problem.height.reshape(-1), displacement.reshape(-1), nodes, level)
         return cls(problem, nodes, values, load, level, displacement, largest)
 
-    def without_free_nodes(self) -> Iterate:
+    def without_free_nodes(self) -> "Iterate":
         """The same without the nodes that bear no pressure."""
         left = self.pressure > 0
         if left.all():
@@ -248,7 +246,7 @@ class ContactSystem:
     @classmethod
     def of(
         cls, iterate: Iterate, control: Control, inner: InnerSolver, before: Operators | None = None
-    ) -> ContactSystem:
+    ) -> "ContactSystem":
         """Linear system of the elastic nodes of an iterate, and the estimated error of its pressure.
 
         Parameters
@@ -280,7 +278,7 @@ class ContactSystem:
         error, rounding = _error(iterate, system, held, approach, inner)
         return cls(system, elastic, plastic, approach, error, rounding, bound, held)
 
-    def held_after(self, iterate: Iterate, correction: Correction, further: float = 0.0) -> OverlapOfHeld:
+    def held_after(self, iterate: Iterate, correction: Correction, further: float = 0.0) -> "OverlapOfHeld":
         """Overlap of the held nodes after a correction, or if the approach then grows further."""
         unit, approach = iterate.problem.nodal_compliance, self.approach + correction.approach
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
@@ -337,7 +335,7 @@ class Step:
     @classmethod
     def of(
         cls, iterate: Iterate, system: ContactSystem, correction: Correction, after: OverlapOfHeld
-    ) -> Step:
+    ) -> "Step":
         """The step that a correction leads to."""
         enter, real, held = after.enter, iterate.pressure.dtype, after.held
         overlap = after.overlap * np.float32(
@@ -361,7 +359,7 @@ class Step:
         )
 
     @classmethod
-    def gradient(cls, iterate: Iterate, system: ContactSystem) -> Step:
+    def gradient(cls, iterate: Iterate, system: ContactSystem) -> "Step":
         """The step along the projected gradient: each pressure changes by its overlap / nodal compliance.
 
         At a given load the overlap is that at the mean level of the elastic nodes: the projection onto the
@@ -382,7 +380,7 @@ class Step:
         bounds = ((pressure > 0) + 1 * (pressure >= hardness) for pressure in (self.pressure, after.pressure))
         return int(np.count_nonzero(np.not_equal(*bounds)))
 
-    def without_entering(self) -> Step:
+    def without_entering(self) -> "Step":
         """The same step without the nodes that enter, whose pressure stays zero."""
         return replace(self, change=np.where(self.enters, 0, self.change))
 

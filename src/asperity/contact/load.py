@@ -13,8 +13,6 @@ surface with a symmetry. If for that reason the area jumps past the one asked fo
 jump, and the side with the nearer area is taken.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace

@@ -36,8 +36,6 @@ system of the coarse grid is solved by a few conjugate gradients, preconditioned
 mean of σ.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import Any
@@ -115,7 +113,7 @@ class Operators:
         Their sum.
     """
 
-    def __init__(self, nodes: Array, response: InnerResponse, whole: Preconditioner) -> None:
+    def __init__(self, nodes: Array, response: "InnerResponse", whole: "Preconditioner") -> None:
         self.nodes, self.response = nodes, response
         self._indices = response.indices(nodes)
         self.precondition = NodePreconditioner(whole, nodes)

@@ -1,7 +1,5 @@
 """Connected patches of contact, or of the gap."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 from typing import NamedTuple

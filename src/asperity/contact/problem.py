@@ -6,8 +6,6 @@ measured from a datum near those that touch, and heights that cannot matter are 
 neither of them sets a scale or takes digits from the others.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from threading import Event
@@ -107,7 +105,7 @@ class Problem:
         """Displacement of a node per unit of its own pressure; of a single node, which has none, the unit."""
         return self.response.own_compliance or self.nodal_compliance
 
-    def coarser(self, min_points: int) -> Problem | None:
+    def coarser(self, min_points: int) -> "Problem | None":
         """The same problem on half the nodes of each axis, as of `Response.coarser`; None if none is left."""
         response = self.response.coarser(min_points)
         if response is None:
@@ -115,7 +113,7 @@ class Problem:
         height = self.response.resampled(self.height, response.grid)
         return Problem(height, response, self.hardness, self.plastic)
 
-    def in_single_precision(self) -> Problem:
+    def in_single_precision(self) -> "Problem":
         """The same problem in single precision."""
         response = self.response.in_precision("float32")
         return Problem(self.height, response, self.hardness, self.plastic)
@@ -179,12 +177,12 @@ class Units:
     above: float = math.inf
 
     @classmethod
-    def of_solid(cls, solid: Solid, grid: Grid) -> Units:
+    def of_solid(cls, solid: Solid, grid: Grid) -> "Units":
         """Units of the longer edge and of the modulus."""
         length = _power_of_two(max(grid.length))
         return cls(length, length, _power_of_two(solid.effective_modulus))
 
-    def for_problem(self, height: Array, control: Control, hardness: float, response: Response) -> Units:
+    def for_problem(self, height: Array, control: Control, hardness: float, response: Response) -> "Units":
         """Units for an imposed quantity, given a response in those of the solid."""
         datum, below, above = reach(height, control, hardness / self.stress, response, self)
         lowest, highest = float(height.min()), float(height.max())

@@ -5,8 +5,6 @@ Fourier coefficients of the pressure with real factors, so that the solvers are 
 gathered in these classes.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any, ClassVar, Self
 

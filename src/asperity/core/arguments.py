@@ -4,8 +4,6 @@ Each check of an argument returns it in one type, or raises a message of one lin
 shows its value and says what is accepted: TypeError if it is of the wrong kind, ValueError if out of range.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from numbers import Real
 from typing import Any

@@ -5,8 +5,6 @@ that allocates no array is compiled without reference counts, which take time in
 plane. A line on stderr says when the first of them is compiled.
 """
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 

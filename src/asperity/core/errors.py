@@ -3,8 +3,6 @@
 The message of a refused argument or key names it, shows its value and says what is accepted.
 """
 
-from __future__ import annotations
-
 import difflib
 import sys
 from collections.abc import Iterable, Sequence
@@ -55,7 +53,7 @@ class ConvergenceError(RuntimeError):
         self.load = load
         self._reason, self._remedy = reason, remedy
 
-    def in_units(self, stress: float) -> ConvergenceError:
+    def in_units(self, stress: float) -> "ConvergenceError":
         """The same error with the mean pressure in other units, given that of a stress."""
         numbers = self.residual, self.tolerance, self.iterations, self.load * stress
         return ConvergenceError(self._reason, *numbers, self._remedy)

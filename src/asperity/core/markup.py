@@ -3,8 +3,6 @@
 Numbers are written with four digits. Texts may hold Markdown: bold text and code.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 import re
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def markdown(frame: pd.DataFrame) -> str:
+def markdown(frame: "pd.DataFrame") -> str:
     """A table in Markdown, without the index; ``|`` in cells is escaped."""
     head, *rows = (
         "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in _cells(frame)
@@ -32,7 +30,7 @@ def markdown(frame: pd.DataFrame) -> str:
     return "\n".join([head, "|" + "---|" * len(frame.columns), *rows])
 
 
-def html_table(frame: pd.DataFrame) -> str:
+def html_table(frame: "pd.DataFrame") -> str:
     """A table in HTML, without the index, with the Markdown of its cells as HTML."""
     lines = ["<table>"]
     for number, row in enumerate(_cells(frame)):
@@ -74,7 +72,7 @@ def with_error(value: float, error: float, signed: bool = False) -> str:
     return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
 
 
-def _cells(frame: pd.DataFrame) -> list[list[str]]:
+def _cells(frame: "pd.DataFrame") -> list[list[str]]:
     """Names of the columns, and rows of cells as text: numbers with four digits, nothing for missing ones."""
 
     def text(cell: object) -> str:

@@ -3,8 +3,6 @@
 This module imports nothing that may be missing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from importlib.util import find_spec
 

@@ -3,8 +3,6 @@
 psutil is imported when it is needed: without it the command line still names missing packages.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

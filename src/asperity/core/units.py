@@ -5,8 +5,6 @@ line, the configuration and the reports take and show units through this module.
 and is imported at the first use.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from contextlib import suppress

@@ -20,6 +20,8 @@ states of every depth, and follow from the six conditions on the faces, a linear
 The state stays finite at ν = 1/2, and so do all coefficients of A.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Warnings and notes on an answer; `advice.yaml` has their texts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from string import Formatter

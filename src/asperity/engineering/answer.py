@@ -1,7 +1,5 @@
 """The answer of a case: its numbers in SI units, as text, as tables, and the peaks of the stress."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields

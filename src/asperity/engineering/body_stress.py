@@ -4,8 +4,6 @@ All but the error come from one stream of planes; the planes close to the highes
 for pictures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -224,7 +222,7 @@ class BodyAnswer:
     interface: Mapping[str, list[float]] | None = None
 
     @property
-    def materials(self) -> dict[str, BodyAnswer]:
+    def materials(self) -> "dict[str, BodyAnswer]":
         """The coating and the base as bodies of their own, with the largest von Mises stress of each.
 
         Volume and depths above yield are those of the base; without a coating the body alone.

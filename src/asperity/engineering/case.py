@@ -1,7 +1,5 @@
 """The question that `asperity.engineering.run` answers: map, bodies, load and outputs, in SI units."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -243,7 +241,7 @@ class Load:
             )
 
     @classmethod
-    def chosen(cls, **given: float | Sequence[float] | None) -> Load:
+    def chosen(cls, **given: float | Sequence[float] | None) -> "Load":
         """The load from exactly one given keyword argument; several values are a load curve."""
         named = {kind: value for kind, value in given.items() if value is not None}
         if len(named) != 1:
@@ -481,7 +479,7 @@ class Case:
             )
 
     @classmethod
-    def of(cls, settings: Mapping[str, Any]) -> Case:
+    def of(cls, settings: Mapping[str, Any]) -> "Case":
         """The case from the settings of ``asperity run``, quantities as texts with their units."""
 
         def si(name: str, dimension: str) -> Any:

@@ -1,7 +1,5 @@
 """Numbers of the contact in an answer, in SI units: patches, areas, partial slip, gap and leak on the map."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any

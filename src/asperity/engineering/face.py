@@ -1,7 +1,5 @@
 """The rough face that is pressed: one map, or the composite roughness of two, read, treated and measured."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace

@@ -1,7 +1,5 @@
 """The folder of an answer: complete files, which replace only the files of an earlier answer."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -51,7 +49,7 @@ _held: set[tuple[Path, int]] = set()
 """Folders that are locked, each with the thread that has locked it."""
 
 
-def names_of(case: Case | None) -> list[str]:
+def names_of(case: "Case | None") -> list[str]:
     """Names of the files that the answer of a case may have; without a case, that any answer may have."""
     names = [
         CASE_FILE,

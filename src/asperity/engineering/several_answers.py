@@ -3,8 +3,6 @@
 The means and intervals are those of `asperity.engineering.sample`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path

@@ -11,8 +11,6 @@ The results of two differ by rounding errors. The results of one have the same b
 threads and in every run; those of pyFFTW as long as the wisdom of FFTW is kept.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import threading
@@ -43,11 +41,11 @@ VARIABLE = "ASPERITY_FFT_ENGINE"
 if "," in os.environ.get("OMP_NUM_THREADS", ""):
     os.environ.setdefault("DUCC0_NUM_THREADS", os.environ["OMP_NUM_THREADS"].split(",")[0])
 
-_chosen: ContextVar[Engine | None] = ContextVar("asperity_fft_engine", default=None)
+_chosen: ContextVar["Engine | None"] = ContextVar("asperity_fft_engine", default=None)
 
 
 @contextmanager
-def fft_engine(name: str) -> Iterator[Engine]:
+def fft_engine(name: str) -> "Iterator[Engine]":
     """Compute all Fourier transforms within a ``with`` block by one engine.
 
     The choice holds in the thread that enters the block; a thread that is started inside makes its own.
@@ -87,12 +85,12 @@ def fft_engine(name: str) -> Iterator[Engine]:
         _chosen.reset(token)
 
 
-def current_engine() -> Engine:
+def current_engine() -> "Engine":
     """The engine in use: that of the block, else that of the environment variable, else the default."""
     return _chosen.get() or _engine(VARIABLE, os.environ.get(VARIABLE) or DEFAULT)
 
 
-def _engine(argument: str, name: str) -> Engine:
+def _engine(argument: str, name: str) -> "Engine":
     if name not in ENGINES:
         raise ValueError(f"{argument} = {shown(name)}: {' or '.join(ENGINES)} is needed")
     require((name,))

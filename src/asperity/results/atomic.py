@@ -1,7 +1,5 @@
 """Atomic writing of files: under a temporary name, renamed on success, deleted on failure."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -5,8 +5,6 @@ all of them; `docs/tables.md` shows it. For a reader a table is made into Markdo
 `asperity.core.markup`.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Mapping
@@ -43,7 +41,7 @@ SHEET_COLUMNS = {"m": "m", "m2": "m^2", "Pa": "Pa"}
 
 
 def write_table(
-    frame: pd.DataFrame, table: str, path: str | os.PathLike[str], float_format: str | None = None
+    frame: "pd.DataFrame", table: str, path: str | os.PathLike[str], float_format: str | None = None
 ) -> None:
     """Write a table as CSV or Parquet, by the suffix of the path, whole or not at all.
 
@@ -83,7 +81,7 @@ def write_table(
             described.to_parquet(unfinished, index=False)
 
 
-def write_workbook(tables: Mapping[str, pd.DataFrame], path: str | os.PathLike[str]) -> None:
+def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: str | os.PathLike[str]) -> None:
     """Write tables as the sheets of one Excel file, in µm and MPa, if openpyxl is installed.
 
     Parameters
@@ -120,7 +118,7 @@ def write_workbook(tables: Mapping[str, pd.DataFrame], path: str | os.PathLike[s
     book.save(path)
 
 
-def check_columns(frame: pd.DataFrame, table: str) -> None:
+def check_columns(frame: "pd.DataFrame", table: str) -> None:
     """Raise `ValueError` unless the columns of a frame are those of a table, in their order."""
     columns = TABLES[table]["columns"]
     found = [_described(str(name), columns) for name in frame.columns]
@@ -134,7 +132,7 @@ def check_columns(frame: pd.DataFrame, table: str) -> None:
         raise ValueError(f"table {table}: columns {', '.join(map(str, frame.columns))} are out of order")
 
 
-def units(table: str, frame: pd.DataFrame) -> dict[str, str]:
+def units(table: str, frame: "pd.DataFrame") -> dict[str, str]:
     """Column → unit, of the columns of a frame that have one."""
     columns = TABLES[table]["columns"]
     found = {str(name): columns[_described(str(name), columns)][0] for name in frame.columns}

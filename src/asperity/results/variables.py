@@ -7,8 +7,6 @@ SI. A scaled stress is divided by E* and by the rms gradient of the deformed sur
 the paper's E* ḡ_r. Texts and truth values have no unit.
 """
 
-from __future__ import annotations
-
 import copy
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ The library reports progress to any callable ``progress(done, total)``. `Progres
 study and the command line pass to it: a bar on a terminal, a few lines in a log file.
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import sys
@@ -46,7 +44,7 @@ class ProgressBar:
             disable=not sys.stderr.isatty(),
         )
 
-    def __enter__(self) -> ProgressBar:
+    def __enter__(self) -> "ProgressBar":
         logger.info("%s: begun", self._label)
         return self
 

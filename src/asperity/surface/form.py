@@ -1,5 +1,7 @@
 """Form of an indenter: a sphere or a cylinder under the roughness."""
 
+from __future__ import annotations
+
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import LARGEST, choice, magnitude, number, pair, require_finite

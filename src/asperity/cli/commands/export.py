@@ -1,7 +1,5 @@
 """``asperity export``: peaks as a table, and fields of the stress for ParaView and other programs."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

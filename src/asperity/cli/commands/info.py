@@ -1,7 +1,5 @@
 """``asperity info``: what a height map is, before anything is computed with it."""
 
-from __future__ import annotations
-
 import argparse
 
 from asperity.cli.parser import flag, section

@@ -1,7 +1,5 @@
 """``asperity peaks``: distributions of the stress peaks of one surface, over its seeds."""
 
-from __future__ import annotations
-
 import argparse
 
 import xarray as xr

@@ -1,7 +1,5 @@
 """``asperity plan``: cost and error of a calculation before it is made, and settings that reach a target."""
 
-from __future__ import annotations
-
 import argparse
 
 from asperity.cli.parser import section

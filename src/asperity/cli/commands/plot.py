@@ -1,7 +1,5 @@
 """``asperity plot``: a figure of the paper from result files."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping
 from typing import Any

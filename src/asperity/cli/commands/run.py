@@ -1,7 +1,5 @@
 """``asperity run``: from a measured map, two materials and a load to an answer."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

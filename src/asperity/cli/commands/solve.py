@@ -1,7 +1,5 @@
 """``asperity solve``: the solid pressed against a surface."""
 
-from __future__ import annotations
-
 import argparse
 from contextlib import suppress
 from pathlib import Path

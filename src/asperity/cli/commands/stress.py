@@ -1,7 +1,5 @@
 """``asperity stress``: stress inside the solid under a contact."""
 
-from __future__ import annotations
-
 import argparse
 
 from asperity.cli.files import check_out, in_words, read_stage

@@ -1,7 +1,5 @@
 """``asperity study init``: a folder in which the study of the paper runs."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import shutil

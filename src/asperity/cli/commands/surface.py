@@ -1,7 +1,5 @@
 """``asperity surface``: a random rough surface."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """``asperity verify``: whether results are unchanged, and their contacts fulfil the conditions of contact."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

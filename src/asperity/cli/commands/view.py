@@ -1,7 +1,5 @@
 """``asperity view``: a picture of results."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

@@ -7,8 +7,6 @@ The paper leaves choices open; an *interpretation* takes one option of each
 (`asperity.paper.claims.sources.CHOICES`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -82,7 +80,7 @@ class Evidence:
     validation: Mapping[str, xr.Dataset] = field(default_factory=dict)
     options: Options = field(default_factory=dict)
 
-    def under(self, options: Options) -> Evidence:
+    def under(self, options: Options) -> "Evidence":
         """The same evidence under an interpretation."""
         return replace(self, options=options)
 

@@ -20,8 +20,6 @@ with the centre free along xx alone, and an upper bound with an unrestricted cen
 not change along y, exactly ρ_xx, ρ_yy and ρ_xy are free: the factor with these is exact.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

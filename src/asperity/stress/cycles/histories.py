@@ -16,8 +16,6 @@ Grids are chosen for an envelope, whose modes have the largest magnitude of all 
 the dropped modes holds for every state.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial

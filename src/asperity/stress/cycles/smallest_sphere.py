@@ -8,8 +8,6 @@ sphere, and the centre walks towards the point equally far from all of them; a p
 centre falls to 0 on the way is dropped. The radius rises with every point, so that no set of points recurs.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -6,8 +6,6 @@ a free boundary the point is also unloaded, σ = 0. This is exact for a smooth e
 rough one, at the nodes of the row. Histories of two rough bodies are in `asperity.stress.cycles.histories`.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

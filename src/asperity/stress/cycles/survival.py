@@ -11,8 +11,6 @@ Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here 
 The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy  # submodules are imported at first use
 import xarray as xr

@@ -23,8 +23,6 @@ surface with waves shorter than four nodes loses them on half of the nodes, and 
 Under a hardness the errors are larger, and there is no estimate of depths and decay lengths.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 

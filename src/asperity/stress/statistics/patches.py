@@ -1,7 +1,5 @@
 """How the depth of the peaks follows the size of the patch of contact above them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

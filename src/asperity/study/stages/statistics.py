@@ -9,8 +9,6 @@ units of the longer edge of the cell. Variables ``continuum_…`` are, along `ki
 vanishing grid spacing, and its relative error. NaN where there is nothing to measure or to estimate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import partial
 from typing import NamedTuple
@@ -85,7 +83,7 @@ class SeedResults(NamedTuple):
     stress: xr.Dataset
 
     @classmethod
-    def read(cls, surface: str, contact: str, stress: str) -> SeedResults:
+    def read(cls, surface: str, contact: str, stress: str) -> "SeedResults":
         """Read the result files of one seed."""
         stages = [dataset.read(path) for path in (surface, contact, stress)]
         return cls(settings_of(stages[-1])["seed"], *stages)

@@ -1,7 +1,5 @@
 """HDF5 and NetCDF files: limits that protect the reader, and maps over named axes with units."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -94,7 +92,7 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     )
 
 
-def _edges(values: xr.DataArray, is_own: bool) -> tuple[tuple[float, float] | None, str | None]:
+def _edges(values: "xr.DataArray", is_own: bool) -> tuple[tuple[float, float] | None, str | None]:
     """Edges of a map, from the positions along its axes, and their unit if it is not that of the heights.
 
     None if the positions are not there, are numbers of points, or have no unit beside heights that have one.
@@ -125,7 +123,7 @@ def _edges(values: xr.DataArray, is_own: bool) -> tuple[tuple[float, float] | No
     return (edges[0], edges[1]), None
 
 
-def _unit(values: xr.DataArray) -> str | None:
+def _unit(values: "xr.DataArray") -> str | None:
     """Unit of a variable; None without one, and of a result in lengths of its cell."""
     unit = str(values.attrs.get("units", values.attrs.get("unit", ""))).strip()
     return None if not unit or unit.startswith("cell") else unit
