@@ -9,12 +9,11 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from asperity.core.arguments import choice
 from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.parallel import in_parts, in_strips
-from asperity.core.types import Array
+from asperity.core.types import Array, DTypeLike
 from asperity.elasticity.loaded_rectangle import (
     PaddedFourier,
     compliance_modes,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -18,7 +17,7 @@ from asperity.contact.response import response_on
 from asperity.core.arguments import magnitude
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table
-from asperity.core.types import Array
+from asperity.core.types import Array, FilePath
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.two_bodies import Solid, TwoBodies
@@ -183,11 +182,11 @@ class Contact:
             },
         )
 
-    def to_vtk(self, path: str | os.PathLike[str], fields: Sequence[str] = (), **settings: Any) -> None:
+    def to_vtk(self, path: FilePath, fields: Sequence[str] = (), **settings: Any) -> None:
         """Write VTK image data: `asperity.ResultAccessor.to_vtk`, with its settings."""
         self.to_dataset().asperity.to_vtk(path, fields, **settings)
 
-    def to_netcdf(self, path: str | os.PathLike[str], unit_system: str = "SI") -> None:
+    def to_netcdf(self, path: FilePath, unit_system: str = "SI") -> None:
         """Write `to_dataset` as a result file, which `asperity.read_result` and the command line read.
 
         Raises

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.contact import active_set, gfmd
 from asperity.contact.certificate import checked_certificate, field_in_double, rms_deviation
@@ -31,7 +30,7 @@ from asperity.core.arguments import (
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, did_you_mean, shown
 from asperity.core.parallel import in_strips, map_parts
-from asperity.core.types import Array, Progress
+from asperity.core.types import Array, ArrayLike, DTypeLike, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.fourier.grid import Grid, real_type

@@ -60,12 +60,11 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
 from asperity.core.errors import shown
 from asperity.core.markup import table
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.coating import Materials, fill_coated_compliance, fill_coated_kernels
 from asperity.elasticity.kernels import (
     BONDED,

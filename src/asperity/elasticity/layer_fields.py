@@ -29,11 +29,10 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choice, finite_array, number, real_array, require_finite
 from asperity.core.errors import shown
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.kernels import NOTHING_LEFT
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.fourier.grid import Fourier, Grid

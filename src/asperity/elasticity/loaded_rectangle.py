@@ -22,11 +22,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.compiled import compiled
 from asperity.core.sizes import good_size
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Fourier, Grid
 

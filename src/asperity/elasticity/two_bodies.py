@@ -9,10 +9,9 @@ the layer of that body.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.markup import table
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.layer import Layer
 
 

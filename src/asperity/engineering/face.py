@@ -10,7 +10,7 @@ import numpy as np
 
 from asperity.core.errors import one_line
 from asperity.core.system import sha256_of
-from asperity.core.types import Array
+from asperity.core.types import Array, FilePath
 from asperity.core.units import to_si
 from asperity.surface.description import MapMeasures, map_warnings
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, MapOptions
@@ -21,7 +21,7 @@ from asperity.surface.treatment.treatment import TreatedMap, missing_options, tr
 LONGEST_NAME = 60
 """Most characters of the name of a map in titles."""
 
-Source = str | os.PathLike[str] | HeightMap
+Source = FilePath | HeightMap
 """File of a map, or a map in metres."""
 
 SPIKE_REACH = 1.5

@@ -15,13 +15,12 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.contact import solve
 from asperity.contact.solution import Solid
 from asperity.core.arguments import choice, magnitude, number, whole_number
 from asperity.core.errors import shown
-from asperity.core.types import Array, Progress
+from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies

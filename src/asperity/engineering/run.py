@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -14,7 +13,7 @@ from asperity.contact.gap import check_film_grid, percolation
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.arguments import require_finite
 from asperity.core.packages import require
-from asperity.core.types import Progress
+from asperity.core.types import FilePath, Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
@@ -49,7 +48,7 @@ SMALLEST_APPROACH = 1e-7
 
 
 def run(
-    source: str | os.PathLike[str] | HeightMap,
+    source: FilePath | HeightMap,
     lower: Body,
     upper: Body | None = None,
     *,
@@ -61,7 +60,7 @@ def run(
     hertz: HertzPlace | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
-    counter_map: str | os.PathLike[str] | HeightMap | CounterMap | None = None,
+    counter_map: FilePath | HeightMap | CounterMap | None = None,
     map_options: MapOptions | None = None,
     fields: Sequence[str] = ("von_mises",),
     progress: Progress | None = None,

@@ -17,10 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
 from asperity.core.markup import table, with_error
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import (
     CRACKS,

@@ -35,11 +35,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.core.arguments import finite_array, magnitude, real_array, whole_number
 from asperity.core.errors import shown
-from asperity.core.types import REAL_TYPES, Array
+from asperity.core.types import REAL_TYPES, Array, ArrayLike, DTypeLike
 from asperity.fourier.engine import Engine, current_engine
 
 if TYPE_CHECKING:

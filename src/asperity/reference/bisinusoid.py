@@ -27,10 +27,9 @@ The mean gap is the integral over the circle of the crack opening at r, divided 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 
 
 @dataclass(frozen=True)

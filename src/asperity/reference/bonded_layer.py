@@ -44,10 +44,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 
 LARGEST_WAVENUMBER = 25.0
 """Upper end of the integrals over u = ξh: 1 − K falls as 4u² e^(−2u) and is below rounding there."""

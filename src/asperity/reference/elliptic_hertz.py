@@ -34,11 +34,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 import scipy  # whose parts are loaded when they are first used
-from numpy.typing import ArrayLike
 from scipy.special import ellipk, elliprd
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.reference.hertz import von_mises
 
 SMALLEST_AXIS_RATIO = 1e-6

@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.special import hyp2f1
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 
 
 class AxisymmetricStress(NamedTuple):

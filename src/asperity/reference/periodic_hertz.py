@@ -14,10 +14,9 @@ leading term, and the remainder, which falls as n⁻³, is removed by extrapolat
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.reference.hertz import Hertz, unit_displacement
 
 # Neighbours on each side in the coarser of the two sums; the result is then good to 10⁻⁹.

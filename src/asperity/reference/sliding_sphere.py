@@ -39,9 +39,8 @@ errors grow as (d/a)³.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.reference.hertz import Hertz
 
 

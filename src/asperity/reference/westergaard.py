@@ -16,10 +16,9 @@ uniform part of σ_xx; the slope of the surface is ``2 Im Z / E*``.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ all of them; `docs/tables.md` shows it. For a reader a table is made into Markdo
 """
 
 import math
-import os
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asperity.core.data import packaged_yaml
+from asperity.core.types import FilePath
 from asperity.results.atomic import atomic_write
 
 if TYPE_CHECKING:
@@ -40,9 +40,7 @@ SHEET_COLUMNS = {"m": "m", "m2": "m^2", "Pa": "Pa"}
 """End of the name of a column → its unit."""
 
 
-def write_table(
-    frame: "pd.DataFrame", table: str, path: str | os.PathLike[str], float_format: str | None = None
-) -> None:
+def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format: str | None = None) -> None:
     """Write a table as CSV or Parquet, by the suffix of the path, whole or not at all.
 
     Parameters
@@ -81,7 +79,7 @@ def write_table(
             described.to_parquet(unfinished, index=False)
 
 
-def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: str | os.PathLike[str]) -> None:
+def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None:
     """Write tables as the sheets of one Excel file, in µm and MPa, if openpyxl is installed.
 
     Parameters

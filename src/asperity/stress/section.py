@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choice, number, pair, require_finite
 from asperity.core.errors import shown
-from asperity.core.types import Array, Progress
+from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane, PlaneStream

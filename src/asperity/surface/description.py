@@ -1,12 +1,11 @@
 """Description of a height map before anything is computed: size, gaps, spikes, roughness, spectrum."""
 
 import math
-import os
 from typing import NamedTuple
 
 import numpy as np
 
-from asperity.core.types import Array
+from asperity.core.types import Array, FilePath
 from asperity.fourier.grid import Grid
 from asperity.surface import roughness
 from asperity.surface.reading.agreement import MapFile, metres, repeated_height
@@ -92,7 +91,7 @@ class MapDescription(NamedTuple):
     warnings: list[str]
 
 
-def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescription:
+def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
     Roughness is that of the map without its mean plane, without a filter, as `asperity.run` presses it by

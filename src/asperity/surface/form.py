@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
-
 from asperity.core.arguments import LARGEST, choice, magnitude, number, pair, require_finite
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.fourier.grid import Grid
 from asperity.surface.roughness import checked_heights
 

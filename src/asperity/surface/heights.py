@@ -25,12 +25,11 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.special import expit, ndtri
 
 from asperity.core.arguments import LARGEST, SMALLEST, finite_array, magnitude, number, require_finite
 from asperity.core.sizes import good_size
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.surface.roughness import moments, varying_heights
 

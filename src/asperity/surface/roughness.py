@@ -16,10 +16,9 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import SMALLEST, finite_array, require_finite
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.fourier.grid import Fourier, Grid, mean_square, radial_average
 
 if TYPE_CHECKING:

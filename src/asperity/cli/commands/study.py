@@ -1,7 +1,6 @@
 """``asperity study init``: a folder in which the study of the paper runs."""
 
 import argparse
-import os
 import shutil
 import tomllib
 from pathlib import Path
@@ -9,6 +8,7 @@ from tempfile import TemporaryDirectory
 
 from asperity.core.errors import one_line
 from asperity.core.packages import absent, install_command
+from asperity.core.types import FilePath
 
 PACKAGED = "study/project"
 """Folder of the installed package with the study; pyproject.toml puts it there when the wheel is built."""
@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> None:
     print(_NEXT.format(folder=folder))
 
 
-def make_study_folder(folder: str | os.PathLike[str]) -> Path:
+def make_study_folder(folder: FilePath) -> Path:
     """Write the study into a folder, new or empty, and return the folder.
 
     Raises

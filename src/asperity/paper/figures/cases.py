@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
 
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.results.dataset import settings_of
 from asperity.stress.peaks.selection import selection_for
 from asperity.views.style import label, wavelength_short

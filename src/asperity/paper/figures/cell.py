@@ -7,9 +7,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-from numpy.typing import ArrayLike
 
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.paper.figures.cases import Datasets, contact_area, name
 from asperity.results.dataset import grid_of
 from asperity.views.maps import blocks

@@ -9,9 +9,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator, ScalarFormatter
-from numpy.typing import ArrayLike
 
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.paper.figures.cases import Datasets
 from asperity.views.style import panels
 

@@ -13,10 +13,9 @@ from typing import Self
 
 import numpy as np
 import scipy  # submodules are imported at first use
-from numpy.typing import ArrayLike
 
 from asperity.core.arguments import magnitude
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Grid

@@ -23,11 +23,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from asperity.core.compiled import compiled_with_arrays
 from asperity.core.parallel import run_tasks
-from asperity.core.types import Array, Progress
+from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, resample

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import xarray as xr
-from numpy.typing import ArrayLike
 
-from asperity.core.types import Progress
+from asperity.core.types import ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.stress.cycles.criteria import Criteria
 from asperity.stress.cycles.histories import Histories, MovingPressure

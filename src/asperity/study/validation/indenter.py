@@ -6,10 +6,9 @@ indenter.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.contact import Contact, solve
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Fourier, Grid, resample
 

@@ -24,7 +24,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from asperity.core.packages import require
-from asperity.core.types import Array
+from asperity.core.types import Array, FilePath
 from asperity.surface.reading import dialects, formats
 from asperity.surface.reading.agreement import GIB, FileContent, MapFile, metres, require_size
 from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
@@ -57,7 +57,7 @@ DECLARED = "set format to profile to take it as a map with the same heights for 
 UNREADABLE = "not a height map that can be read"
 
 
-def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> HeightMap:
+def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) -> HeightMap:
     """Read a height map.
 
     Parameters
@@ -101,7 +101,7 @@ def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **
     return found.map
 
 
-def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
+def open_map(path: FilePath, options: MapOptions) -> MapFile:
     """Read a height map as far as possible, and list what is missing.
 
     Raises
@@ -122,7 +122,7 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
     return MapFile(content, name, options)
 
 
-def open_shared_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
+def open_shared_map(path: FilePath, options: MapOptions) -> MapFile:
     """Read one of several maps that share options; those that this file contradicts are ignored."""
     try:
         found = open_map(path, options)
@@ -136,7 +136,7 @@ def open_shared_map(path: str | os.PathLike[str], options: MapOptions) -> MapFil
     return open_shared_map(path, replace(options, **left_out))
 
 
-def path_problem(path: str | os.PathLike[str]) -> str:
+def path_problem(path: FilePath) -> str:
     """Reason why a path is not that of a file with a map, empty if it may be."""
     if not os.path.exists(path):  # also of names that are too long, or with a null character
         return "no such file"

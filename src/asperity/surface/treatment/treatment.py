@@ -19,7 +19,7 @@ from asperity.core.arguments import require_finite
 from asperity.core.errors import one_line
 from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
-from asperity.core.types import Array
+from asperity.core.types import Array, FilePath
 from asperity.fourier.grid import Grid
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
@@ -174,7 +174,7 @@ class TreatedMap:
         return replace(self, height=self.part(self.height), grid=grid, images=1, boundary="free")
 
 
-def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> TreatedMap:
+def prepare_map(path: FilePath, options: MapOptions | None = None, **given: Any) -> TreatedMap:
     """The lower face of an indenter, in metres, from a file with a measured map.
 
     Parameters
@@ -206,7 +206,7 @@ def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None,
     return treat_map(usable_map(path, options), options)
 
 
-def usable_map(path: str | os.PathLike[str], options: MapOptions, needs_unit: bool = True) -> HeightMap:
+def usable_map(path: FilePath, options: MapOptions, needs_unit: bool = True) -> HeightMap:
     """The map in a file, if file and options say all that its treatment needs."""
     found = open_map(path, options)
     if problems := missing_options(found, options, needs_unit):
