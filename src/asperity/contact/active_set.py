@@ -294,7 +294,9 @@ class ActiveSet:
             system = ContactSystem.of(iterate, self._control, self._inner, operators)
             same_nodes, operators = system.linear.operators is operators, system.linear.operators
             self._report(system.error)
-            converged = self._is_converged(system)
+            within = system.error <= self._rule.tolerance
+            within |= self._rule.rounding_suffices and system.error <= system.rounding
+            converged = len(self._problems) == 1 and within and math.isfinite(system.approach)
             if converged and not (self._area and self._area.misses(iterate.nodes.size)):
                 balance = self._balance(iterate, system)
                 if balance is None:
@@ -306,7 +308,12 @@ class ActiveSet:
                 return iterate, system, False
             exact = (EXACT_RESIDUAL_DROP, MAX_EXACT_ITERATIONS) if self._exact else ()
             longest = MAX_ITERATIONS * 2 ** (PATIENCE if same_nodes else min(stagnation.steps, PATIENCE))
-            effort = exact or (self._residual_drop(system.error), longest)
+            if system.error > FINAL_ERROR:
+                drop = RESIDUAL_DROP
+            else:  # no further than the tolerance needs
+                tolerance = self._rule.tolerance
+                drop = max(FINAL_ERROR, 0.3 * tolerance / max(system.error, tolerance))
+            effort = exact or (drop, longest)
             correction = self._inner.solve(system.linear, *effort)
             held, load, extension = system.held_after(iterate, correction), iterate.load, None
             if self._area is not None:
@@ -320,7 +327,12 @@ class ActiveSet:
             self.iterations += correction.iterations
             step, keeps_load = Step.of(iterate, system, correction, held), extension is None
             del correction, held, extension  # the next iterate takes their memory
-            if self._to_double_precision(system, stagnation) or not keeps_load:
+            # Single precision is left where its rounding matters.
+            coarse = system.error > max(FINAL_ERROR, 2 * system.rounding) and stagnation.steps < PATIENCE
+            keeps_precision = len(self._problems) == 1 or coarse
+            if not keeps_precision:
+                del self._problems[0]
+            if not (keeps_precision and keeps_load):
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
                 if self._exact is not None:
@@ -339,12 +351,6 @@ class ActiveSet:
         self.iterations += 1
         return Iterate.of(problem, self._control, pressure, out)
 
-    def _is_converged(self, system: ContactSystem) -> bool:
-        """True if the error is within its tolerance, in the last precision."""
-        rounded = self._rule.rounding_suffices and system.error <= system.rounding
-        within = rounded or system.error <= self._rule.tolerance
-        return len(self._problems) == 1 and within and math.isfinite(system.approach)
-
     def _is_hopeless(self, iterate: Iterate, system: ContactSystem, stagnation: Stagnation) -> bool:
         """True if rounding keeps the error from falling, or nothing is in reach."""
         if iterate.nodes.size == 0 and not system.error > 0:
@@ -356,21 +362,6 @@ class ActiveSet:
             limit = max(limit, FINAL_ERROR)
         rounded = stagnation.steps > PATIENCE and system.error <= limit
         return rounded or stagnation.steps > MAX_STEPS_WITHOUT_PROGRESS
-
-    def _to_double_precision(self, system: ContactSystem, stagnation: Stagnation) -> bool:
-        """Leave single precision where its rounding matters; True if it is left now."""
-        if len(self._problems) == 1:
-            return False
-        if system.error > max(FINAL_ERROR, 2 * system.rounding) and stagnation.steps < PATIENCE:
-            return False
-        del self._problems[0]
-        return True
-
-    def _residual_drop(self, error: float) -> float:
-        """Drop of the residual in the next inner solve: no further than the tolerance needs."""
-        if error > FINAL_ERROR:
-            return RESIDUAL_DROP
-        return max(FINAL_ERROR, 0.3 * self._rule.tolerance / max(error, self._rule.tolerance))
 
     def _next(self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation) -> Iterate:
         """The iterate after a step at the same load; it takes the memory of the one before.

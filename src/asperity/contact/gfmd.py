@@ -186,7 +186,12 @@ class DampedDynamics:
         # Estimated change of the load per change of the mean displacement, never below the spring's.
         self._growth = self._spring
         self._last_load_and_mean = (0.0, 0.0)
-        self._displacement = self._first_displacement(initial)
+        displacement = np.zeros_like(problem.height)
+        if initial is not None:
+            problem.response.displacement(initial, displacement)
+        if control.fixes_load:  # the surface touches the indenter
+            displacement += np.max(self._wall - displacement)
+        self._displacement = np.maximum(displacement, self._wall, out=displacement)
         self._now = problem.fourier.forward(self._displacement)
         self._before = self._now.copy()
 
@@ -245,15 +250,6 @@ class DampedDynamics:
     def slowest_frequency(self) -> float:
         """Angular frequency of the slowest mode under the load, times the time step."""
         return math.sqrt(self._slowest_kappa())
-
-    def _first_displacement(self, initial: Array | None) -> Array:
-        """Displacement under a pressure, or none; under an imposed load shifted to touch the indenter."""
-        displacement = np.zeros_like(self._problem.height)
-        if initial is not None:
-            self._problem.response.displacement(initial, displacement)
-        if self._fixed_load:
-            displacement += np.max(self._wall - displacement)
-        return np.maximum(displacement, self._wall, out=displacement)
 
     def _slowest_kappa(self) -> float:
         """κ = ω² τ² of the slowest mode under the load."""

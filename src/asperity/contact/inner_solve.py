@@ -109,7 +109,14 @@ class InnerSolver:
         self._response = InnerResponse(response, products, divided)
         self._preconditioner = Preconditioner(response, products)
         self.nodal_stiffness = self._preconditioner.nodal_stiffness
-        self.layer_stiffness = _layer_stiffness(response)
+        self.layer_stiffness = None
+        if response.solid.height is not None:
+            q, compliance = response.grid.wavenumber(), response.compliance
+            softest = 2 / response.solid.effective_modulus
+            if not np.all(softest < STIFF_LAYER * (q * compliance)[q > 0]):
+                out = np.zeros(compliance.shape)
+                np.divide(response.nodal_compliance, compliance, out=out, where=compliance > 0)
+                self.layer_stiffness = out
 
     def operators(self, nodes: Array, before: Operators | None = None) -> Operators:
         """Operators on contact nodes; those before if the nodes are the same."""
@@ -176,18 +183,6 @@ class InnerSolver:
         displacement = system.residual - residual
         displacement -= np.float32(level)
         return Correction(x, displacement, -(self._unit * excess), iterations)
-
-
-def _layer_stiffness(response: Response) -> Array | None:
-    """Stiffness of the modes times the nodal compliance; None unless far above the half-space's."""
-    if response.solid.height is None:
-        return None
-    q, compliance = response.grid.wavenumber(), response.compliance
-    softest = 2 / response.solid.effective_modulus
-    if np.all(softest < STIFF_LAYER * (q * compliance)[q > 0]):
-        return None
-    out = np.zeros(compliance.shape)
-    return np.divide(response.nodal_compliance, compliance, out=out, where=compliance > 0)
 
 
 # Loops of the conjugate gradients; `shift` × `weight` is subtracted from the preconditioned residual z, so

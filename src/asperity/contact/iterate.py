@@ -160,18 +160,10 @@ class Iterate:
 
     def held_nodes(self, bound: float, plastic: Array) -> HeldNodes:
         """Nodes out of contact with a level below a bound, and the plastic ones."""
-        nodes, level = self._free_nodes_below(bound)
-        own, sides = self.nodes[plastic], np.ones(nodes.size + plastic.size, np.float32)
-        at = np.searchsorted(nodes, own)
-        sides[at + np.arange(plastic.size)] = -1
-        return HeldNodes(inserted(nodes, at, own), inserted(level, at, self.level[plastic]), sides)
-
-    def _free_nodes_below(self, bound: float) -> tuple[Array, Array]:
-        """Sorted nodes out of contact with a level below a bound, and their levels."""
         height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
         real_bound = height.dtype.type(bound)
 
-        def found_in(start: int) -> tuple[Array, Array]:
+        def free_nodes_from(start: int) -> tuple[Array, Array]:
             strip = slice(start, start + STRIP)
             edges = np.array((start, min(start + STRIP, height.size)), np.uint32)
             contact_nodes = self.nodes[slice(*np.searchsorted(self.nodes, edges))]
@@ -180,9 +172,13 @@ class Iterate:
             count = _write_free_nodes_below(*fields, real_bound, contact_nodes, start, found, level)
             return found[:count].copy(), level[:count].copy()
 
-        tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
-        nodes, levels = zip(*run_tasks(tasks, self.problem.fourier.threads), strict=True)
-        return np.concatenate(nodes), np.concatenate(levels)
+        tasks = [partial(free_nodes_from, start) for start in range(0, height.size, STRIP)]
+        parts = zip(*run_tasks(tasks, self.problem.fourier.threads), strict=True)
+        nodes, level = (np.concatenate(part) for part in parts)
+        own, sides = self.nodes[plastic], np.ones(nodes.size + plastic.size, np.float32)
+        at = np.searchsorted(nodes, own)
+        sides[at + np.arange(plastic.size)] = -1
+        return HeldNodes(inserted(nodes, at, own), inserted(level, at, self.level[plastic]), sides)
 
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
@@ -487,7 +483,12 @@ def _error(
     penetration /= problem.own_compliance
     error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
     if inner.layer_stiffness is not None:
-        error = max(error, _response_of_layer(problem, system, inner.layer_stiffness))
+        fourier = problem.fourier
+        overlap = field_of(problem.grid.shape, operators.nodes, system.residual.astype(fourier.real))
+        coefficients = (fourier.forward(overlap) * inner.layer_stiffness).astype(fourier.complex)
+        pressure = fourier.inverse(coefficients, overwrite=True).take(operators.nodes)
+        pressure -= pressure.mean() if system.fixed_load else 0
+        error = max(error, float(np.linalg.norm(pressure)))
     # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
     uncertain = max(operators.nodes.size - system.fixed_load, 0)
     of_level = ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(iterate.largest)))
@@ -496,15 +497,6 @@ def _error(
     if not norm > 0:
         return (0.0 if error == 0 else math.inf), 0.0
     return error / norm, rounding / norm
-
-
-def _response_of_layer(problem: Problem, system: System, stiffness: Array) -> float:
-    """Norm of the pressure with which the whole layer would remove the residual of the contact nodes."""
-    fourier, nodes = problem.fourier, system.operators.nodes
-    overlap = field_of(problem.grid.shape, nodes, system.residual.astype(fourier.real))
-    coefficients = (fourier.forward(overlap) * stiffness).astype(fourier.complex)
-    pressure = fourier.inverse(coefficients, overwrite=True).take(nodes)
-    return float(np.linalg.norm(pressure - pressure.mean() if system.fixed_load else pressure))
 
 
 @compiled

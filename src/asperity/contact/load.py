@@ -16,13 +16,12 @@ jump, and the side with the nearer area is taken.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import starmap
 
 import numpy as np
 
 from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.iterate import ContactSystem, Iterate, OverlapOfHeld
-from asperity.contact.problem import Problem, Units
+from asperity.contact.problem import Units
 from asperity.contact.response import response_on
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
@@ -263,9 +262,12 @@ def extended_to_area(
     near_nodes = system.held_after(iterate, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
     closing = near_nodes.held.side > 0
-    edges = starmap(
-        _divided,
-        ((-near_nodes.overlap[closing], rate[closing], np.inf), (-after, tangent.pressure, -np.inf)),
+    edges = (
+        np.divide(distance, rates, out=np.full(distance.size, never), where=rates > 0)
+        for distance, rates, never in (
+            (-near_nodes.overlap[closing], rate[closing], np.inf),
+            (-after, tangent.pressure, -np.inf),
+        )
     )
     # Nodes that touch at the same load do so at slightly different ones before the pressure has converged.
     shortest = area.resolution if converged else max(area.resolution, 0.02 / area.target)
@@ -274,8 +276,10 @@ def extended_to_area(
     new_load = load + factor * slope
     if system.plastic.size and factor:
         # Nodes that enter bear much of the load where few nodes are elastic.
-        elastic = after + np.float32(factor) * tangent.pressure
-        borne = _mean_pressure_after(elastic, near_nodes, factor * rate, iterate.problem)
+        elastic, hardness = after + np.float32(factor) * tangent.pressure, iterate.problem.hardness
+        others = near_nodes.overlap + factor * rate + np.where(near_nodes.held.side < 0, hardness, 0)
+        pressure = np.clip(np.concatenate((elastic, others)), 0, hardness)
+        borne = float(pressure.sum(dtype=float)) / iterate.problem.grid.size
         new_load = load + min(max(borne - load, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
         if new_load == load and system.plastic.size + 1 >= iterate.nodes.size:
@@ -299,16 +303,6 @@ def extended_to_area(
     return moved, replace(near_nodes, overlap=overlap), new_load
 
 
-def _mean_pressure_after(
-    elastic: Array, candidates: OverlapOfHeld, further: Array, problem: Problem
-) -> float:
-    """Mean pressure on elastic nodes, on nodes that enter and on plastic ones, whose overlap grows."""
-    plastic = candidates.held.side < 0
-    overlap = candidates.overlap + further + np.where(plastic, problem.hardness, 0)
-    pressure = np.clip(np.concatenate((elastic, overlap)), 0, problem.hardness)
-    return float(pressure.sum(dtype=float)) / problem.grid.size
-
-
 def _approximate_tangent(
     iterate: Iterate, system: ContactSystem, inner: InnerSolver, effort: tuple[float, int] | tuple[()]
 ) -> Correction:
@@ -321,12 +315,6 @@ def _approximate_tangent(
         return Correction(np.ones(nodes.size, np.float32), np.zeros(nodes.size, np.float32), 0.0, 0)
     found = inner.solve_uniform(system.linear.operators, *effort)
     return Correction(found.pressure, found.displacement, 1.0, found.iterations)
-
-
-def _divided(numerator: Array, rate: Array, otherwise: float) -> Array:
-    """Quotients, where the rate is positive."""
-    out = np.full(numerator.size, otherwise)
-    return np.divide(numerator, rate, out=out, where=rate > 0)
 
 
 def _change_to(target: int, edges: Iterable[Array], least: float, most: float, shortest: float) -> float:

@@ -172,11 +172,19 @@ def solve(
     control = _checked_control(*_only_one(imposed), grid)
     limit = math.inf if hardness is None else _checked_hardness(hardness, control)
     hardness = None if limit == math.inf else limit
-    _check_method(method, boundary, hardness)
+    if method == "gfmd" and hardness is not None:
+        raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
+    if method == "gfmd" and boundary != "periodic":
+        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
     solid_units = Units.of_solid(solid, grid)
     solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
-    _check_approach(control, values, solid, boundary)
+    most = approach_of_full_contact(values, solid, boundary)
+    if control.kind == "approach" and control.value >= most:
+        raise ValueError(
+            f"approach = {shown(control.value)}: less than the mean height {most:.6g} is needed, "
+            "because this solid has no uniform displacement"
+        )
     units = solid_units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach
         units = replace(units, below=math.inf, above=math.inf)
@@ -353,28 +361,10 @@ def _checked_hardness(hardness: float, control: Control) -> float:
     return value
 
 
-def _check_method(method: str, boundary: str, hardness: float | None) -> None:
-    """Require the active set where the paper's dynamics has no form."""
-    if method == "gfmd" and hardness is not None:
-        raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
-    if method == "gfmd" and boundary != "periodic":
-        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
-
-
 def approach_of_full_contact(height: Array, solid: Solid, boundary: str = "periodic") -> float:
     """Mean height, out of reach of a periodic solid without uniform displacement; infinite for others."""
     has_limit = boundary == "periodic" and solid.uniform_compliance() == 0
     return float(height.mean()) if has_limit else math.inf
-
-
-def _check_approach(control: Control, height: Array, solid: Solid, boundary: str) -> None:
-    """Require an approach that the solid can reach."""
-    most = approach_of_full_contact(height, solid, boundary)
-    if control.kind == "approach" and control.value >= most:
-        raise ValueError(
-            f"approach = {shown(control.value)}: less than the mean height {most:.6g} is needed, "
-            "because this solid has no uniform displacement"
-        )
 
 
 # The solution in its own units
