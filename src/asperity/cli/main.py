@@ -63,9 +63,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # a reader such as head has closed the pipe
         _drop_output()
     except OSError as error:
-        if error.filename is None and _output_fails():
-            _drop_output()
-            return fail(f"standard output: cannot be written ({error.strerror})")
+        if error.filename is None:
+            try:
+                print(flush=True)
+            except OSError:  # nothing can be written to stdout
+                _drop_output()
+                return fail(f"standard output: cannot be written ({error.strerror})")
         return fail(str(error))
     except (
         *(ValueError, TypeError, ImportError, MemoryError),
@@ -80,15 +83,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for number, handler in earlier.items():
             signal.signal(number, handler)
     return 0
-
-
-def _output_fails() -> bool:
-    """True if nothing can be written to stdout."""
-    try:
-        print(flush=True)
-    except OSError:
-        return True
-    return False
 
 
 def _drop_output() -> None:

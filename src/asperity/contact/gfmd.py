@@ -115,8 +115,12 @@ def solve(
         # A change of the load takes effect within the relaxation time of the slowest mode.
         if step < next_check:
             continue
-        load, converged = dynamics.load, error <= rtol
-        new_load = None if area is None else _next_load(area, pressure, load, error, converged)
+        load, converged, new_load = dynamics.load, error <= rtol, None
+        if area is not None and area.misses(count := int(np.count_nonzero(pressure))):
+            if converged:
+                new_load = area.bracketed(load, count, area.power_law(load, count))
+            elif abs(area.log_ratio(count)) > error and area.may_change():
+                new_load = load * math.exp(1.1 * min(max(area.log_ratio(count), -0.6), 0.6))
         if new_load is not None:
             next_check = step + math.ceil(RELAXATION_TIMES / dynamics.slowest_frequency())
             smallest, dynamics.load = math.inf, new_load
@@ -132,20 +136,6 @@ def solve(
         dynamics.load,
         "method = 'active_set' or a larger rtol is needed",
     )
-
-
-def _next_load(
-    area: AreaControl, pressure: Array, load: float, error: float, converged: bool
-) -> float | None:
-    """Load to go on with towards an area; None if the present one stays."""
-    count = int(np.count_nonzero(pressure))
-    if not area.misses(count):
-        return None
-    if converged:
-        return area.bracketed(load, count, area.power_law(load, count))
-    if abs(area.log_ratio(count)) > error and area.may_change():
-        return load * math.exp(1.1 * min(max(area.log_ratio(count), -0.6), 0.6))
-    return None
 
 
 class DampedDynamics:

@@ -109,7 +109,14 @@ def real_array(name: str, values: Any) -> Array:
         elif name == "height" and not all(str(axis).startswith("dim_") for axis in dims):
             raise ValueError(f"{name} over {dims[0]} and {dims[1]}: an array over the axes y and x is needed")
     elif hasattr(values, "columns") and hasattr(values, "sort_index"):
-        values = _sorted_frame(name, values)
+        import pandas as pd
+
+        for axis, labels in enumerate((values.index, values.columns)):
+            places = pd.to_numeric(pd.Series(labels), errors="coerce").to_numpy(dtype=float)
+            if np.isfinite(places).all() and not np.all(np.diff(places) > 0):
+                if np.unique(places).size < places.size:
+                    raise ValueError(f"{name}: a position is given to several {('rows', 'columns')[axis]}")
+                values = values.take(np.argsort(places), axis=axis)
     if np.ma.is_masked(values):
         raise ValueError(f"{name}: an array without masked elements is needed")
     try:
@@ -142,19 +149,6 @@ def rising(values: Any) -> Any:
         if place.dtype.kind in "iuf" and not np.all(np.diff(place) > 0):
             values = values.sortby(axis)
     return values
-
-
-def _sorted_frame(name: str, frame: Any) -> Any:
-    """A DataFrame sorted by its numeric row and column labels."""
-    import pandas as pd
-
-    for axis, labels in enumerate((frame.index, frame.columns)):
-        numbers = pd.to_numeric(pd.Series(labels), errors="coerce").to_numpy(dtype=float)
-        if np.isfinite(numbers).all() and not np.all(np.diff(numbers) > 0):
-            if np.unique(numbers).size < numbers.size:
-                raise ValueError(f"{name}: a position is given to several {('rows', 'columns')[axis]}")
-            frame = frame.take(np.argsort(numbers), axis=axis)
-    return frame
 
 
 def finite_array(name: str, values: Any) -> Array:

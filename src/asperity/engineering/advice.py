@@ -13,12 +13,10 @@ from asperity.core.units import shown_si
 from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
 from asperity.engineering.body_stress import BodyAnswer
-from asperity.engineering.case import HARDNESS_OVER_YIELD, HertzPlace, suggested_hardness
+from asperity.engineering.case import HARDNESS_OVER_YIELD, suggested_hardness
 from asperity.stress.analysis import PLASTIC_CONTACT
-from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.surface.reading.formats import PROFILE
 from asperity.surface.roughness import sampling_error
-from asperity.surface.treatment.treatment import TreatedMap
 
 WARNING, NOTE = "warning", "note"
 
@@ -154,7 +152,18 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}
     if (smooth := case.hertz_contact) is not None and case.hertz is not None:
-        yield from _on_scales(case.hertz, smooth, face)
+        ends = []
+        for middle, width, edge_of_map in zip(
+            case.hertz.at, (smooth.half_width_y, smooth.half_width_x), face.map_length, strict=True
+        ):
+            if width < math.inf:
+                ends.append(middle * width + np.linspace(-0.5, 0.5, 21) * edge_of_map)
+            else:
+                ends.append(np.zeros(1))
+        pressure = smooth.pressure(ends[0][:, None], ends[1]) / (smooth.largest_pressure * case.hertz.share)
+        size = float(np.abs(pressure - 1).max())
+        values = {"size": size, "ratio": smooth.narrow / max(face.map_length), "width": 2 * smooth.narrow}
+        yield size > NOT_SEPARATE, "scales", values
     wanted, area = case.load.value, numbers.area_fraction
     if case.load.kind == "area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
         yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}
@@ -170,19 +179,6 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         values = {"wave": wave[most], "size": float(change[most]), "shortest": wave[0], "least": change[0]}
         if change[most] > 0:  # it is 0 between equal bodies
             yield change[most] > NEGLECTED_COUPLING, key, values
-
-
-def _on_scales(place: HertzPlace, smooth: HertzContact, face: TreatedMap) -> Iterator[Found]:
-    """Advice on the change of the Hertz pressure over the map."""
-    ends = []
-    for middle, width, edge in zip(
-        place.at, (smooth.half_width_y, smooth.half_width_x), face.map_length, strict=True
-    ):
-        ends.append(middle * width + np.linspace(-0.5, 0.5, 21) * edge if width < math.inf else np.zeros(1))
-    pressure = smooth.pressure(ends[0][:, None], ends[1]) / (smooth.largest_pressure * place.share)
-    size = float(np.abs(pressure - 1).max())
-    values = {"size": size, "ratio": smooth.narrow / max(face.map_length), "width": 2 * smooth.narrow}
-    yield size > NOT_SEPARATE, "scales", values
 
 
 def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:

@@ -212,7 +212,18 @@ class Answer:
     @cached_property
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
-        shown = [*_contact_rows(self.numbers, self.bodies["lower"].limits), *_hertz_rows(self.case)]
+        shown, area = [], shown_si(self.numbers.nominal_area, "m^2")
+        words_of = {
+            "area_fraction": f"{100 * self.numbers.area_fraction:.4g} % of {area}",
+            "patches": f"{self.numbers.patches}, {self.numbers.contact_nodes} nodes",
+        }
+        for field in fields(ContactNumbers):
+            if field.metadata:
+                unit, value = field.metadata["unit"], getattr(self.numbers, field.name)
+                words = words_of.get(field.name) or shown_si(value, unit)
+                limits = self.bodies["lower"].limits
+                shown.append(_row("contact", field.metadata["name"], value, unit, words, limits))
+        shown += _hertz_rows(self.case)
         for name, resistivity in self.case.resistivities.items():
             value, unit = self.contact.conductance(resistivity), CONDUCTANCE_UNITS[name]
             words = name.replace("_", " contact ")
@@ -362,17 +373,6 @@ def _material(body: Body) -> str:
         young, poisson = shown_si(body.layer.young, "Pa"), body.layer.poisson
         layer = f" under {shown_si(body.coating, 'm')} of E = {young}, ν = {poisson:g}"
     return f"E = {shown_si(body.young, 'Pa')}, ν = {body.poisson:g}{layer}"
-
-
-def _contact_rows(numbers: ContactNumbers, limits: xr.Dataset) -> Iterator[Row]:
-    words = {
-        "area_fraction": f"{100 * numbers.area_fraction:.4g} % of {shown_si(numbers.nominal_area, 'm^2')}",
-        "patches": f"{numbers.patches}, {numbers.contact_nodes} nodes",
-    }
-    for field in fields(ContactNumbers):
-        if field.metadata:
-            name, unit, value = field.metadata["name"], field.metadata["unit"], getattr(numbers, field.name)
-            yield _row("contact", name, value, unit, words.get(field.name) or shown_si(value, unit), limits)
 
 
 def _hertz_rows(case: Case) -> Iterator[Row]:

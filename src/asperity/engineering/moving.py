@@ -157,10 +157,6 @@ class MovingContact:
         self._settings: dict[str, Any] = {"hardness": hardness, "rtol": rtol}
         self._solved: dict[tuple[int, float], Array] = {}
         wave = 2 * self.step_length if wavelength_short is None else wavelength_short
-        self._check_shifts(wave)
-
-    def _check_shifts(self, wave: float) -> None:
-        """Raise `ValueError` if a step between positions is longer than half of the shortest wave."""
         for body, moving in (("lower", self._upper), ("upper", self._lower)):
             steps = [state.steps for state in self.states(body) if state.mean_pressure]
             if body not in self._layers or not np.ptp(moving) or len(steps) < 2:

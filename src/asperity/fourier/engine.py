@@ -251,7 +251,11 @@ class PyfftwEngine:
         in_parts(transform, len(source), threads, multiple=self.LINES, smallest=4 * self.LINES)
 
     def _plan(self, kind: str, length: int, precision: str) -> tuple[Array, Array, Callable[[], None]]:
-        """A plan from the wisdom of earlier runs, or a measured one whose wisdom is kept for later runs."""
+        """A plan from the wisdom of earlier runs, or a measured one whose wisdom is kept for later runs.
+
+        The file of wisdom in the user's cache is replaced as a whole: of processes that measure plans at
+        once, the last one keeps its own. Where the cache cannot be written, plans are measured in every run.
+        """
         import pyfftw
 
         complex_type = np.result_type(precision, np.complex64)
@@ -261,8 +265,20 @@ class PyfftwEngine:
         before, after = {"r2c": (real, half), "c2r": (half, real)}.get(kind, (whole, whole))
         direction = "FFTW_FORWARD" if kind in ("r2c", "forward") else "FFTW_BACKWARD"
         flags = "FFTW_MEASURE", "FFTW_DESTROY_INPUT"
-        with self._planner, _kept_wisdom():
-            return before, after, pyfftw.FFTW(before, after, (1,), direction, flags, threads=1).execute
+        folder = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "asperity"
+        path = folder / f"fftw_wisdom_{version('pyfftw')}.json"
+        with self._planner:
+            with suppress(OSError, ValueError, IndexError):
+                pyfftw.import_wisdom([text.encode() for text in json.loads(path.read_text())])
+            known = pyfftw.export_wisdom()
+            plan = pyfftw.FFTW(before, after, (1,), direction, flags, threads=1)
+            if (wisdom := pyfftw.export_wisdom()) != known:
+                with suppress(OSError):
+                    folder.mkdir(parents=True, exist_ok=True)
+                    with NamedTemporaryFile("w", dir=folder, delete=False) as file:
+                        json.dump([text.decode() for text in wisdom], file)
+                    os.replace(file.name, path)
+        return before, after, plan.execute
 
 
 class ScipyEngine:
@@ -320,29 +336,6 @@ def _rows_back(coefficients: Array, out: Array, threads: int) -> None:
 
 def _planes(values: Array) -> Array:
     return values[None] if values.ndim == 2 else values
-
-
-@contextmanager
-def _kept_wisdom() -> Iterator[None]:
-    """Block that begins with the wisdom in the user's cache, and adds its own.
-
-    The file is replaced as a whole: of processes that measure plans at once, the last one keeps its own.
-    Where the cache cannot be written, plans are measured in every run.
-    """
-    import pyfftw
-
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "asperity"
-    path = folder / f"fftw_wisdom_{version('pyfftw')}.json"
-    with suppress(OSError, ValueError, IndexError):
-        pyfftw.import_wisdom([text.encode() for text in json.loads(path.read_text())])
-    known = pyfftw.export_wisdom()
-    yield
-    if (wisdom := pyfftw.export_wisdom()) != known:
-        with suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True)
-            with NamedTemporaryFile("w", dir=folder, delete=False) as file:
-                json.dump([text.decode() for text in wisdom], file)
-            os.replace(file.name, path)
 
 
 Engine = Ducc0Engine | PyfftwEngine | ScipyEngine

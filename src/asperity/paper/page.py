@@ -43,6 +43,15 @@ def write_page(
         table["processor_minutes"] = (60 * table["processor_minutes"]).map(minutes)
         table["largest_memory_MB"] = table["largest_memory_MB"].map("{:.0f} MB".format)
         costs = html_table(table.set_axis(["rule", "jobs", "processor time", "largest memory"], axis=1))
+    laws_of_seeds = [pd.read_csv(path) for path in sorted((results / "verification").glob("*.csv"))]
+    checks = None
+    if laws_of_seeds:
+        laws = pd.concat(laws_of_seeds, ignore_index=True)
+        share = (laws["value"] / laws["bound"]).where(laws["bound"] > 0, laws["value"])
+        worst = laws.loc[share.groupby(laws["check"], sort=False).idxmax()]
+        columns = {"value": "largest value", "of": "seed"}
+        table = worst[["check", "value", "bound", "surface", "of"]].rename(columns=columns)
+        checks = {"count": len(laws), "surfaces": laws["surface"].nunique(), "table": html_table(table)}
     validation, claims = "", None
     if (errors := results / "validation/table.csv").exists():
         validation = html_table(for_reader(pd.read_csv(errors, keep_default_na=False)))
@@ -62,7 +71,7 @@ def write_page(
         config=config,
         groups=_groups(results, figures),
         claims=claims,
-        checks=_verification(results),
+        checks=checks,
         validation=validation,
         costs=costs,
         minutes=float(jobs["processor_minutes"].sum()),
@@ -100,17 +109,3 @@ def _html(text: str) -> str:
 
 def _embedded(file: Path) -> str:
     return "data:image/png;base64," + base64.b64encode(file.read_bytes()).decode()
-
-
-def _verification(results: Path) -> dict[str, Any] | None:
-    """Number of checks and surfaces, and the table of each law where it was broken most."""
-    tables = [pd.read_csv(path) for path in sorted((results / "verification").glob("*.csv"))]
-    if not tables:
-        return None
-    checks = pd.concat(tables, ignore_index=True)
-    share = (checks["value"] / checks["bound"]).where(checks["bound"] > 0, checks["value"])
-    worst = checks.loc[share.groupby(checks["check"], sort=False).idxmax()]
-    shown = worst[["check", "value", "bound", "surface", "of"]].rename(
-        columns={"value": "largest value", "of": "seed"}
-    )
-    return {"count": len(checks), "surfaces": checks["surface"].nunique(), "table": html_table(shown)}

@@ -39,7 +39,16 @@ def run(options: argparse.Namespace) -> None:
             "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
             "--field NAMES:DEPTHS FILE.vti is needed"
         )
-    boxes = [_box_chosen(text) for text, _ in wanted["field"]]
+    boxes = []
+    for text, _ in wanted["field"]:  # such as von_mises,xx:0-40um
+        listed, _, depths = text.partition(":")
+        if not depths:
+            raise ValueError(f"--field {shown(text)}: NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed")
+        names = listed.split(",")
+        for name in names:
+            if name not in FIELDS or names.count(name) > 1:
+                raise ValueError(f"--field {shown(name)}: each once of {', '.join(FIELDS)} is needed")
+        boxes.append((names, depths))
     lines = [next(iter(positions("--profile", [text], ("y", "x")).items())) for text, _ in wanted["profile"]]
     files = [(option, words[-1]) for option, given in wanted.items() for words in given]
     check_out([(f"--{option}", path) for option, path in files], options.results)
@@ -71,18 +80,6 @@ def run(options: argparse.Namespace) -> None:
             print(f"{one_line(path)}: {fields} at {math.prod(shape)} nodes of {axis} = {exact}")
     for (names, depths), (_, path) in zip(boxes, wanted["field"], strict=True):
         _export_box(required(results, "contact", "--field"), names, depths, path, options)
-
-
-def _box_chosen(text: str) -> tuple[list[str], str]:
-    """Names of fields and range of depth, from text such as ``von_mises,xx:0-40um``."""
-    names, _, depths = text.partition(":")
-    if not depths:
-        raise ValueError(f"--field {shown(text)}: NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed")
-    listed = names.split(",")
-    for name in listed:
-        if name not in FIELDS or listed.count(name) > 1:
-            raise ValueError(f"--field {shown(name)}: each once of {', '.join(FIELDS)} is needed")
-    return listed, depths
 
 
 def _parts(options: argparse.Namespace, si: bool) -> dict[str, Span]:

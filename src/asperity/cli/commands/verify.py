@@ -83,22 +83,17 @@ def _of_answer(folder: Path) -> Iterator[Check]:
     if {"contact.nc", "surface.nc"} <= results.keys():
         height = results["surface.nc"]["height"].transpose("y", "x").values
         yield from _of_file(folder / "contact.nc", results["contact.nc"], height)
-    if (folder / CASE_FILE).is_file():
-        yield from _of_maps(folder / CASE_FILE)
-
-
-def _of_maps(path: Path) -> Iterator[Check]:
-    """Checks that the maps of a case file are unchanged since they were read."""
-    case = load(path)
+    path = folder / CASE_FILE
+    case = load(path) if path.is_file() else {}
     for key, name in CHECKSUMS.items():
-        if key in case:
-            file = Path(os.path.normpath(path.parent / case[name]))
+        if key in case:  # the maps since they were read
+            file = Path(os.path.normpath(folder / case[name]))
             if not file.is_file():
                 yield Check(f"{file}: no such file; the map of {path} is needed to compare it", False)
             elif sha256_of(file) != case[key]:
-                yield Check(f"{file}: changed since {path.parent} was computed from it; run again", False)
+                yield Check(f"{file}: changed since {folder} was computed from it; run again", False)
             else:
-                yield Check(f"{file}: unchanged since {path.parent} was computed from it")
+                yield Check(f"{file}: unchanged since {folder} was computed from it")
 
 
 def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Iterator[Check]:

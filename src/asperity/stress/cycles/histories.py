@@ -205,7 +205,10 @@ class Histories(CycleMaps):
         unloaded, alpha = self._moving.is_unloaded, self.criteria.alpha
         bound, exact = np.empty((2, states.shape[1])), np.full((3, states.shape[1]), -np.inf)
         fill_bounds(states, unloaded, alpha, bound)
-        exact[0] = np.ptp(self._along_motion(states), axis=1)
+        x, y = self._direction
+        along_motion = x * states[4] + y * states[3]
+        exact[0] = np.ptp(np.pad(along_motion, ((0, 0), (0, 1))) if unloaded else along_motion, axis=1)
+        del along_motion  # as large as a sixth of the states
         by_row = bound.reshape(2, rows, -1)
         chosen = np.zeros(by_row.shape[1:], bool)
         for upper in by_row:
@@ -222,12 +225,6 @@ class Histories(CycleMaps):
             if turn == 0 and self.criteria.has_fatigue and rows > 1:
                 large = (by_row[0] > EXACT_ABOVE * max(best[0].max(), self._halves[:, 1].max())) & unknown
         return exact, np.where(exact[1] == -np.inf, bound[0], exact[1])
-
-    def _along_motion(self, states: Array) -> Array:
-        """Shear stress in the direction of motion, (points, states)."""
-        x, y = self._direction
-        shear = x * states[4] + y * states[3]
-        return np.pad(shear, ((0, 0), (0, 1))) if self._moving.is_unloaded else shear
 
     def dataset(self) -> xr.Dataset:
         """The result of `asperity.stress_cycles`, with places along x and the error of few states."""

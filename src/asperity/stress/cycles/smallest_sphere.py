@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.core.compiled import compiled, compiled_with_arrays
+from asperity.core.compiled import compiled_with_arrays
 
 DIMENSIONS = 5
 """Dimensions of the space, that of the stress deviators."""
@@ -44,7 +44,10 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
     squared = np.empty(points.shape[1])
     radius = -1.0
     for _ in range(MAX_EXCHANGES):
-        _fill_distances(points, centre, squared)
+        squared[:] = 0.0
+        for k in range(DIMENSIONS):
+            for n in range(squared.size):
+                squared[n] += (points[k, n] - centre[k]) ** 2
         here, farthest = squared[support[0]], squared.argmax()
         distance = squared[farthest]
         if distance <= here * (1 + RADIUS_ROUNDING) or here <= radius * (1 + 1e-3 * RADIUS_ROUNDING):
@@ -73,14 +76,6 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
             for n in range(count):
                 centre[k] += weight[n] * points[k, support[n]]
     return distance
-
-
-@compiled
-def _fill_distances(points: Any, centre: Any, squared: Any) -> None:
-    squared[:] = 0.0
-    for k in range(DIMENSIONS):
-        for n in range(squared.size):
-            squared[n] += (points[k, n] - centre[k]) ** 2
 
 
 @compiled_with_arrays

@@ -185,7 +185,15 @@ def _pooled_peaks(
     quantities = [str(name) for name in stresses[0]["quantity"].values]
     ratios = stresses[0]["poisson"].values
     shape = (len(SELECTIONS), len(quantities), ratios.size)
-    edges = np.stack([_quantity_edges(stresses, scale, name, bins) for name in quantities])
+    of_quantities = []  # edges of bins, common to all seeds, selections and Poisson's ratios
+    for name in quantities:
+        values = [
+            peaks(stress, name, ratio)["peak_value"].values / gradient
+            for stress, gradient in zip(stresses, scale, strict=True)
+            for ratio in stress["poisson"].values
+        ]
+        of_quantities.append(bin_edges(np.concatenate(values), bins))
+    edges = np.stack(of_quantities)
     counts = np.zeros((len(stresses), *shape, bins), np.int64)
     joint = np.zeros((*shape, bins, depth_edges.size - 1), np.int64)
     density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
@@ -216,16 +224,6 @@ def _pooled_peaks(
         **with_bounds("peak_density", (*kinds, "bin"), density),
         **with_bounds("peak_percentile", (*kinds, "percent"), percentiles),
     }
-
-
-def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str, bins: int) -> Array:
-    """Edges of the bins of one quantity, common to all seeds, selections and Poisson's ratios."""
-    values = [
-        peaks(stress, quantity, ratio)["peak_value"].values / gradient
-        for stress, gradient in zip(stresses, scale, strict=True)
-        for ratio in stress["poisson"].values
-    ]
-    return bin_edges(np.concatenate(values), bins)
 
 
 def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bootstrap) -> dict[str, tuple]:
