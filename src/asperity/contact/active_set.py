@@ -39,7 +39,6 @@ arXiv:1506.00532). New here are
   first steps in single precision, for a solution in double precision.
 """
 
-import math
 from dataclasses import dataclass
 from itertools import count
 
@@ -198,12 +197,12 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
     """
     height, hardness = problem.height, problem.hardness
-    solid, longest = problem.response.solid, 2 * math.pi / max(problem.grid.length)
+    solid, longest = problem.response.solid, 2 * np.pi / max(problem.grid.length)
     stiffness = solid.effective_modulus * longest
     if solid.interface is not None:
         stiffness = 2 / float(solid.surface_compliance(longest))
     if control.kind == "approach":
-        return Pressure.of_field(np.zeros_like(height), math.nan)
+        return Pressure.of_field(np.zeros_like(height), np.nan)
     if control.kind == "mean_pressure":
         level = _level_of_load(height, control.value, stiffness, hardness)
     else:
@@ -237,7 +236,7 @@ class Stagnation:
     """Counts the steps since a number, as the error, last fell below nine tenths of the smallest before."""
 
     def __init__(self) -> None:
-        self.steps, self._smallest = 0, math.inf
+        self.steps, self._smallest = 0, np.inf
 
     def record(self, value: float) -> None:
         """Record the number after a step."""
@@ -248,7 +247,7 @@ class Stagnation:
 
     def forget(self) -> None:
         """Accept any error as progress, because the load has changed."""
-        self._smallest = math.inf
+        self._smallest = np.inf
 
 
 class ActiveSet:
@@ -296,7 +295,7 @@ class ActiveSet:
             self._report(system.error)
             within = system.error <= self._rule.tolerance
             within |= self._rule.rounding_suffices and system.error <= system.rounding
-            converged = len(self._problems) == 1 and within and math.isfinite(system.approach)
+            converged = len(self._problems) == 1 and within and np.isfinite(system.approach)
             if converged and not (self._area and self._area.misses(iterate.nodes.size)):
                 balance = self._balance(iterate, system)
                 if balance is None:

@@ -15,7 +15,6 @@ every iteration (Notay 2000, 10.1137/S1064827599362314). New here is the precond
 correction, and the outer loop evaluates the gap anew in the precision of the fields.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,7 +141,7 @@ class InnerSolver:
         residual, z, weight = system.residual.copy(), system.preconditioned, operators.uniform
         x, direction, response = (np.zeros_like(residual) for _ in range(3))
         length, level = np.float32(0), 0.0
-        first = previous = math.nan
+        first = previous = np.nan
         iterations = 0
         while iterations < max_iterations:
             if iterations:

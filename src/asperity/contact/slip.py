@@ -24,7 +24,6 @@ traction is neglected as in full sliding, see `asperity.elasticity.two_bodies.sl
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -129,7 +128,7 @@ class PartialSlip:
         if not contact.stiffness:
             return 0.0
         compliance = self.compliance_ratio / contact.stiffness + self._uniform
-        return 1 / compliance if compliance > 0 else math.inf
+        return 1 / compliance if compliance > 0 else np.inf
 
     @property
     def lost_energy_density(self) -> Array:

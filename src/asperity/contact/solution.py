@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -98,7 +97,7 @@ class Contact:
     control_error: float
     method: str
     rtol: float
-    hardness: float = math.inf
+    hardness: float = np.inf
     plastic_depth: Array | None = None
     fft_engine: str = field(default_factory=lambda: current_engine().description)
 
@@ -125,7 +124,7 @@ class Contact:
                 f"{self.mean_pressure:.4g}, {self.mean_contact_pressure:.4g}, {self.max_pressure:.4g}",
             ),
             ("approach", f"{self.approach:.4g}"),
-            *([("plastic", f"{100 * self.plastic_area:.4g} %")] if math.isfinite(self.hardness) else []),
+            *([("plastic", f"{100 * self.plastic_area:.4g} %")] if np.isfinite(self.hardness) else []),
             ("largest violation", f"{self.certificate.worst:.2g}"),
             ("pictures, files", "plot(), section(), to_dataset()"),
         ]
@@ -347,7 +346,7 @@ def _inverse(found: Tangent | None) -> float:
     """Stiffness of a tangent."""
     if found is None:
         return 0.0
-    return 1 / found.approach if found.approach > 0 else math.inf
+    return 1 / found.approach if found.approach > 0 else np.inf
 
 
 def _settings(layer: Layer) -> dict[str, Any]:

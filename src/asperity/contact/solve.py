@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -170,8 +169,8 @@ def solve(
         "approach": approach,
     }
     control = _checked_control(*_only_one(imposed), grid)
-    limit = math.inf if hardness is None else _checked_hardness(hardness, control)
-    hardness = None if limit == math.inf else limit
+    limit = np.inf if hardness is None else _checked_hardness(hardness, control)
+    hardness = None if limit == np.inf else limit
     if method == "gfmd" and hardness is not None:
         raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
     if method == "gfmd" and boundary != "periodic":
@@ -187,7 +186,7 @@ def solve(
         )
     units = solid_units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach
-        units = replace(units, below=math.inf, above=math.inf)
+        units = replace(units, below=np.inf, above=np.inf)
     scaled = units.control(control)
     start = None
     if initial is not None:
@@ -212,7 +211,7 @@ def solve(
         except ConvergenceError as error:
             raise error.in_units(units.stress) from None
     met_hardness = hardness is not None and (
-        problem.plastic.is_set() or units != solid_units.for_problem(values, control, math.inf, response)
+        problem.plastic.is_set() or units != solid_units.for_problem(values, control, np.inf, response)
     )
     if met_hardness and contact.max_pressure < contact.hardness:
         # An earlier iterate was plastic: the solution without a hardness has other rounding errors.
@@ -350,8 +349,8 @@ def _checked_control(kind: str, value: Any, grid: Grid) -> Control:
 
 def _checked_hardness(hardness: float, control: Control) -> float:
     """Return the hardness, above an imposed mean pressure."""
-    if isinstance(hardness, float) and hardness == math.inf:
-        return math.inf
+    if isinstance(hardness, float) and hardness == np.inf:
+        return np.inf
     accepted = f"a number > 0, from {SMALLEST:g} to {LARGEST:g}, or inf for an elastic contact,"
     value = number("hardness", hardness, accepted, lambda value: SMALLEST <= value <= LARGEST)
     if control.kind == "mean_pressure" and control.value >= value:
@@ -364,7 +363,7 @@ def _checked_hardness(hardness: float, control: Control) -> float:
 def approach_of_full_contact(height: Array, solid: Solid, boundary: str = "periodic") -> float:
     """Mean height, out of reach of a periodic solid without uniform displacement; infinite for others."""
     has_limit = boundary == "periodic" and solid.uniform_compliance() == 0
-    return float(height.mean()) if has_limit else math.inf
+    return float(height.mean()) if has_limit else np.inf
 
 
 # The solution in its own units
@@ -445,7 +444,7 @@ def _contact_of(
     mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
     if mean:
         displacement = displacement + displacement.dtype.type(mean)
-    plastic = state.pressure >= hardness if hardness < math.inf else None
+    plastic = state.pressure >= hardness if hardness < np.inf else None
     state.pressure[:] *= state.pressure.dtype.type(units.stress)
     for field in (displacement, gap):
         field *= field.dtype.type(units.height)

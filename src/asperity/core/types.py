@@ -5,9 +5,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike as ArrayLike
-from numpy.typing import DTypeLike as DTypeLike
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+__all__ = ["REAL_TYPES", "Array", "ArrayLike", "DTypeLike", "FilePath", "Progress"]
 
 Array = NDArray[Any]
 """An array with elements of any type."""

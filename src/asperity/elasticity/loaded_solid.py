@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Protocol
@@ -89,7 +88,7 @@ class LoadedSolid:
     grid: Grid
     layer: Layer
     boundary: str = "periodic"
-    hardness: float = math.inf
+    hardness: float = np.inf
     background: Callable[[float], Array] | None = None
     sticking_pressure: Array | None = None
 
@@ -132,7 +131,7 @@ class LoadedSolid:
                 f"contact = {shown(contact)}: an object with pressure, grid and layer is needed, such as a "
                 "Contact or a LoadedSolid"
             )
-        boundary, hardness = getattr(contact, "boundary", "periodic"), getattr(contact, "hardness", math.inf)
+        boundary, hardness = getattr(contact, "boundary", "periodic"), getattr(contact, "hardness", np.inf)
         sticking = getattr(contact, "sticking_pressure", None)
         return cls(
             *(contact.pressure, contact.grid, contact.layer, boundary, hardness), sticking_pressure=sticking
@@ -151,7 +150,7 @@ class LoadedSolid:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         pressure = contact["pressure"].transpose("y", "x").values.astype(float)
         boundary = str(contact.attrs.get("boundary", "periodic"))
-        hardness, sticking = float(contact.get("hardness", math.inf)), None
+        hardness, sticking = float(contact.get("hardness", np.inf)), None
         if "sticking_pressure" in contact:
             sticking = contact["sticking_pressure"].transpose("y", "x").values.astype(float)
         return cls(

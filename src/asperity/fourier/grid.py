@@ -29,7 +29,6 @@ counts the transforms. The result has the same bits for any number of threads.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -383,7 +382,7 @@ def grid_of(dataset: xr.Dataset) -> Grid:
     edges = []
     for axis in ("y", "x"):
         nodes = dataset[axis].values.astype(float)
-        spacing = float(nodes[1]) if nodes.size > 1 else math.nan
+        spacing = float(nodes[1]) if nodes.size > 1 else np.nan
         edge = float(dataset[axis].attrs.get(CELL_EDGE, nodes.size * spacing))
         off = np.abs(nodes * nodes.size / edge - np.arange(nodes.size)).max(initial=0.0)
         is_whole = nodes.size == dataset[axis].attrs.get(CELL_NODES, nodes.size)

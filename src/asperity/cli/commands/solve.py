@@ -13,8 +13,7 @@ from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si
 from asperity.engineering.case import CONTROL_UNITS, LOAD_QUANTITIES
-from asperity.results import dataset
-from asperity.results.dataset import grid_of, write_result
+from asperity.results.dataset import grid_of, settings_of, unit_system, write_result
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.study.config.check import check_section
 from asperity.study.config.schema import complete_map, default
@@ -90,8 +89,8 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
         if given:
             raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")
         found = read_stage(path, "surface")
-        edge = cell_length(found) if dataset.unit_system(found) == SI_UNITS else None
-        return (*in_cell_lengths(found, dataset.settings_of(found)), edge)
+        edge = cell_length(found) if unit_system(found) == SI_UNITS else None
+        return (*in_cell_lengths(found, settings_of(found)), edge)
     parameters = complete_map({"label": path.stem.replace("$", r"\$"), "file": str(path), **given})
     try:
         surface = read_surface(parameters)

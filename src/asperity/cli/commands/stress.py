@@ -5,8 +5,7 @@ import argparse
 from asperity.cli.files import check_out, in_words, read_stage
 from asperity.cli.parser import section
 from asperity.core.errors import one_line
-from asperity.results import dataset
-from asperity.results.dataset import write_result
+from asperity.results.dataset import settings_of, write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si
 from asperity.study.job import ProgressBar
 from asperity.study.stages.stress import compute_stress
@@ -16,7 +15,7 @@ def run(options: argparse.Namespace) -> None:
     """Analyse the stress, write it, and print the largest von Mises stress and its depth."""
     check_out([("--out", options.out)], [options.contact])
     given = read_stage(options.contact, "contact")
-    contact, settings = in_cell_lengths(given, dataset.settings_of(given))
+    contact, settings = in_cell_lengths(given, settings_of(given))
     own = settings["layer"]["poisson"]
     chosen = {"poisson": [own], **section(options, "stress")}
     if contact.attrs["solid"] != "half-space" and chosen["poisson"] != [own]:
@@ -30,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     si = given is not contact
     if si:
         result, _ = in_si(result, settings, cell_length(given), given.attrs["effective_modulus"])
-    whole = dataset.settings_of(given) | {"stress": chosen}
+    whole = settings_of(given) | {"stress": chosen}
     write_result(result, options.out, f"Stress under rough surface {settings['name']}", whole)
     for nu in result["poisson"].values:
         of_ratio = result.sel(poisson=nu)

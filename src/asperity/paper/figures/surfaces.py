@@ -8,8 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from asperity.paper.figures import cases
-from asperity.paper.figures.cases import Datasets, distinct, name
+from asperity.paper.figures.cases import (
+    Datasets,
+    contact_area,
+    curve_with_band,
+    distinct,
+    name,
+    title_panel,
+    with_band,
+)
 from asperity.results.dataset import grid_of
 from asperity.views.maps import blocks
 from asperity.views.style import COLUMN, PAGE, label, panels
@@ -160,14 +167,14 @@ def draw_pressure(contact: Datasets) -> Figure:
         (bottom, left), (tall, wide) = (corner[0] * height, corner[1] * width), (ZOOM * height, ZOOM * width)
         near.set(xlim=(left, left + wide), ylim=(bottom, bottom + tall))
         axis.indicate_inset((left, bottom, wide, tall), edgecolor="k", alpha=1, lw=0.6)
-        cases.title_panel(axis, label(data))
+        title_panel(axis, label(data))
     figure.colorbar(image, ax=axes, label=r"$t_3 / E^* \bar{g}_r$", extend="max", shrink=0.8)
     return figure
 
 
 def caption_pressure(contact: Datasets) -> Iterator[str]:
     """Area in contact and load of each surface."""
-    return map(cases.contact_area, contact.values())
+    return map(contact_area, contact.values())
 
 
 def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None:
@@ -180,8 +187,8 @@ def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None
     for title, data, (width, dashes) in zip(titles, statistics.values(), looks, strict=False):
         edges = data["height_edge"].values
         middles = (edges[1:] + edges[:-1]) / 2
-        band = cases.with_band(data, "height_density")
-        cases.curve_with_band(axis, middles, *band, label=title, lw=width, ls=dashes)
+        band = with_band(data, "height_density")
+        curve_with_band(axis, middles, *band, label=title, lw=width, ls=dashes)
     apart = np.ptp(densities, axis=0).max() / np.max(densities)
     if len(densities) > 1 and apart < ALIKE:
         text = f"curves coincide\nwithin {100 * apart:.0f} %\nof the largest"

@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 import jsonschema
-from jsonschema import ValidationError
 
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent
@@ -240,7 +239,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         yield f"stress.poisson = {shown(listed)}: layer.poisson = {layer['poisson']!r} must be one of them"
 
 
-def _needed(error: ValidationError) -> str:
+def _needed(error: jsonschema.ValidationError) -> str:
     if error.validator == "maxItems":
         return f"a list of at most {error.validator_value} values"
     return str(error.cause) if error.validator == "format" else accepted(error.schema)

@@ -20,8 +20,7 @@ import xarray as xr
 from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
-from asperity.results import dataset
-from asperity.results.dataset import grid_of, settings_of
+from asperity.results.dataset import grid_of, read_result, settings_of
 from asperity.stress.peaks.selection import peaks, selection_for
 from asperity.stress.statistics.continuum import OnGrid, extrapolated_numbers, numbers_on
 from asperity.stress.statistics.density import bin_edges
@@ -85,7 +84,7 @@ class SeedResults(NamedTuple):
     @classmethod
     def read(cls, surface: str, contact: str, stress: str) -> "SeedResults":
         """Read the result files of one seed."""
-        stages = [dataset.read(path) for path in (surface, contact, stress)]
+        stages = [read_result(path) for path in (surface, contact, stress)]
         return cls(settings_of(stages[-1])["seed"], *stages)
 
 
