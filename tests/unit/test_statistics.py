@@ -13,8 +13,8 @@ import asperity as asp
 from asperity.contact.patches import contact_patches
 from asperity.stress.statistics.covariance import autocorrelation, decay_lengths, half_length
 from asperity.stress.statistics.density import probability_density
-from asperity.stress.statistics.patches import depth_patch_correlation
 from asperity.stress.statistics.pooling import PERCENTS, pool_peaks
+from asperity.study.stages.statistics import depth_patch_correlation
 
 
 @settings(max_examples=30)

@@ -156,7 +156,19 @@ class DampedDynamics:
     ) -> None:
         self._problem = problem
         self._fixed_load = control.fixes_load
-        self.load = _first_load(problem, control, initial)
+        if control.kind == "mean_pressure":
+            self.load = control.value
+        elif initial is not None:
+            self.load = float(np.mean(initial, dtype=float))
+        elif control.kind == "approach":
+            self.load = 0.0
+        else:
+            # The area fraction of small loads is about two times load / (E* × rms gradient).
+            # A flat surface has no gradient, and is in full contact under any load.
+            coefficients, grid = problem.fourier.forward(problem.height), problem.grid
+            rms_gradient = math.sqrt(mean_square(coefficients, grid, grid.wavenumber() ** 2))
+            modulus = problem.response.solid.effective_modulus
+            self.load = 0.5 * control.value * modulus * (rms_gradient or 1e-3)
         self._damping_fraction = damping_fraction
         self._wall = (0.0 if control.fixes_load else control.value) - problem.height
         self._node_stiffness = 1 / (problem.nodal_compliance * problem.grid.size)
@@ -247,21 +259,6 @@ class DampedDynamics:
         if self._fixed_load and self._half_rms_height:
             slowest = min(slowest, max(self.load / self._half_rms_height, self._node_stiffness))
         return min(slowest * self._squared_step, 2.0)
-
-
-def _first_load(problem: Problem, control: Control, initial: Array | None) -> float:
-    """Load to begin with."""
-    if control.kind == "mean_pressure":
-        return control.value
-    if initial is not None:
-        return float(np.mean(initial, dtype=float))
-    if control.kind == "approach":
-        return 0.0
-    # The area fraction of small loads is about two times load / (E* × rms gradient).
-    # A flat surface has no gradient, and is in full contact under any load.
-    coefficients, grid = problem.fourier.forward(problem.height), problem.grid
-    rms_gradient = math.sqrt(mean_square(coefficients, grid, grid.wavenumber() ** 2))
-    return 0.5 * control.value * problem.response.solid.effective_modulus * (rms_gradient or 1e-3)
 
 
 @compiled

@@ -114,7 +114,15 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     ordered = np.sort(np.concatenate(maps))[::-1]
     if ordered.size < 2 * FEWEST_PEAKS:
         raise ValueError(f"area: {2 * FEWEST_PEAKS} peaks are needed, the maps have {ordered.size}")
-    count, times = _stable_count(ordered), area / sample_area
+    most = max(int(LARGEST_TAIL * ordered.size), FEWEST_PEAKS + 1)
+    counts_above = np.unique(np.geomspace(FEWEST_PEAKS, most, 12).astype(int))
+    shapes_above = np.array([_shape_scale(ordered[:count] - ordered[count])[0] for count in counts_above])
+    # Twice the standard error of ξ near 0 (Hosking and Wallis 1987, table 2).
+    errors = 2.4 / np.sqrt(counts_above)
+    last = counts_above.size - 1
+    while last and not np.all(np.abs(shapes_above[:last] - shapes_above[last]) <= errors[:last]):
+        last -= 1
+    count, times = int(counts_above[last]), area / sample_area
     threshold = float(ordered[count])
     excesses = [values[values > threshold] - threshold for values in maps]
     random, samples, few = np.random.default_rng(BOOTSTRAP_SEED), [np.concatenate(excesses)], len(maps) - 1
@@ -139,19 +147,6 @@ def check_area(area: float, sample_area: float) -> None:
             f"area = {given}: an area > 0 and ≤ {most} is needed, {MAX_AREA_RATIO} times that of all maps "
             "together"
         )
-
-
-def _stable_count(ordered: Array) -> int:
-    """Number of the peaks above the threshold; ordered from the highest."""
-    counts = np.unique(
-        np.geomspace(FEWEST_PEAKS, max(int(LARGEST_TAIL * ordered.size), FEWEST_PEAKS + 1), 12).astype(int)
-    )
-    shapes = np.array([_shape_scale(ordered[:count] - ordered[count])[0] for count in counts])
-    errors = 2.4 / np.sqrt(counts)  # twice the standard error of ξ near 0 (Hosking and Wallis 1987, table 2)
-    for last in range(counts.size - 1, 0, -1):
-        if np.all(np.abs(shapes[:last] - shapes[last]) <= errors[:last]):
-            return int(counts[last])
-    return int(counts[0])
 
 
 def _shape_scale(excesses: Array) -> tuple[float, float]:

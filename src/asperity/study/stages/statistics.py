@@ -24,7 +24,6 @@ from asperity.results.dataset import grid_of, read_result, settings_of
 from asperity.stress.peaks.selection import peaks, selection_for
 from asperity.stress.statistics.continuum import OnGrid, extrapolated_numbers, numbers_on
 from asperity.stress.statistics.density import bin_edges
-from asperity.stress.statistics.patches import depth_patch_correlation
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
 from asperity.study.stages.contact import SOLID_ATTRIBUTES
 
@@ -253,9 +252,33 @@ def _patch_correlations(
     large = highest[radii[patch[highest] - 1] > np.sqrt(LARGE_PATCH / np.pi) * (1 + 1e-12)]
     depth = found["peak_depth"].values
     return [
-        depth_patch_correlation(depth[some], row[some], column[some], patches, radii) if some.size else np.nan
+        depth_patch_correlation(depth[some], row[some], column[some], patches, radii)
         for some in (np.arange(depth.size), highest, large)
     ]
+
+
+def depth_patch_correlation(depth: Array, row: Array, column: Array, patches: Array, radii: Array) -> float:
+    """Rank correlation (Spearman) between the depth of peaks and the radius of the patch above them.
+
+    Parameters
+    ----------
+    depth, row, column : (peaks,) arrays
+        Depth of each peak, and the node above it.
+    patches, radii : arrays
+        As of `contact_patches`. Peaks that are not under a patch are left out.
+
+    Returns
+    -------
+    float
+        NaN with fewer than two different depths or radii.
+    """
+    ny, nx = patches.shape
+    above = patches[row % ny, column % nx]
+    touched = above > 0
+    depth, radius = depth[touched], radii[above[touched] - 1]
+    if np.unique(depth).size < 2 or np.unique(radius).size < 2:
+        return float("nan")
+    return float(np.corrcoef(pd.Series(radius).rank(), pd.Series(depth).rank())[0, 1])
 
 
 class VerificationError(RuntimeError):
