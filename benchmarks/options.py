@@ -15,7 +15,7 @@ import pandas as pd
 
 import asperity as asp
 from asperity.stress.cycles.criteria import Criteria
-from asperity.stress.cycles.smooth_body import Cycles
+from asperity.stress.cycles.stress_cycles import Cycles
 
 HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Hardness over E* times the rms gradient."""

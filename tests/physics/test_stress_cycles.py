@@ -10,7 +10,7 @@ from scipy.optimize import minimize, nnls
 import asperity as asp
 from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor, reduce_rows
 from asperity.stress.cycles.smallest_sphere import smallest_sphere
-from asperity.stress.cycles.smooth_body import Cycles
+from asperity.stress.cycles.stress_cycles import Cycles
 
 EDGE, NODES = 1.0, 1024
 

@@ -21,8 +21,7 @@ from asperity.engineering.moving import MovingContact
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.cycles.criteria import Criteria
-from asperity.stress.cycles.smooth_body import Cycles
-from asperity.stress.cycles.stress_cycles import stress_cycles
+from asperity.stress.cycles.stress_cycles import Cycles, stress_cycles
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap

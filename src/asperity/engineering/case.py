@@ -20,7 +20,7 @@ from asperity.elasticity.two_bodies import TwoBodies
 from asperity.engineering.face import CounterMap, Source, counter_map_of, is_hertz, options_of
 from asperity.stress.cycles.criteria import hydrostatic_factor
 from asperity.stress.cycles.hertz_contact import HertzContact
-from asperity.stress.cycles.smooth_body import axis_of_motion
+from asperity.stress.cycles.stress_cycles import axis_of_motion
 from asperity.stress.cycles.survival import weibull_exponent
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
