@@ -6,7 +6,6 @@ The message of a refused argument or key names it, shows its value and says what
 import difflib
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 # Most characters of a value in a message.
 _LONGEST_VALUE = 60
@@ -106,7 +105,7 @@ def one_line(message: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """The representation of a value for a message: one line of at most 60 characters."""
     try:
         text = one_line(repr(value))

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.core.version import __version__
 
@@ -102,7 +101,7 @@ def table(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str
     return f'<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">{text}{picture}</div>'
 
 
-def picture(values: Array, words: str) -> str:
+def picture(values: np.ndarray, words: str) -> str:
     """A field [y, x] as a small image of block maxima, y upward; empty without matplotlib."""
     if find_spec("matplotlib") is None:
         return ""

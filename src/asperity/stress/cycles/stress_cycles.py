@@ -9,7 +9,6 @@ rough one, at the nodes of the row. Histories of two rough bodies are in `asperi
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -29,7 +28,7 @@ TURNED = [1, 0, 2, 4, 3, 5]
 """Components of the stress if x and y change places."""
 
 
-def axis_of_motion(sliding_direction: Any) -> str:
+def axis_of_motion(sliding_direction: str | float) -> str:
     """Axis along which a body moves, ``"x"`` or ``"y"``; `ValueError` for another direction."""
     if sliding_direction in ("x", "y"):
         return str(sliding_direction)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid
 from asperity.study.config.check import AS_SAMPLE
 from asperity.surface.heights import johnson, with_heights, with_moments
@@ -129,7 +128,7 @@ def moment_errors(
     wavenumber, power = target_spectrum(grid, hurst, wavelength_long, wavelength_short, rms_height)
     width = wavenumber[0]
     ring = np.rint(grid.wavenumber() / width).astype(int)
-    spread: Array = np.zeros(max(ring.max() + 1, power.size + 1))
+    spread: np.ndarray = np.zeros(max(ring.max() + 1, power.size + 1))
     spread[np.rint(wavenumber / width).astype(int)] = power
     correlation = Fourier(grid).inverse(spread[ring].astype(complex), overwrite=True)
     correlation /= correlation[0, 0]

@@ -14,7 +14,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from asperity.core.types import Array
 from asperity.surface.reading.agreement import FileContent
 
 TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
@@ -65,7 +64,7 @@ def read_x3p(file: BinaryIO) -> FileContent:
             if (points := member(link)) is None:
                 raise ValueError(f"its member {link} is missing")
             _require_checksum("heights", points, text("Record3/DataLink/MD5ChecksumPointData"))
-            raw: Array = np.frombuffer(points, TYPES[data_type], math.prod(shape)).astype(float)
+            raw: np.ndarray = np.frombuffer(points, TYPES[data_type], math.prod(shape)).astype(float)
         else:
             entries = (item.text or "" for item in root.iterfind("{*}Record3/{*}DataList/{*}Datum"))
             heights = (entry.split(";")[-1].strip().replace(",", ".") for entry in entries)  # last coordinate
