@@ -254,7 +254,7 @@ class _Analysis:
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
             searched = SearchedPlane(plane.depth, plane.grid, search.fields, plane.refresh)
             floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)
-            self._finder.add(searched, *search.maxima(floor))  # a name would hold them until the next plane
+            self._finder.add(searched, search, floor)
         self._finder.finish()
         self._search = None  # with the basis fields
 

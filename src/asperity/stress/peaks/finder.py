@@ -132,50 +132,64 @@ class PeakFinder:
         """Forget the last plane, in which there are no peaks."""
         self._last = None
 
-    def add(self, plane: SearchedPlane, maxima: Maxima, lower: Lower) -> None:
+    def add(self, plane: SearchedPlane, search: PlaneSearch, floor: float) -> None:
         """Add the next plane downward.
 
         Parameters
         ----------
         plane : SearchedPlane
             Its arrays must last until the plane after the next is computed.
-        maxima : Maxima
-            The maxima in it.
-        lower : Lower
-            The candidates of the last plane that exceed this one, if both are on the same grid.
+        search : PlaneSearch
+            All its rows are added.
+        floor : float
+            Of the maxima in the plane.
         """
+        # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`. No name
+        # holds what is no longer needed: there are many maxima.
+        lower = search.lower()
         if self._last is None:
+            maxima = search.maxima(floor)
             # Of the planes that may come first, the surface alone has no neighbour above.
             maxima = maxima if plane.depth == 0 else maxima.select(np.empty(0, np.int64))
         elif self._are_faces(plane.depth):
             last, upper = self._last
             self._found.append((upper.field, _refined(upper, last)))
             self._depth_above = last.depth
+            maxima = search.maxima(floor)
         else:
             last, upper = self._last
             if not plane.depth > last.depth:
                 raise ValueError(
                     f"depth = {plane.depth!r}: planes rising in depth are needed, below {last.depth}"
                 )
+            self._last = None
             pair = partner = np.empty(0, np.int64)
             wins = np.empty(0, bool)
-            if last.grid != plane.grid:
+            if last.grid == plane.grid:
+                self._add_peaks(upper, last, lower, plane)
+                del upper, lower
+                maxima = search.maxima(floor)
+            else:
+                maxima = search.maxima(floor)
                 if upper.size and maxima.size:
                     pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
-                # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`.
                 lower = Lower(*plane.exceeded(upper, last.grid, pair, wins, self._threads))
-            depths = self._depth_above, last.depth, plane.depth
-            for start in range(0, lower.size, REFINED_AT_ONCE):
-                some = slice(start, start + REFINED_AT_ONCE)
-                found = upper.select(lower.number[some])
-                self._found.append((found.field, _refined(found, last, lower.values[some], depths)))
-            self._depth_above, self._last = last.depth, None
-            del upper, lower  # before the other values take memory
+                self._add_peaks(upper, last, lower, plane)
+                del upper, lower
+            self._depth_above = last.depth
             if maxima.above is None:
                 kept, above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
                 maxima = maxima.select(kept)
                 maxima.above = above
         self._last = plane, maxima
+
+    def _add_peaks(self, upper: Maxima, last: SearchedPlane, lower: Lower, plane: SearchedPlane) -> None:
+        """Add the maxima of the last plane that exceed this one."""
+        depths = self._depth_above, last.depth, plane.depth
+        for start in range(0, lower.size, REFINED_AT_ONCE):
+            some = slice(start, start + REFINED_AT_ONCE)
+            found = upper.select(lower.number[some])
+            self._found.append((found.field, _refined(found, last, lower.values[some], depths)))
 
 
 def _refined(
@@ -291,8 +305,9 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     -1.00 at y = 0.90, x = 0.30
     +1.00 at y = 0.90, x = 0.80
     """
-    plane, maxima, _ = _searched(0.0, grid, field, floor, boundary)
-    found = _refined(maxima, plane)
+    plane, search, floor = _searched(0.0, grid, field, floor, boundary)
+    search.lower()
+    found = _refined(search.maxima(floor), plane)
     require_finite("plane_peaks", vars(found))
     return found
 
@@ -353,8 +368,8 @@ def _searched(
     boundary: str,
     above: PlaneFields | None = None,
     candidates: Maxima | None = None,
-) -> tuple[SearchedPlane, Maxima, Lower]:
-    """A plane with one field of its own, and what a search finds in it; the arguments are checked here."""
+) -> tuple[SearchedPlane, PlaneSearch, float]:
+    """A plane with one field of its own, its search and the floor; the arguments are checked here."""
     check_nodes(grid)
     field, floor = grid.field("field", field), checked_floor(floor)
     periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
@@ -363,7 +378,7 @@ def _searched(
     for place, band in enumerate(bands_of(grid.shape[0])):
         for strip in strips_of(band, grid.shape[1]):
             search.add_rows(place, *strip)
-    return SearchedPlane(depth, grid, fields), *search.maxima(floor)
+    return SearchedPlane(depth, grid, fields), search, floor
 
 
 def checked_floor(floor: float) -> float:

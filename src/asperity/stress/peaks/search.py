@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from asperity.stress.planes.fields import (
 
 WORDS = 4
 """Words of eight flags that are looked at together."""
+
+
+Kind = TypeVar("Kind", bound=Entries)
 
 
 @dataclass
@@ -101,13 +104,14 @@ class PlaneSearch:
             nothing = np.empty(0, np.int32)
             candidates = Maxima(nothing, nothing, nothing, np.empty((0, 3, 3), real))
         first = np.searchsorted(candidates.row, np.arange(rows + 1))
-        self._candidates = first, candidates.field, candidates.column, candidates.magnitude
+        self._candidates: tuple[Array, ...] = first, candidates.field, candidates.column, candidates.magnitude
         self._references = np.empty((0, 1, 1), PACKED[real.name]) if references is None else references
         self.sums = np.zeros((summed, rows, SUMS))
         self._kept = KeptArrays() if kept is None else kept
         self._bands = bands_of(rows)
         self._memory: dict[int, tuple[Any, ...]] = {}
         self._found: list[list[tuple[Maxima, Lower]]] = [[] for _ in self._bands]
+        self._maxima: list[Maxima] = []
 
     def add_rows(self, band: int, first: int, last: int) -> None:
         """Add the next rows of a band, one of `strips_of`."""
@@ -116,25 +120,28 @@ class PlaneSearch:
         rows = (-1, -1, last + 1) if is_whole else (self._bands[band][0], first, last)
         self._found[band].append(self._search(rows, self.sums))
 
-    def maxima(self, floor: float) -> tuple[Maxima, Lower]:
-        """Maxima above a floor when all rows are added, and what the candidates were compared with.
-
-        Maxima of a field are in the order of rising rows and columns.
-        """
+    def lower(self) -> Lower:
+        """The candidates that exceed this plane, when all rows are added. To be called before `maxima`."""
         parts = self._found[0]
-        if len(strips_of(self._bands[0], self.fields.basis.columns)) > 1 or len(self._bands) > 1:
+        if len(self._bands) > 1 or len(strips_of(self._bands[0], self.fields.basis.columns)) > 1:
             edges = [(start - 1, start + 1) for start, _ in self._bands[1:]]
             around, no_sums = [(0, 1), *edges, (self._rows - 1, self._rows)], self.sums[:0]
             between = [self._search((first - 1, first - 1, last + 1), no_sums) for first, last in around]
             parts = between[:1]
             for of_band, after in zip(self._found, between[1:], strict=True):
                 parts += [*of_band, after]
-        maxima = Maxima.join(found for found, _ in parts)
-        lower = Lower.join(found for _, found in parts)
-        del parts
-        self._found = []  # before another copy is made
-        high = maxima.magnitude > floor
-        return maxima if high.all() else maxima.select(np.flatnonzero(high)), lower
+        self._candidates, self._found = (), []
+        self._maxima = [found for found, _ in parts]
+        return _joined(Lower, [vars(found) for _, found in parts])
+
+    def maxima(self, floor: float) -> Maxima:
+        """Maxima above a floor; those of a field are in the order of rising rows and columns."""
+        parts = []
+        for found in self._maxima:
+            high = found.magnitude > floor
+            parts.append(vars(found if high.all() else found.select(np.flatnonzero(high))))
+        self._maxima = []
+        return _joined(Maxima, parts)
 
     def _arrays(self) -> tuple[Any, ...]:
         """Memory of the present thread, in which `rows_at_once` are searched."""
@@ -181,6 +188,12 @@ class PlaneSearch:
         maxima = Maxima(*(array[:count].copy() for array in found))
         maxima.above = above[:count].copy() if is_compared else None
         return maxima, Lower(*(array[:number].copy() for array in exceeding))
+
+
+def _joined(kind: type[Kind], parts: list[dict[str, Any]]) -> Kind:
+    """All entries of several sets, which lose their arrays one by one: two copies would take memory."""
+    arrays = ((name, [part.pop(name) for part in parts]) for name in list(parts[0]))
+    return kind(**{name: None if own[0] is None else np.concatenate(own) for name, own in arrays})
 
 
 @compiled
