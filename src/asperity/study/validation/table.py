@@ -68,5 +68,5 @@ def for_reader(table: pd.DataFrame) -> pd.DataFrame:
         limit = f"≥ {row.bound:g}" if row.source == "rate" else f"{100 * row.bound:g} %"
         limit = limit if row.holds else f"{limit}, **exceeded**"
         rows.append([row.quantity, row.against, row.grid, row.source, value, limit])
-    head = ["quantity", "against", "grid; mesh", "error is of", "error", "bound"]
+    head = ["quantity", "against", "grid; mesh", "source of the error", "error", "bound"]
     return pd.DataFrame(rows, columns=head)
