@@ -227,7 +227,7 @@ def _draw_area(elastic: pd.DataFrame, plastic: pd.DataFrame) -> Figure:
                 )
             own = loads[(loads > 0.012) & (loads < min(0.9 * hardness, 0.25))]
             theory = closed_forms.elastoplastic_areas(own, hardness)[key == "plastic_area"]
-            axis.plot(own, np.maximum(theory, 1e-12), color=f"C{number}", lw=1, label=f"H = {hardness:g} E*ḡ")
+            axis.plot(own, np.maximum(theory, 1e-12), color=f"C{number}", lw=1, label=rf"$p_H = {hardness:g}\,E^*\bar{{g}}$")
         axis.set_ylim(1e-4, 1)
         _labelled(axis, key.replace("_", " "), yscale="log")
     elastic_axis.legend(fontsize="xx-small")

@@ -1,7 +1,7 @@
 """The fast method: an active-set iteration on nested grids, that converges for every contact problem.
 
-The pressure 0 ≤ p ≤ H minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an
-approach δ, or over those of a given mean; by default the hardness H is infinite.
+The pressure 0 ≤ p ≤ p_H minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an
+approach δ, or over those of a given mean; by default the hardness p_H is infinite.
 
     for each grid, from the coarsest to the finest:                                `solve`
         start from the pressure of the coarser grid, less its gap over             `Iterate.refined`

@@ -1,7 +1,7 @@
 """Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
 A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the solid
-under p. With a hardness H, p ≤ H, and the bodies overlap, g ≤ 0, only where p = H. `verify_contact` evaluates
+under p. With a hardness p_H, p ≤ p_H, and the bodies overlap, g ≤ 0, only where p = p_H. `verify_contact` evaluates
 u anew in double precision, so that the certificate does not depend on any intermediate result of a solver.
 """
 
@@ -81,9 +81,9 @@ class Certificate:
 
     @property
     def error_bound(self) -> float:
-        """Upper bound of the error of a pressure 0 ≤ p ≤ H, (p − p*)·G (p − p*) / (Σ p × rms height).
+        """Upper bound of the error of a pressure 0 ≤ p ≤ p_H, (p − p*)·G (p − p*) / (Σ p × rms height).
 
-        p* is the exact pressure of the same load and hardness H, and G the compliance: the energy of the
+        p* is the exact pressure of the same load and hardness p_H, and G the compliance: the energy of the
         error over the load times the length to which the violations are relative. The proof is in
         ``docs/contact.md``.
         """

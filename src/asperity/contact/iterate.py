@@ -1,7 +1,7 @@
 """The iterate of the active-set solver, its linear system and error, and the steps between iterates.
 
-An iterate is a pressure 0 ≤ p ≤ H with the gap it causes. Its *contact nodes* have p > 0; those below the
-hardness H are *elastic*, those at it *plastic*. Nodes at a bound are *held* there.
+An iterate is a pressure 0 ≤ p ≤ p_H with the gap it causes. Its *contact nodes* have p > 0; those below the
+hardness p_H are *elastic*, those at it *plastic*. Nodes at a bound are *held* there.
 """
 
 import math

@@ -284,7 +284,7 @@ def _of_heights(
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
         "bow": f"{length(measures.bow)} from lowest to highest point",
         **{name: f"{shown[name]}, {words}" for name, words in PARAMETERS.items()},
-        "plasticity": f"index {slope:.3g} × E*/H, modulus over hardness; far below 1 the contact is elastic",
+        "plasticity": f"index {slope:.3g} × E*/p_H, modulus over hardness p_H; far below 1 the contact is elastic",
         "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
         "Str": f"{str_}, shortest over longest such length{lay}",
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",

@@ -3,9 +3,9 @@
 In the weakest-link model a body survives if each of its volumes does. With a Weibull-distributed limit whose
 mean is t₋₁ for specimens of the stressed volume V₀, the expected number of cracks per nominal area is
 
-    h = 1/V₀ ∫ (Γ(1 + 1/m) d)^m dz,    averaged over the area,
+    n_c = 1/V₀ ∫ (Γ(1 + 1/m) d)^m dz,    averaged over the area,
 
-with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−h A) (W.
+with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−n_c A) (W.
 Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is that of E.
 Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and threshold).
 The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
@@ -43,7 +43,7 @@ def weibull_exponent(scatter: float) -> float:
 
 
 def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
-    """Expected number of cracks per nominal area, h; none starts on an area A with probability e^(−h A).
+    """Expected number of cracks per nominal area, n_c; none starts on an area A with probability e^(−n_c A).
 
     Parameters
     ----------
