@@ -111,7 +111,7 @@ def test_friction_on_a_thin_layer_is_warned_of(sound):
     layer = {"case.lower": Body(1e6, 0.5, height=20.37e-6), "case.friction": 0.3}
     (found,) = (f for f in advice.advise(changed(sound, layer)) if f.subject == "friction in the contact")
     assert found.level == "warning"
-    assert "waves of 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height
+    assert "wavelength 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height
 
 
 def test_a_change_of_rounding_errors_is_not_told(sound):

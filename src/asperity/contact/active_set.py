@@ -1,4 +1,4 @@
-"""The fast method: an active-set iteration on nested grids, that converges for every contact problem.
+"""The fast method: an active-set iteration on nested grids that converges for every contact problem.
 
 The pressure 0 ≤ p ≤ p_H minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an
 approach δ, or over those of a given mean; by default the hardness p_H is infinite.
@@ -12,27 +12,27 @@ approach δ, or over those of a given mean; by default the hardness p_H is infin
             stop if the error, and an imposed area, are within their tolerances    `ActiveSet.run`
             solve for a correction of the pressure, by conjugate gradients         `InnerSolver.solve`
             find the nodes that the correction brings into contact                 `ContactSystem.held_after`
-            if an area is imposed, extend the correction to the load that has it   `extended_to_area`
-            add the correction, release nodes in tension, and go to the least      `Step.of`
-            energy on the way; if it does not fall, by exact corrections, and      `ActiveSet._next`
-            last along its projected gradient
+            if an area is imposed, extend the correction to the load for this area `extended_to_area`
+            add the correction, release nodes in tension, and stop at the least    `Step.of`
+            energy in between; if it does not fall, use exact corrections, and     `ActiveSet._next`
+            finally the projected gradient
 
 Hardness enters where a pressure is bounded (`iterate.with_load`) and where held nodes are found
 (`Iterate.held_nodes`); the area in `load`; precision in `ActiveSet.run`, which begins on the finest grid in
 single precision.
 
-It is kin to the conjugate gradients of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1), which change
-the set of contact nodes in every iteration, to the bound-constrained conjugate gradients of Vollebregt (2014,
-10.1007/s10957-013-0499-x) and of Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z), and most of all to the
-method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate gradients on a fixed set
-and changes of the set. Projected gradients as the step that makes convergence a theorem are known from
-Dostál & Schöberl (2005, 10.1007/s10589-005-4557-7); ``docs/contact.md`` has it with its assumptions. Starts
-from coarser grids are known from multigrid methods, and for rough surfaces from Bemporad & Paggi (2015,
-arXiv:1506.00532). New here are
+It is related to the conjugate gradients of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1), which
+change the set of contact nodes in every iteration, to the bound-constrained conjugate gradients of
+Vollebregt (2014, 10.1007/s10957-013-0499-x) and of Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z),
+and most of all to the method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate
+gradients on a fixed set and changes of the set. Projected gradients as the step that guarantees
+convergence are known from Dostál & Schöberl (2005, 10.1007/s10589-005-4557-7); ``docs/contact.md`` has the
+proof with its assumptions. Starts from coarser grids are known from multigrid methods, and for rough
+surfaces from Bemporad & Paggi (2015, arXiv:1506.00532). New here are
 
 - the preconditioner with a coarse grid (`asperity.contact.operators`), which makes the number of iterations
   independent of the grid,
-- that nodes enter the contact by the gap at the end of an inner solve, before tensile nodes are released,
+- that the gap at the end of an inner solve, before tensile nodes are released, decides which nodes enter,
 - the interpolation of the pressure to a finer grid, which keeps nodes out of contact free,
 - control of the area along the tangent of the contact, which costs one more inner solve,
 - that inner solves run in single precision and with a displacement that is right to a per cent, and the
@@ -60,16 +60,18 @@ MIN_POINTS = 32
 # fields are in double precision, and inner solves drop their residual by up to this factor.
 FINAL_ERROR = 2e-3
 
-# After so many steps without progress one follows the projected gradient, and inner solves have grown as
-# often to twice their length. In single precision the loop goes on in double precision.
+# After so many steps without progress one step follows the projected gradient; the length of inner solves
+# has then been doubled as often. In single precision the loop goes on in double precision.
 PATIENCE = 3
 
-# A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
+# The whole step is taken unless the energy is least before this fraction of it: otherwise the whole step
+# does not raise the energy.
 WHOLE_STEP = 0.5
 
-# If the energy is least before this fraction of a step, more nodes change sides than a correction right to a
-# few per cent can tell, as on a sheet that bends. Corrections are then solved almost exactly, and steps are
-# taken whole whatever the energy, until for so many steps no fewer nodes have changed sides.
+# If the energy is least before this fraction of a step, more nodes have to enter or leave the contact than
+# a correction with an error of a few per cent finds, as on a sheet that bends. Corrections are then solved
+# almost exactly, and whole steps are taken whatever the energy, until the number of nodes that enter or
+# leave has not fallen for so many steps.
 LEAST_FRACTION = 0.1
 EXACT_RESIDUAL_DROP = 1e-3
 MAX_EXACT_ITERATIONS = 300
@@ -170,15 +172,15 @@ def solve(
 
 
 def _remedy(system: ContactSystem) -> str:
-    """What to do where the loop has stopped."""
+    """Advice for a solution that has stopped."""
     if system.error <= 10 * system.rounding:
         found = f"rounding of heights and displacements alone is an error of about {system.rounding:.1g}"
         return f"{found}: a larger rtol is needed"
-    return "a larger rtol is needed, or a solid that is less soft to bending, or numbers of like magnitude"
+    return "a larger rtol is needed, or a solid that bends less, or numbers of similar magnitude"
 
 
 def _start_from_coarse_grids(problem: Problem, control: Control) -> tuple[Pressure, int]:
-    """First guess on the coarsest grid, solved on one coarse grid after the other; and the work."""
+    """Pressure solved on the coarse grids, one after the other, from a first guess; and the work."""
     problems, iterations = [problem], 0
     while (coarser := problems[-1].coarser(MIN_POINTS)) is not None:
         problems.append(coarser)
@@ -233,7 +235,7 @@ def _level_of_load(height: Array, mean_pressure: float, stiffness: float, hardne
 
 
 class Stagnation:
-    """Counts the steps since a number, as the error, last fell below nine tenths of the smallest before."""
+    """Counts the steps since a number, such as the error, last fell below nine tenths of its minimum."""
 
     def __init__(self) -> None:
         self.steps, self._smallest = 0, np.inf
@@ -256,7 +258,7 @@ class ActiveSet:
     Parameters
     ----------
     problems : list of Problem
-        The same problem in single and in double precision, or in one of them; what is done with is removed.
+        The same problem in single and in double precision, or in one of them; a finished one is removed.
     control : Control
     rule : StoppingRule
     progress : callable, optional
@@ -279,7 +281,7 @@ class ActiveSet:
         self._report = ConvergenceProgress(progress, rule.tolerance)
         self.iterations = 0
         self._area, self._length = None, 1.0
-        self._exact: Stagnation | None = None  # of the number of nodes that change sides in exact steps
+        self._exact: Stagnation | None = None  # of the number of nodes that enter or leave in exact steps
         if control.kind == "area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
@@ -365,10 +367,10 @@ class ActiveSet:
     def _next(self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation) -> Iterate:
         """The iterate after a step at the same load; it takes the memory of the one before.
 
-        It is that of the least energy along the step. If the energy hardly falls, exact steps follow, which
-        need not lower it. When they no longer help, shorter steps are tried, and last the one along the
-        projected gradient, which lowers the energy; after so many steps that have not lowered the error it is
-        the first. The best is taken.
+        It has the least energy along the step. If the energy hardly falls, exact steps follow, which need
+        not lower it. When they no longer help, shorter steps are tried, and finally the step along the
+        projected gradient, which lowers the energy; after many steps that have not lowered the error this
+        step is tried first. The best iterate is taken.
         """
         problem, field = iterate.problem, iterate.displacement
         if self._exact is not None and self._exact.steps <= MAX_EXACT_STEPS:
@@ -401,12 +403,12 @@ class ActiveSet:
     def _balance(self, iterate: Iterate, system: ContactSystem) -> Pressure | None:
         """Pressure without its error along the near-null mode at a given approach; None if that is small.
 
-        A solid without uniform displacement is the softer for a pressure on the whole contact, the fewer
-        nodes are out of contact: in full contact it does not answer at all. The preconditioner, and with it
-        the error estimate, does not account for that. The pressure d that answers a uniform overlap of the
-        contact is then a near-null mode of the compliance. An error in proportion to d hides behind a small
-        residual, and so does the effect of a node that still penetrates: it stands for a pressure on that
-        node, which displaces the contact by far more than elsewhere. Nodes that penetrate enter the contact
+        The fewer nodes are out of contact, the less a pressure on the whole contact displaces a solid
+        without uniform displacement; in full contact it does not displace it at all. The preconditioner,
+        and with it the error estimate, does not account for that. The pressure d that removes a uniform
+        overlap of the contact is then a near-null mode of the compliance: a large error in proportion to d
+        has a small residual. The same holds for a node that still penetrates: the pressure that removes its
+        overlap displaces the contact far more than elsewhere. Nodes that penetrate enter the contact
         here, and plastic nodes with a gap are relieved.
         """
         operators, problem = system.linear.operators, iterate.problem

@@ -1,8 +1,9 @@
 """Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
 A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the solid
-under p. With a hardness p_H, p ≤ p_H, and the bodies overlap, g ≤ 0, only where p = p_H. `verify_contact` evaluates
-u anew in double precision, so that the certificate does not depend on any intermediate result of a solver.
+under p. With a hardness p_H, p ≤ p_H, and the bodies overlap, g ≤ 0, only where p = p_H. `verify_contact`
+evaluates u anew in double precision, so that the certificate does not depend on any intermediate result of
+a solver.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ MAX_ROUNDINGS = 10.0
 class Certificate:
     """Violations of the conditions of contact, and the work spent on the solution.
 
-    Lengths are relative to the rms height of the surface, which no pressure changes; those of a flat surface
-    to the largest pressure × grid spacing / E*, about the displacement of a single node.
+    Lengths are relative to the rms height of the surface, which no pressure changes; for a flat surface
+    they are relative to the largest pressure × grid spacing / E*, about the displacement of a single node.
 
     Attributes
     ----------
@@ -212,9 +213,9 @@ def checked_certificate(
     load : float, optional
         Mean pressure, if it is imposed.
     rms_height : float
-        To which lengths are relative.
+        Scale of lengths.
     largest : float
-        Largest sum of height and displacement of a contact node, of which gaps have the rounding.
+        Largest sum of height and displacement of a contact node, which sets the rounding error of gaps.
     rtol : float
 
     Raises
@@ -320,8 +321,7 @@ def _squared_deviation(values: Any, mean: float) -> float:
 def _measures_of_contact(pressure: Any, gap: Any, hardness: float) -> tuple[float, ...]:
     """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
 
-    What is not a number in the fields makes Σ p or Σ g not a number either. Where p is at the hardness an
-    overlap counts as no gap.
+    A NaN in the fields makes Σ p or Σ g NaN. Where p is at the hardness an overlap counts as no gap.
     """
     least, largest = pressure[0], pressure[0]
     least_gap, contact_gap = np.inf, 0.0

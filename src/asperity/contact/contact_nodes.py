@@ -55,7 +55,7 @@ def _write_field(nodes: Any, values: Any, out: Any) -> None:
 
 @compiled_with_arrays
 def inserted(values: Any, at: Any, others: Any) -> Any:
-    """Values with others inserted before the sorted places `at`, in a third of the time of `numpy.insert`."""
+    """Values with others inserted before sorted indices, in a third of the time of `numpy.insert`."""
     out = np.empty(values.size + others.size, values.dtype)
     first = 0
     for k in range(at.size):
@@ -308,7 +308,7 @@ def _apply_in_strips(
     strip : array
         Memory for the values of some rows, of zeros; the loop leaves zeros there.
     nodes, first, values
-        The nodes that bear values, and the place of the first one in each row.
+        The nodes that bear values, and the index of the first one in each row.
     shape, repeats
         Of the map.
     weights : array
@@ -316,7 +316,7 @@ def _apply_in_strips(
     begin, end : int
         The rows.
     others, first_other, out
-        The nodes of the products, and the place of the first one in each row.
+        The nodes of the products, and the index of the first one in each row.
     """
     rows, width = strip.shape[0] - 2 * RADIUS, strip.shape[1]
     flat = strip.reshape(-1)

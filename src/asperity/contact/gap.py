@@ -2,11 +2,12 @@
 
 Nodes of the contact are neighbours along edges and diagonals, nodes of the gap along edges only: a fluid does
 not pass between two contacts that meet at a corner. Then either the contact spans a map along y, or the gap
-along x. In a periodic cell a path percolates that meets its own image.
+along x. In a periodic cell a path that meets its own image percolates.
 
 The flow of a thin film is that of Reynolds' equation, ∇·(g³ ∇p) = 0 with the flux −g³ ∇p / (12 η), which
-reynoldsflow solves by conservative finite volumes (V. A. Yastrebov, https://github.com/vyastreb/reynoldsflow):
-the film is laminar and fills the gap, and its pressure does not open it.
+reynoldsflow solves by conservative finite volumes (V. A. Yastrebov,
+https://github.com/vyastreb/reynoldsflow): the film is laminar and fills the gap, and its pressure does not
+open it.
 """
 
 from __future__ import annotations
@@ -31,11 +32,11 @@ MAX_MULTIPLE = 4096
 """Most nodes on the edge of the square of maps that repeats, on which the flow is solved."""
 
 FLOW_TOLERANCE = 1e-10
-"""Residual of the flow, relative to that of an even pressure: a flow of a thousandth of that between plates
-is the same through all sections to a few 1e-7."""
+"""Residual of the flow, relative to that of a uniform pressure. A flow of a thousandth of that between
+plates is then the same through all sections to a few 1e-7."""
 
 CLOSED = 1e-6
-"""Gap over the mean gap below which a node is closed to the film: a flux of 1e-18 of the mean one."""
+"""Gap over the mean gap below which a node is closed to the film: its flux would be 1e-18 of the mean."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,8 @@ class FilmFlow:
 def percolation(contact: Contact) -> Percolation:
     """Percolation of contact and gap along both axes, and how narrow the gap is at the least.
 
-    The constriction is found by bisection over the sorted gaps: nodes of larger gap percolate no longer.
+    The constriction is found by bisection over the sorted gaps: it is the largest gap g for which the
+    nodes with gaps ≥ g percolate.
 
     Parameters
     ----------
@@ -145,7 +147,7 @@ def film_flow(
 ) -> FilmFlow:
     """Flow of a thin film through the gap of a contact; needs ``pip install "asperity[flow]"``.
 
-    A map that repeats repeats the flow, too. With a free boundary the film enters and leaves at the two
+    The flow through a periodic map is periodic. With a free boundary the film enters and leaves at the two
     edges across the flow, and the other two are sealed.
 
     Parameters

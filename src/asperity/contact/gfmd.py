@@ -20,8 +20,8 @@ therefore has no elastic stiffness. It is stabilised by the growth of the contac
 
 Under an imposed approach, a solid without uniform displacement has to keep the mean of its displacement at
 zero. A spring pulls the mean back, and a load is adjusted until the spring is relaxed. The change of the load
-per change of the mean is estimated along the way. It sets the speed of the adjustment, and how much the load
-is still wrong, which counts in the error.
+per change of the mean is estimated along the way. It sets the speed of the adjustment and gives the
+remaining error of the load, which counts in the error.
 """
 
 import math

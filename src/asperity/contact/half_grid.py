@@ -1,4 +1,4 @@
-"""The same contact on half of the nodes along both edges, whose change tells the error of the grid."""
+"""The same contact on half of the nodes along both edges, from which the error of the grid is estimated."""
 
 from typing import Any
 
@@ -11,10 +11,10 @@ from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 
 HALF_TOLERANCE = 1e-4
-"""Of the second solution and of the planes of its stress: far below the error of the grid."""
+"""Tolerance of the second solution and of the planes of its stress, far below the error of the grid."""
 
 MIRRORED = 1e-9
-"""Largest difference of heights from their mirror images, over their range, for rounding errors."""
+"""Largest difference of heights from their mirror images, over their range, that counts as rounding."""
 
 
 def solve_on_half(
@@ -22,8 +22,8 @@ def solve_on_half(
 ) -> tuple[Contact, float]:
     """The contact on half of the nodes, and the share of the squared gradient that they do not hold.
 
-    `settings` of `asperity.solve` hold the load. Of a free boundary every second node is kept, and the share
-    is not computed: it is 0.
+    `settings` of `asperity.solve` hold the load. With a free boundary every second node is kept, and the
+    share is not computed: it is 0.
     """
     lost = 0.0
     if boundary == "free":
@@ -39,8 +39,8 @@ def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
     """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
 
     The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
-    The mirrors of a mirrored map stand between two nodes. Its nodes here are moved by half a spacing of all
-    nodes, so that they are mirror images of each other, too.
+    The mirror lines of a mirrored map lie between two nodes. The nodes of the coarser grid are shifted by
+    half of the finer spacing, so that they are mirror images of each other, too.
     """
     half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
     modes = Fourier(grid).forward(height)

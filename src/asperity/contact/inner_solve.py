@@ -153,7 +153,7 @@ class InnerSolver:
             product -= uniform_part
             if iterations == 0:
                 first = product
-            # Below its rounding the product is that of noise.
+            # A product below its rounding error is noise.
             rounding = float(np.finfo(np.float32).eps) * abs(uniform_part)
             if not product > max(drop**2 * first, rounding):
                 break

@@ -19,8 +19,8 @@ from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.parallel import STRIP, apply, in_strips, run_tasks, sum_parts
 from asperity.core.types import Array
 
-# The amount by which the pressures change together is found by Newton's method, which is exact once the same
-# nodes are between the bounds; this fraction of the load may then be missing by rounding.
+# The common change of the pressures is found by Newton's method, which is exact once the set of nodes
+# between the bounds no longer changes; this fraction of the load may then be missing by rounding.
 MAX_SHIFTS = 100
 LOAD_ROUNDING = 1e-10
 
@@ -40,11 +40,12 @@ class Pressure:
     nodes : (count,) array of unsigned integers
         Sorted indices in the flattened grid.
     values : (count,) array
-        Non-negative. Those of plastic nodes may exceed the hardness, by what their overlap stands for.
+        Non-negative. Those of plastic nodes may exceed the hardness, by the pressure that their overlap
+        corresponds to.
     load : float
-        Mean pressure that they take at a given load.
+        Mean pressure to which they are brought at a given load.
     is_projected : bool
-        True if they take it by the projection onto the admissible pressures, not by scaling.
+        True if this is done by the projection onto the admissible pressures, not by scaling.
     """
 
     nodes: Array
@@ -109,11 +110,11 @@ class Iterate:
     def of(cls, problem: Problem, control: Control, start: Pressure, out: Array | None = None) -> "Iterate":
         """Evaluate a pressure, after scaling it to its load, or to the least energy at a given approach.
 
-        At a given load, the node that touches first bears a pressure that has vanished everywhere. No
-        pressure exceeds the hardness. `out` is an array for the displacement.
+        If the pressure has vanished everywhere, the node that touches first bears a given load. No pressure
+        exceeds the hardness. `out` is an array for the displacement.
         """
         nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
-        load = min(start.load, problem.hardness)  # of which control by area may ask for more
+        load = min(start.load, problem.hardness)  # control by area may ask for a larger load
         if control.fixes_load:
             nodes, values = with_load(problem, nodes, values, load, start.is_projected)
         elif problem.hardness < math.inf:
@@ -189,8 +190,8 @@ class Iterate:
 
         Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
         it before negative values are set to zero keeps those nodes free. The gap that is left at elastic
-        nodes is not subtracted: where it varies over long distances, it stands for a far smaller pressure.
-        The overlap of plastic nodes is added, which keeps them at the hardness.
+        nodes is not subtracted: where it varies over long distances, it corresponds to a far smaller
+        pressure. The overlap of plastic nodes is added, which keeps them at the hardness.
         """
         real = finer.height.dtype.type
         stiffness, level = real(1 / finer.nodal_compliance), real(approach)
@@ -419,8 +420,8 @@ def with_load(
 
     Pressures below the hardness are scaled. If some reach it, or on demand, all change by a common amount
     instead, and those beyond a bound are at it: this is the projection onto the admissible pressures.
-    Released nodes, and then the lowest of the surface, bear what the others cannot at the hardness. If no
-    node bears pressure, the lowest does.
+    If these nodes cannot bear the load at the hardness, released nodes, and then the lowest nodes of the
+    surface, bear the rest. If no node bears pressure, the lowest node bears the load.
     """
     hardness, wanted, threads = problem.hardness, float(load) * problem.grid.size, problem.fourier.threads
     rounding = 4 * float(np.finfo(values.dtype).eps)
@@ -462,16 +463,16 @@ def _error(
 ) -> tuple[float, float]:
     """Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
 
-    The solution p* of the contact problem and a pressure p differ by the pressure that removes what is wrong
-    with p: the residual on the contact nodes, the penetration of nodes without pressure, and the gap of
-    plastic nodes. The error estimate is the norm of that pressure, as the preconditioner M gives it; a node
-    that penetrates, or a plastic one with a gap, counts with that length over the displacement of a node per
-    unit of its own pressure. Two lower bounds hold it up:
+    The solution p* of the contact problem and a pressure p differ by the pressure that removes the
+    violations of p: the residual on the contact nodes, the penetration of nodes without pressure, and the
+    gap of plastic nodes. The error estimate is the norm of that pressure, as the preconditioner M gives
+    it; a node that penetrates, or a plastic one with a gap, counts with that length over the displacement
+    of a node per unit of its own pressure. The estimate is at least as large as two lower bounds:
 
     - A layer that is much stiffer than the half-space answers a residual by a much larger pressure than M,
       which is made for the half-space. There the norm of the pressure is used with which the whole layer, all
       nodes in contact, would remove the residual.
-    - The gap is known only to its rounding, which stands for a pressure of its own.
+    - The gap is known only to its rounding error, which corresponds to a pressure.
     """
     problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads
     norm = math.sqrt(sum_parts(dot, threads, iterate.pressure, iterate.pressure))

@@ -5,12 +5,12 @@ Their change, the *tangent*, gives the stiffness, and the loads at which the fir
 reaches the hardness, or the first gap closes.
 
 **Control by area** seeks the load that gives a number of contact nodes while the pressure converges. The
-number of contact nodes to which a step leads is known before its gap is evaluated. Where it misses the one
-asked for, the correction is extended along the tangent, on which each node enters or leaves the contact at a
-known change of the approach, so that the number of contact nodes follows by sorting these changes. Loads at
-which the pressure has converged bracket the one sought. Several nodes may touch at the same load, as on a
-surface with a symmetry. If for that reason the area jumps past the one asked for, the bracket closes on the
-jump, and the side with the nearer area is taken.
+number of contact nodes to which a step leads is known before its gap is evaluated. If it differs from the
+imposed number, the correction is extended along the tangent, on which each node enters or leaves the
+contact at a known change of the approach, so that the number of contact nodes follows by sorting these
+changes. Loads at which the pressure has converged bracket the load that is sought. Several nodes may touch
+at the same load, as on a surface with a symmetry. If for that reason the area jumps past the imposed one,
+the bracket closes on the jump, and the side with the nearer area is taken.
 """
 
 import math
@@ -283,7 +283,7 @@ def extended_to_area(
         new_load = load + min(max(borne - load, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
         if new_load == load and system.plastic.size + 1 >= iterate.nodes.size:
-            # Where all nodes are plastic no tangent tells at which load the next one touches.
+            # Where all nodes are plastic no tangent gives the load at which the next one touches.
             new_load = area.power_law(load, iterate.nodes.size)
         found = area.bracketed(load, iterate.nodes.size, new_load)
         if found is None:
@@ -318,7 +318,7 @@ def _approximate_tangent(
 
 
 def _change_to(target: int, edges: Iterable[Array], least: float, most: float, shortest: float) -> float:
-    """Change at which so many of the edges are below it, or the nearest number that lasts; 0 if it is now.
+    """Change below which so many of the edges lie, or the nearest stable number; 0 if no change is needed.
 
     Parameters
     ----------
@@ -328,7 +328,7 @@ def _change_to(target: int, edges: Iterable[Array], least: float, most: float, s
     least, most : float
         Range of the change.
     shortest : float
-        Numbers that last for a shorter range are passed over.
+        Numbers that hold over a shorter range are skipped.
     """
     first, within = 0, []
     for some in edges:

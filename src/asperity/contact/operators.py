@@ -13,12 +13,12 @@ single precision. It is G, divided by the square of the transform of P and smoot
 shortest wave of the coarser grid. The stencil is what of G is missing within its radius. Since the
 interpolation from coarse-grid nodes is not the same at even and at odd nodes, neither is the stencil. The
 division into a near field and a coarser grid is that of Brandt & Lubrecht (1990,
-10.1016/0021-9991(90)90171-V), and a stencil that corrects what the coarser grid makes of the near field is
-known from Phillips & White (1997, 10.1109/43.662670).
+10.1016/0021-9991(90)90171-V), and a stencil that corrects the near field of the coarser grid is known from
+Phillips & White (1997, 10.1109/43.662670).
 
 **Inverse.** That of a half-space's compliance is E* |q| / 2, whose kernel in real space decays as r⁻³. Cut
 off at a few nodes and restricted to the contact nodes it is a sparse matrix S that is cheap to apply. It is
-akin to the FFT-based preconditioner of Vollebregt (J. Comput. Phys. 257 (2014) 333). What S lacks is the
+related to the FFT-based preconditioner of Vollebregt (J. Comput. Phys. 257 (2014) 333). What S lacks is the
 elastic interaction of distant contacts: it removes a uniform residual by the pressure w = S 1, as if every
 contact patch stood alone. For residuals that vary over lengths much longer than the patches that pressure is
 too large.
@@ -68,15 +68,15 @@ from asperity.fourier.grid import Fourier, Grid
 # with 0.7 or 0.9 instead by 2.3 %; without the factor a solution takes twice as many steps.
 CUTOFF = 0.8
 
-# Grids with fewer nodes on an axis are not divided: their transforms take no time.
+# Grids with fewer nodes on an axis are not divided: their transforms take hardly any time.
 MIN_POINTS = 128
 
 # The spacings of a grid that is divided differ at most by this factor: the stencil has the same radius, in
 # nodes, on both axes.
 MAX_SPACING_RATIO = 1.5
 
-# Largest factor by which q G falls to a quarter of a wavelength: under a coating that is stiff and as thin as
-# the spacing the division errs by more than the shortest waves are displaced.
+# Largest factor by which q G falls to a quarter of a wavelength: under a coating that is stiff and as thin
+# as the spacing the error of the division exceeds the displacement of the shortest waves.
 MAX_STEEPNESS = 2.0
 
 # Nodes on the edge of the small map on which the stencils are computed.
@@ -90,8 +90,9 @@ CELL_NODES = 16
 # for waves shorter than those of the other cells, too.
 CELL_NODES_UNDER_COATING = 4
 
-# The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, or on
-# more than 200 cells by 6 / cells on an edge: the more cells, the more S overestimates the longest waves.
+# The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, or,
+# with more than 200 cells on an edge, by 6 / (cells on an edge): the more cells, the more S overestimates
+# the longest waves.
 COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_UNDER_COATING = 0.03, 0.005
 MAX_COARSE_ITERATIONS = 50
 

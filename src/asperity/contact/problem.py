@@ -3,7 +3,7 @@
 A problem is solved in units in which its numbers are near one: lengths in that of the map's edge, heights in
 that of the displacement that the load can cause, pressures in that of modulus × height / length. Heights are
 measured from a datum near those that touch, and heights that cannot matter are clipped (`reach`), so that
-neither of them sets a scale or takes digits from the others.
+neither the datum nor such heights set a scale or reduce the accuracy of the others.
 """
 
 import math
@@ -23,7 +23,7 @@ from asperity.fourier.grid import Grid
 # imposed one by less than this fraction: beyond, the coarse grids give a better one.
 NEAR_START = 0.3
 
-# Least square of the correlation between the heights and what a given start displaces them by.
+# Least square of the correlation between the heights and the displacement under a given start.
 LEAST_FIT = 0.5
 
 
@@ -57,7 +57,7 @@ class State:
     iterations : int
         Applications of the compliance, on all grids.
     displacement : (ny, nx) array, optional
-        That of the pressure, if the method knows it.
+        Displacement under the pressure, if the method knows it.
     """
 
     pressure: Array
@@ -166,7 +166,7 @@ class Units:
     datum : float
         Height from which heights and the approach are measured.
     below, above : float
-        How far heights count below and above the datum.
+        Distances below and above the datum beyond which heights are clipped.
     """
 
     length: float
@@ -242,13 +242,14 @@ class Units:
 def reach(
     height: Array, control: Control, hardness: float, response: Response, units: Units
 ) -> tuple[float, float, float]:
-    """Datum, and how far below and above it heights count: beyond, no node touches or none is free.
+    """Datum, and the distances below and above it beyond which every node, or none, touches.
 
     A node is displaced by at most the whole load times the displacement of a node per unit of a force on it
     alone: the compliance is positive semidefinite, so that no element exceeds those on its diagonal. At a
-    given load the approach then lies within that bound of the height of the first node that the load needs:
-    the lowest, or under a hardness the one up to which all are full. At a given approach the energy bounds
-    the displacement. The proofs are in ``docs/contact.md``. Under an imposed area no bound is known.
+    given load the approach then lies within that bound of the height of a certain node: the lowest one, or
+    under a hardness the highest of the lowest nodes that together can bear the load. At a given approach
+    the energy bounds the displacement. The proofs are in ``docs/contact.md``. Under an imposed area no
+    bound is known.
 
     Parameters
     ----------

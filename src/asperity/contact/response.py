@@ -1,8 +1,8 @@
-"""Displacement of the surface of a solid under any pressure on a map that repeats, or that is free around.
+"""Displacement of the surface of a solid under any pressure on a map that repeats, or that lies alone.
 
-The solvers know the solid only as a `Response`. In both boundaries the displacement is the product of the
-Fourier coefficients of the pressure with real factors, so that the solvers are the same; what differs is
-gathered in these classes.
+The solvers know the solid only as a `Response`. With both boundaries the displacement is the product of the
+Fourier coefficients of the pressure with real factors, so that the solvers are the same; all differences
+are in these classes.
 """
 
 from functools import cached_property
@@ -166,7 +166,7 @@ class Response:
         """Linear interpolation of a field to a coarser or finer grid of the same map.
 
         The node is in the middle of its cell. On half the nodes this is the mean over pairs of nodes: no
-        value lies outside the range of the field, so that what is flat stays flat.
+        value lies outside the range of the field, so that flat parts stay flat.
         """
         places = []
         for axis, nodes in enumerate(field.shape):
@@ -194,8 +194,8 @@ class Response:
 class FreeResponse(Response):
     """Response of half-spaces to a pressure on the map alone: nothing surrounds the map.
 
-    Each node stands for a rectangle under uniform pressure, of the size of the spacing and with the node in
-    its middle, for which it is exact; see `asperity.elasticity.loaded_rectangle`. Far from the map the
+    The pressure is uniform on a rectangle of the size of the spacing around each node, and the response is
+    exact for it; see `asperity.elasticity.loaded_rectangle`. Far from the map the
     displacement is zero.
     """
 

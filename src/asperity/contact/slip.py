@@ -10,15 +10,16 @@ with the tangential displacement Δ of the bodies and the approach δ (M. Ciavar
 (1998) 2349, DOI 10.1016/S0022-5096(98)00024-X; J. Jäger, Arch. Appl. Mech. 68 (1998) 493): the faces stick
 where they touch under the smaller load. The slip is μ r times the gap g* under that load. In a cycle between
 −Q and Q every node slips there and back by twice that against μ p: the energy lost in a cycle is therefore
-4 μ² r ∫ p g* dA, without the difference of large numbers that the area of the loop is.
+4 μ² r ∫ p g* dA, without the difference of large numbers that gives the area of the loop.
 
 What is neglected
 -----------------
-Of a half-space the compliance along a wave is that for a pressure, and across it 1/(1 − ν) of that. The
-superposition is exact for waves all along or all across the force (a line contact), for ν = 0, and in the
-stick zone of circles and ellipses; r is the ratio of the energies of the pressure as a shear traction and as
-it is, which in a circle is Mindlin's (2 − ν)/(2 − 2ν). Elsewhere nodes that stick would have to be displaced
-alike, and `PartialSlip.deviation` says how far they are from it. The change of the pressure by the shear
+The compliance of a half-space for a traction along its wave is that for a pressure, and for a traction
+across its wave 1/(1 − ν) times that. The superposition is exact for waves all along or all across the
+force (a line contact), for ν = 0, and in the stick zone of circles and ellipses; r is the energy of the
+pressure distribution applied as a shear traction, over the energy of the pressure itself; for a circle it
+is Mindlin's (2 − ν)/(2 − 2ν). In other contacts the displacements of the nodes that stick should be equal
+but are not, and `PartialSlip.deviation` measures by how much. The change of the pressure by the shear
 traction is neglected as in full sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
 """
 
@@ -142,7 +143,7 @@ class PartialSlip:
 
     @cached_property
     def deviation(self) -> float:
-        """Root mean square over the nodes that stick of what their displacements differ from one value.
+        """Root mean square deviation of the displacements of the nodes that stick from a common value.
 
         It is relative to the tangential displacement: the error of the superposition. NaN if none sticks.
         """
@@ -157,8 +158,8 @@ class PartialSlip:
     def cycle(self, steps: int = 8) -> xr.Dataset:
         """Tangential force and displacement in a cycle between the force and its opposite (G. Masing, 1926).
 
-        The way back is the first loading at twice its size, from the other end. Each step but the last solves
-        one more contact.
+        Reversed loading follows the curve of first loading at twice its size, from the other end. Each
+        step but the last solves one more contact.
 
         Parameters
         ----------
@@ -213,7 +214,7 @@ def partial_slip(
     tangential_displacement: float | None = None,
     sliding_direction: str | float = "x",
 ) -> PartialSlip:
-    """Apply a tangential force to a contact with friction, for one contact more.
+    """Apply a tangential force to a contact with friction, by the solution of one more contact.
 
     Parameters
     ----------
@@ -224,8 +225,8 @@ def partial_slip(
     tangential_force : float
         On the map, from 0 to μ times `asperity.Contact.force`, where all of it slips.
     tangential_displacement : float
-        Displacement of the bodies instead of a force, on half-spaces. Half-spaces that repeat sideways are
-        displaced from the mean of their surfaces, as for the approach.
+        Displacement of the bodies instead of a force, on half-spaces. The displacement of periodic
+        half-spaces is measured from the mean of their surfaces, as the approach is.
     sliding_direction : "x", "y" or float
         Direction of the force on the lower body; a number is an angle in degrees from x towards y.
 

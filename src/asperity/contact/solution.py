@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 SHOWN_ERROR = 0.01
-"""Relative error of an imposed area above which the summary of a contact tells it."""
+"""Relative error of an imposed area above which the summary of a contact states it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,7 +146,7 @@ class Contact:
         Parameters
         ----------
         unit_system : str
-            What the values are in: "SI", so that lengths are in m and stresses in Pa, or "cell length and
+            Units of the values: "SI", so that lengths are in m and stresses in Pa, or "cell length and
             effective modulus", the units of the study. The values stay as they are.
         """
         import xarray as xr
@@ -274,7 +274,7 @@ class Contact:
         """Conductance of the real contact per nominal area, electrical or thermal, between two half-spaces.
 
         It follows from the stiffness K of all nodes in contact as 2 K / (E* ρ) (J. R. Barber, Proc. R. Soc. A
-        459 (2003) 53, DOI 10.1098/rspa.2002.1038). Films, and what flows through the gap, are left out.
+        459 (2003) 53, DOI 10.1098/rspa.2002.1038). Films and conduction through the gap are left out.
 
         Parameters
         ----------

@@ -87,8 +87,8 @@ def solve(
     length : float or (length_y, length_x)
         Edges of the map, number of nodes × spacing: those of the cell if it repeats.
     area_fraction : float
-        Contact nodes over all nodes, met to 1e-4 of itself, or to the nearest number of nodes that the
-        surface allows.
+        Contact nodes over all nodes, met to a relative error of 1e-4, or to the nearest number of nodes
+        that the surface allows.
     mean_pressure : float
         Load over the area of the map, in the unit of Young's modulus.
     force : float
@@ -97,8 +97,8 @@ def solve(
         Position δ of the indenter, in the unit of `length`: depth of its plane of height 0 below the
         undeformed surface. It first touches at ``height.min()``, and ``approach - height.min()`` is the
         approach since first touch. With a free boundary the undeformed surface is the solid's surface far
-        from the map; a periodic solid without uniform displacement, such as a half-space, has the mean plane
-        of its deformed surface in place of it.
+        from the map; for a periodic solid without uniform displacement, such as a half-space, the depth is
+        measured from the mean plane of its deformed surface instead.
     hardness : float, optional
         Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
         that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact

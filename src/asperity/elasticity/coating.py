@@ -14,9 +14,9 @@ rigid base and 1 without a base.
 Floating point
 --------------
 Γ enters as the shares μ/(μ + μ') and μ'/(μ + μ'), `stiff` and `soft`. The coefficients of their powers are
-written out so that what cancels cancels on paper. For h < 1 the field in the coating follows from its state
-on the interface by the matrix exponential of `asperity.elasticity.layer_fields`, whose elements are accurate
-one by one; otherwise from a and b. All exponentials decay.
+multiplied out so that no difference cancels in floating point. For h < 1 the field in the coating follows
+from its state on the interface by the matrix exponential of `asperity.elasticity.layer_fields`, whose
+elements are accurate one by one; otherwise from a and b. All exponentials decay.
 
 References
 ----------

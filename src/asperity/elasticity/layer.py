@@ -36,14 +36,14 @@ The mode q = 0
 The mode q = 0 is a uniform pressure on a cell that repeats sideways. The paper does not say whether the cell
 may spread; `Layer.lateral` chooses: ``"confined"`` (no lateral strain) or ``"free"`` (no mean lateral
 stress). The mode is not the limit q → 0. A half-space, coated or not, and a layer with a free bottom have no
-finite uniform displacement: their displacement and compliance at q = 0 are set to 0. A coating whose base may
-spread is stretched with it. `Layer.kernels` gives 1 for Z and 0 for
+finite uniform displacement: their displacement and compliance at q = 0 are set to 0. If the base of a
+coating may spread, the coating is stretched with it. `Layer.kernels` gives 1 for Z and 0 for
 the others at q = 0.
 
 The Nyquist rule
 ----------------
-A function of (qx, qy) cannot know the grid: what is odd in a Nyquist wavevector is set to zero by the caller,
-see `asperity.fourier.grid`.
+A function of (qx, qy) cannot know the grid: the caller sets values that are odd in a Nyquist wavevector to
+zero, see `asperity.fourier.grid`.
 
 Precision
 ---------
@@ -296,8 +296,8 @@ class Layer:
     def tangential_compliance(self, q: ArrayLike) -> Array:
         """Displacement of the surface along and across a wave per shear traction in the same direction.
 
-        They follow from Hooke's law and the stress in the surface, of which the traction t along the wave
-        causes no normal part: in a half-space 2/(E* q), as for a pressure, and 2 (1 + ν)/(E q).
+        They follow from Hooke's law and the stress in the surface, where a traction along the wave causes
+        no normal stress σ_zz: in a half-space 2/(E* q), as for a pressure, and 2 (1 + ν)/(E q).
 
         Parameters
         ----------
@@ -485,9 +485,9 @@ class Layer:
         Notes
         -----
         The error of an element (i, j) is below 8e-15 of √(G_ii G_jj) for every height and ν
-        (``docs/stability.md``). For q height below about 1e-4 bending hides the stretching in G33 and G36,
-        so that displacements cannot be inverted to tractions: `asperity.layer_fields` does not use the
-        tensor.
+        (``docs/stability.md``). For q height below about 1e-4 the stretching is below the rounding error of
+        the bending in G33 and G36, so that displacements cannot be inverted to tractions:
+        `asperity.layer_fields` does not use the tensor.
 
         Examples
         --------

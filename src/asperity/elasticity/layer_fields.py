@@ -1,4 +1,4 @@
-"""Stress and displacement in a layer of which tractions or displacements are prescribed on both faces.
+"""Stress and displacement in a layer with tractions or displacements prescribed on both faces.
 
 A mode exp(i (qx x + qy y)) is described by a real state, with l along the wavevector and t across it,
 
@@ -95,7 +95,7 @@ class LayerFields:
     displaced : (2, 3) array of truth values
         Top and bottom, x, y and z: True where the displacement is prescribed, False for σ_xz, σ_yz or σ_zz.
     modes : (2, 3, ny, nx // 2 + 1) complex array
-        Coefficients of what is prescribed.
+        Coefficients of the prescribed tractions and displacements.
     """
 
     def __init__(self, layer: Layer, grid: Grid, displaced: Array, modes: Array) -> None:
@@ -192,8 +192,8 @@ def layer_fields(
     top, bottom : mapping
         From ``traction_x``, ``traction_y``, ``traction_z`` or ``pressure``, in the unit of Young's modulus,
         ``displacement_x``, ``displacement_y`` or ``displacement_z`` to a number, a field (ny, nx), or the
-        complex coefficients (ny, nx // 2 + 1) of a field as in `asperity.fourier.grid`. Without `bottom` the
-        layer stands on its own: bonded, frictionless or free. A half-space has none.
+        complex coefficients (ny, nx // 2 + 1) of a field as in `asperity.fourier.grid`. Without `bottom`
+        the layer has its own condition: bonded, frictionless or free. A half-space has none.
 
     Returns
     -------
@@ -210,11 +210,12 @@ def layer_fields(
 
     Notes
     -----
-    The mean (q = 0) mode follows `Layer.lateral`. What it leaves open is set to 0: the mean displacement of
-    the middle of a layer that nothing holds, that of a half-space under a mean traction, and the mean
-    pressure in a confined layer of ν = 1/2 of which both mean normal displacements are prescribed. Equal and
-    opposite mean shear tractions on a free layer are a uniform shear if ``lateral`` is "confined": the cells
-    beside bear the moment. In other modes the moment of the tractions is borne by bending.
+    The mean (q = 0) mode follows `Layer.lateral`. Quantities that are then undetermined are set to 0: the
+    mean displacement of the middle of a layer that nothing holds, that of a half-space under a mean
+    traction, and the mean pressure in a confined layer of ν = 1/2 of which both mean normal displacements
+    are prescribed. Equal and opposite mean shear tractions on a free layer are a uniform shear if
+    ``lateral`` is "confined": the neighbouring cells bear the moment. In other modes the moment of the
+    tractions is borne by bending.
 
     The equations and the errors are in ``docs/method.md``.
 

@@ -65,8 +65,8 @@ class Grid:
     shape : (ny, nx)
         Number of nodes on each axis, even or odd, from 1 to `MOST_NODES`.
     length : float or (length_y, length_x)
-        Edges of the cell, any unit of length; one number for a square cell. A grid of the same shape stands
-        for its edges, here and in every function that takes a `length`.
+        Edges of the cell, any unit of length; one number for a square cell. A grid of the same shape is
+        also accepted and gives its edges, here and in every function that takes a `length`.
 
     Raises
     ------
@@ -160,7 +160,7 @@ class Grid:
 
     @cached_property
     def multiplicity(self) -> Array:
-        """Number of modes that each stored column stands for, (nx // 2 + 1,): one or two."""
+        """Number of modes that each stored column represents, (nx // 2 + 1,): one or two."""
         return np.where((self.kx == 0) | (2 * self.kx == self.shape[1]), 1.0, 2.0)
 
     def wavenumber(self) -> Array:
@@ -184,7 +184,7 @@ class Grid:
         return {axis: (axis, at, {CELL_EDGE: edge, CELL_NODES: at.size}) for axis, at, edge in found}
 
     def field(self, name: str, values: Any) -> Array:
-        """Values of a field at the nodes as an array of finite real numbers; `name` stands in the message.
+        """Values of a field at the nodes as an array of finite real numbers; `name` is used in the message.
 
         Raises
         ------

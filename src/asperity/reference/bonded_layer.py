@@ -20,9 +20,9 @@ Their combination without shear stress at ζ = h has, with t = ξh,
 An axisymmetric pressure ``p(r) = ∫_0^∞ ξ P(ξ) J0(ξr) dξ`` displaces the surface by
 ``2/E* ∫_0^∞ K(ξh) P(ξ) J0(ξr) dξ``.
 
-On an elastic half-space, with the amplitudes ρ = (Γ − 1)/(Γ + κ) and σ = (Γ κ' − κ)/(Γ κ' + 1) of what the
-interface reflects, Γ = G/G', the prime for the half-space (D. M. Burmister, J. Appl. Phys. 16 (1945) 89, DOI
-10.1063/1.1707558),
+On an elastic half-space, with the amplitudes ρ = (Γ − 1)/(Γ + κ) and σ = (Γ κ' − κ)/(Γ κ' + 1) of the field
+reflected by the interface, Γ = G/G', the prime for the half-space (D. M. Burmister, J. Appl. Phys. 16
+(1945) 89, DOI 10.1063/1.1707558),
 
     K(t) = (1 + 4 t ρ e^(−2t) − ρ σ e^(−4t)) / ((1 − ρ e^(−2t)) (1 − σ e^(−2t)) − 4 t² ρ e^(−2t)).
 

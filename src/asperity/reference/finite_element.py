@@ -277,7 +277,7 @@ def press(
     Raises
     ------
     RuntimeError
-        If the active set does not settle.
+        If the active set does not converge.
     """
     require_positive(curvature_radius=curvature_radius, approach=approach)
     nodes = slab.plane.nodes
@@ -294,7 +294,7 @@ def press(
         if np.array_equal(settled, contact):
             return displacement, np.where(contact, push, 0.0).reshape(slab.shape[1:])
         contact = settled
-    raise RuntimeError(f"finite elements: contact not settled after {MAX_ACTIVE_SETS} active sets")
+    raise RuntimeError(f"finite elements: contact not converged after {MAX_ACTIVE_SETS} active sets")
 
 
 def _transform(values: Array, z: Array, y: Array, x: Array) -> Array:

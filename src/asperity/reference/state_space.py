@@ -114,7 +114,7 @@ class StateSpace:
         Parameters
         ----------
         top : three numbers
-            σ_xz, σ_yz, σ_zz at the top. What the bottom prescribes is zero.
+            σ_xz, σ_yz, σ_zz at the top. The components that the bottom prescribes are zero.
         """
         with mp.workdps(self.digits):
             rows, values = self._states(0)[_TRACTIONS], list(top)

@@ -35,11 +35,11 @@ from asperity.stress.planes.fields import principal_stresses
 
 FATIGUE_RATIOS = (0.5, 1.0)
 """Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and
-at 1 (α = 3/2) that of a tensile stress is as large as that of its shear stress; ductile metals have 0.55 to
-0.75."""
+at 1 (α = 3/2) it contributes as much under a tensile stress as the shear stress does; ductile metals have
+0.55 to 0.75."""
 
 LARGEST_FACTOR = 1e12
-"""Largest shakedown factor, given in place of an infinite one where the stress does not change."""
+"""Largest shakedown factor; it replaces an infinite one where the stress does not change."""
 
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
@@ -128,7 +128,7 @@ class Criteria:
         return 1 - rank / dang_van.size
 
     def numbers(self, reduced: Array) -> Array:
-        """The numbers of `NUMBERS` from the result of `reduced`; those without a limit have no meaning."""
+        """The numbers of `NUMBERS` from the result of `reduced`; meaningless without their limits."""
         limit, found = self.yield_stress or 1.0, reduced.copy()
         found[1] = self.over_limit(reduced[1])
         found[2:] = limit / np.maximum(np.sqrt(1.5 * found[2:]), limit / LARGEST_FACTOR)

@@ -1,8 +1,8 @@
-"""Hertz contact of two smooth bodies, in which a far smaller rough cell lies at one place.
+"""Hertz contact of two smooth bodies, in which a far smaller rough cell lies at one position.
 
 Scales are separate: over the cell the Hertz pressure hardly changes. The cell is solved as periodic, under
-the Hertz pressure of its place as mean pressure. The stress below it is the sum of the cell's and of the
-smooth contact's at that place, less the mean (q = 0) mode, which both contain.
+the Hertz pressure at its position as mean pressure. The stress below it is the sum of the stress of the
+cell and that of the smooth contact at this position, less the mean (q = 0) mode, which both contain.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ from asperity.stress.planes.planes import stress_planes
 from asperity.stress.planes.stream import shear_traction
 
 NODES_PER_HALF_WIDTH = 48
-"""Pixels of the smooth pressure on a half-width: stresses err by 1e-3 of the largest pressure, in the surface
-with friction by 2e-3, close to the edge of contact by 1e-2 (``tests/physics/test_hertz_contact.py``)."""
+"""Pixels of the smooth pressure on a half-width: the error of stresses is 1e-3 of the largest pressure,
+with friction 2e-3 in the surface, and 1e-2 close to the edge of contact
+(``tests/physics/test_hertz_contact.py``)."""
 
 DEPTHS = np.concatenate([np.arange(0, 20) / 40, np.geomspace(0.5, 20, 31)])
 """Depths over the smaller half-width between which the stress of the smooth contact is interpolated."""

@@ -1,10 +1,10 @@
 """Histories of the stress at all points of a body whose contact pressure changes from state to state.
 
-The states are the shifts of two rough bodies against each other, or the places of a point on its way through
-a Hertz contact. Every point of the body has its own history. All states of a plane are in memory at the same
-time. The smallest spheres are computed for candidates only: a sphere around the middle of the bounding box of
-a history bounds the smallest one, and its radius over √2 bounds the shear stress. In each row along x the
-point of the largest bound is computed first, then all points whose bound exceeds its value.
+The states are the shifts of two rough bodies against each other, or the positions of a point on its way
+through a Hertz contact. Every point of the body has its own history. All states of a plane are in memory
+at the same time. The smallest spheres are computed for candidates only: a sphere around the middle of the
+bounding box of a history bounds the smallest one, and its radius over √2 bounds the shear stress. In each
+row along x the point of the largest bound is computed first, then all points whose bound exceeds its value.
 
 Shakedown
 ---------

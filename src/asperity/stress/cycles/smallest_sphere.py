@@ -4,8 +4,9 @@ With the centre c in the subspace of the first coordinates, the squared distance
 projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). At most one point more
 than the subspace has dimensions determines the optimum (E. Welzl, LNCS 555 (1991) 359). It is reached by
 exchange, as in P. Wolfe, Math. Program. 11 (1976) 128: the farthest point is added to those that fix the
-sphere, and the centre walks towards the point equally far from all of them; a point whose weight in the
-centre falls to 0 on the way is dropped. The radius rises with every point, so that no set of points recurs.
+sphere, and the centre moves towards the point equally far from all of them; a point whose weight in the
+centre falls to 0 on the way is dropped. The radius grows with every added point, so that no set of points
+recurs.
 """
 
 from typing import Any

@@ -108,7 +108,7 @@ def stress_cycles(
     ----------
     contact
         As for `analyse_stress`; or a `MovingPressure`, as of `asperity.MovingContact`, whose friction and
-        direction count.
+        direction are used.
     depths, tolerance, threads, progress
         As for `analyse_stress`; the first depth need not be 0.
     poisson : float, optional
@@ -128,18 +128,19 @@ def stress_cycles(
     -------
     dataset
         Over ``cycle_depth`` and ``cycle_y`` (``cycle_x`` if a rough body moves along y over a smooth one),
-        (depths, rows of the contact): ``shear_range``, the range of the shear stress across z in the
-        direction of motion, in the unit of the pressure; with fatigue limits ``dang_van``, the largest stress
-        of Dang Van over the limit in torsion; with a yield stress ``shakedown_upper``, ``shakedown_line`` and
-        ``shakedown_lower``, the factors of the load up to elastic shakedown: an upper bound, the exact one
-        under a contact that does not change along y, and a lower bound. Each row of a plane on a coarser grid
-        is repeated at all rows of the contact nearest to it. The attribute ``worst_shear_range`` holds the
-        largest value, its depth and y, and likewise ``worst_…`` of the others; of factors the smallest value.
-        With fatigue limits ``fatigue_volume`` is the volume per nominal area whose Dang Van stress is above a
-        ``fatigue_share`` of the limit. Of a `MovingPressure` each value is the worst along x, ``worst_…``
-        names x, too, there is no ``shakedown_line``, ``few_shifts_error`` estimates the relative error of the
-        worst values, twice their largest change with half of the states, as a mean over both halves, and
-        ``fatigue_volume`` is an upper bound below half of the largest value.
+        (depths, rows of the contact): ``shear_range``, the range of the shear stress on planes of constant
+        z in the direction of motion, in the unit of the pressure; with fatigue limits ``dang_van``, the
+        largest stress of Dang Van over the limit in torsion; with a yield stress ``shakedown_upper``,
+        ``shakedown_line`` and ``shakedown_lower``, the factors of the load up to elastic shakedown: an
+        upper bound, the exact one under a contact that does not change along y, and a lower bound. Each
+        row of a plane on a coarser grid is repeated at all rows of the contact nearest to it. The
+        attribute ``worst_shear_range`` holds the largest value, its depth and y, and likewise ``worst_…``
+        of the others; of factors the smallest value. With fatigue limits ``fatigue_volume`` is the volume
+        per nominal area whose Dang Van stress is above a ``fatigue_share`` of the limit. Of a
+        `MovingPressure` each value is the worst along x, ``worst_…`` names x, too, there is no
+        ``shakedown_line``, ``few_shifts_error`` estimates the relative error of the worst values, twice
+        their largest change with half of the states, as a mean over both halves, and ``fatigue_volume`` is
+        an upper bound below half of the largest value.
 
     Raises
     ------

@@ -5,10 +5,10 @@ mean is t₋₁ for specimens of the stressed volume V₀, the expected number o
 
     n_c = 1/V₀ ∫ (Γ(1 + 1/m) d)^m dz,    averaged over the area,
 
-with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−n_c A) (W.
-Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is that of E.
-Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and threshold).
-The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
+with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−n_c A)
+(W. Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is that
+of E. Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and
+threshold). The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
 """
 
 import numpy as np

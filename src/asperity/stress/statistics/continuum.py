@@ -15,12 +15,13 @@ Percentiles of peaks
     A coarse grid misses the lowest peaks and hardly changes the high ones. The number of peaks is
     extrapolated, and the percentile of all of them is the peak of the same rank among those found.
 
-The error that remains is a share of the change from half of the nodes to all, which vanishes neither as the
-contact fills nor by chance: of sizes, depths and decay lengths that of the number of its kind which changes
-most. `SHARE_OF_CHANGE` and the constants beside it hold the measured shares. With hundreds of peaks the error
-of their sizes is a share of the peaks that the grid missed (`OF_MISSED`, `benchmarks/statements.py`). A
-surface with waves shorter than four nodes loses them on half of the nodes, and its corrections err more.
-Under a hardness the errors are larger, and there is no estimate of depths and decay lengths.
+The error that remains is a share of the change from half of the nodes to all nodes. It does not vanish near
+full contact. So that it does not vanish by chance, sizes, depths and decay lengths use the largest change
+of the numbers of their kind. `SHARE_OF_CHANGE` and the constants beside it hold the measured shares. With
+hundreds of peaks the error of their sizes is a multiple of the share of peaks that the grid missed
+(`OF_MISSED`, `benchmarks/statements.py`). A surface with waves shorter than four nodes loses them on half
+of the nodes, and its corrections err more. Under a hardness the errors are larger, and there is no
+estimate of depths and decay lengths.
 """
 
 from collections.abc import Iterable, Sequence
@@ -42,7 +43,7 @@ FLAT = 1e-3
 stepped; it is 0.7 on a Gaussian surface."""
 
 BOUNDARY_SHARE = 0.102
-"""Area over spacing and boundary that nodes in contact count too much."""
+"""Overestimate of the area by the nodes in contact, over spacing times boundary."""
 
 SECOND_ORDER = "gradient_rms_contact", "peak_count", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
@@ -66,26 +67,26 @@ SHARE_OF_CHANGE = {
     "decay_length_plane": 0.95,
 }
 """Number → relative error that remains, over the largest change of the numbers of its kind from half of the
-nodes to all; of depths that of the sizes is added."""
+nodes to all; for depths the error of the sizes is added."""
 
 OF_PRESSURE = {"p90": 0.32, "p99": 0.22, "largest": 0.27}
 """The same for the peaks of the pressure."""
 
 COMMON = "pressure", "von_mises"
-"""Quantities whose peaks count for the change of the sizes of every other one, too."""
+"""Quantities whose peaks enter the change of the sizes of every other quantity, too."""
 
 LOST_DEPTH = 5
-"""What the squared gradient that is lost on half of the nodes, as a share of all, adds to the share of the
-mean depth."""
+"""Added to the share of the mean depth, per share of the squared gradient that is lost on half of the
+nodes."""
 
 OF_AREA = 0.43, 0.043
 """Relative error of the area over the change of its estimate from half of the nodes to all, and over its
 correction; the sum counts."""
 
 OF_GRADIENT = 0.38, 0.5, 4.5, 0.012
-"""Relative error of the gradient over its correction: at small areas, what the squared area fraction adds,
-and what the lost squared gradient adds at small areas. The last one is over the correction of the area, and
-what it gives is added."""
+"""Relative error of the gradient over its correction: at small areas; the addition in proportion to the
+squared area fraction; and the addition in proportion to the lost squared gradient at small areas. The last
+number is relative to the correction of the area, and its result is added."""
 
 OF_PROPORTIONALITY = 0.9
 """Relative error of κ_r over the root of the sum of squares of those of its factors."""
@@ -97,7 +98,7 @@ OF_MISSED_COMPONENT = 0.3
 """The same for other quantities, whose peaks come in greater numbers from grid to grid."""
 
 LOWER_PEAKS = 1.5
-"""What is added to these factors in proportion to the share of higher peaks."""
+"""Added to these factors in proportion to the share of higher peaks."""
 
 OF_PLASTIC_AREA, OF_PLASTIC_GRADIENT = 2.5, 1.0
 """Where the pressure reaches the hardness: factor of the relative error of the area, and least relative error

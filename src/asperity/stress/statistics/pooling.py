@@ -34,7 +34,7 @@ _PERCENTILE_BINS = 8192
 """Bins in which percentiles of a resample are found; their error is a ten-thousandth of the largest peak."""
 
 _PROFILES = {"covariance_depth": 2, "covariance_plane": 2, "mean_von_mises": 1, "largest_von_mises": 1}
-"""Profiles of an analysis, and the power of the stress that they are of."""
+"""Profiles of an analysis → power of the stress to which they are proportional."""
 
 
 def pool_peaks(
@@ -258,7 +258,7 @@ def _median(counts: Array, edges: Array) -> float:
 
 
 def pooled_density(weights: Array, counts: Array, edges: Array) -> Array:
-    """Density of what all seeds have counted, (resamples, bins), by the weights of the seeds."""
+    """Density from the counts of all seeds, (resamples, bins), by the weights of the seeds."""
     return normalised(weights @ counts, edges)
 
 
