@@ -1,4 +1,4 @@
-"""Write what the documentation says of the results of the paper's study.
+"""Write the pages of the documentation that describe the results of the paper's study.
 
     python -m asperity.paper [RESULTS]
 
@@ -48,7 +48,7 @@ def captions(files: Iterable[Path]) -> str:
 
 
 def replace(path: Path, text: str) -> None:
-    """Replace what stands between the generated marks of a page."""
+    """Replace the text between the marks of generated text in a page."""
     marks = re.compile(r"(<!-- (?:make pages|python [^>]*) -->\n).*?(<!-- end -->)", re.DOTALL)
     page = path.read_text(encoding="utf-8")
     path.write_text(marks.sub(lambda m: f"{m[1]}\n{text}\n{m[2]}", page), encoding="utf-8")

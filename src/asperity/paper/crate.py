@@ -1,4 +1,4 @@
-"""An RO-Crate of the results of a study: what each file is, made by which workflow from which settings.
+"""An RO-Crate of the results of a study: the content of each file, the workflow and the settings.
 
 The crate follows RO-Crate 1.1 and the profiles Workflow RO-Crate 1.0 and Workflow Run Crate 0.5
 (https://w3id.org/ro/crate/1.1, https://w3id.org/workflowhub/workflow-ro-crate/1.0,

@@ -41,7 +41,7 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
 
 
 def warm_up() -> None:
-    """Solve a small contact and analyse the stress below it, in single and in double precision.
+    """Compile the library: solve a small contact and analyse its stress, in single and double precision.
 
     Numba compiles a function at its first call and keeps the machine code beside the module, where others
     find it: afterwards the jobs do not compile the same functions side by side.

@@ -1,4 +1,4 @@
-"""Description of a height map before anything is computed: size, gaps, spikes, roughness, spectrum."""
+"""Description of a height map before a calculation: size, missing points, spikes, roughness, spectrum."""
 
 import math
 from typing import NamedTuple
@@ -66,7 +66,7 @@ NEED_EDGES = ("tilt", "Sdq", "plasticity", "Sal", "Str", "tip", "waves")
 ORIENTATION_WORDS = {
     PEAKS_UP: "peaks up, as instruments show them",
     LOWER_FACE: "lower face of an indenter, the lowest points touch first",
-    None: "the file does not say which way is up; asperity run takes the peaks as upward",
+    None: "the file does not state which way is up; asperity run takes the peaks as upward",
 }
 
 
@@ -95,8 +95,8 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
     Roughness is that of the map without its mean plane, without a filter, as `asperity.run` presses it by
-    default: with its spikes and its bow. Where there are spikes, or the bow counts, that without them stands
-    beside it.
+    default: with its spikes and its bow. If there are spikes, or if the bow counts, the roughness without
+    them is given beside it.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def map_warnings(
     measures: MapMeasures | None = None,
     edges_known: bool = True,
 ) -> list[str]:
-    """Doubts about a map that the options do not answer: its unit, edges, gaps, spikes and bow.
+    """Doubts about a map that the options do not answer: its unit, edges, missing points, spikes and bow.
 
     Each begins with the field of `MapOptions` that answers it.
     """
@@ -284,7 +284,8 @@ def _of_heights(
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
         "bow": f"{length(measures.bow)} from lowest to highest point",
         **{name: f"{shown[name]}, {words}" for name, words in PARAMETERS.items()},
-        "plasticity": f"index {slope:.3g} × E*/p_H, modulus over hardness p_H; far below 1 the contact is elastic",
+        "plasticity": f"index {slope:.3g} × E*/p_H, modulus over hardness p_H; far below 1 the contact is "
+        "elastic",
         "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
         "Str": f"{str_}, shortest over longest such length{lay}",
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",

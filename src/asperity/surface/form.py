@@ -18,8 +18,8 @@ def add_sphere(
 ) -> Array:
     """Height of a rough sphere: the paraboloid r²/(2R) is added to the lower face of the indenter.
 
-    As in Hertz's theory a paraboloid stands for the sphere. The sphere itself is higher by about r⁴/(8R³):
-    by 0.25 % of r²/(2R) at a distance of a tenth of the radius from its lowest point.
+    As in Hertz's theory the sphere is approximated by a paraboloid. The sphere itself is higher by about
+    r⁴/(8R³): by 0.25 % of r²/(2R) at a distance of a tenth of the radius from its lowest point.
 
     Parameters
     ----------

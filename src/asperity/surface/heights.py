@@ -33,7 +33,7 @@ from asperity.core.types import Array, ArrayLike
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.surface.roughness import moments, varying_heights
 
-# Largest δ of the bounded curve: the curve is then straight to a part in a million, and six digits are lost.
+# Largest δ of the bounded curve: the curve is then straight to a relative 1e-6, and six digits are lost.
 _LARGEST_DELTA = 1e6
 
 # Smallest δ at which the Gauss-Hermite rule below gives the moments of the bounded curve to a part in a
@@ -48,8 +48,9 @@ _LARGEST_KURTOSIS = 1e6
 _FIT_TOLERANCE = 1e-8
 
 NODES_PER_WAVE = 4
-"""Nodes on the shortest wave of the grid of the iteration. The mean of the third power of the heights has no
-alias on it, that of the fourth one only of waves at the end of the band: moments are those of finer grids."""
+"""Nodes on the shortest wave of the grid of the iteration. On this grid the mean of the third power of the
+heights has no aliasing error, and that of the fourth power only from waves at the end of the band: moments
+are those of finer grids."""
 
 IN_BAND = 1e-12
 """Amplitude over the largest one below which a wave is a rounding error."""
@@ -69,8 +70,8 @@ def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: 
 
         ζ + λ / (1 + exp((γ − h)/δ)),
 
-    centred, and scaled back to their original rms height. The last step undoes ζ and λ, which therefore have
-    no effect; they are kept as arguments because Eq. 23 has them.
+    centred, and scaled back to their original rms height. The last step removes the effect of ζ and λ; they
+    are kept as arguments because Eq. 23 has them.
 
     Parameters
     ----------
@@ -97,8 +98,8 @@ def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: 
 
     Notes
     -----
-    Johnson (1949). The exponential is evaluated relative to the bound that most heights are near to; relative
-    to the other bound they could not be told apart in floating point.
+    Johnson (1949). The exponential is evaluated relative to the bound to which most heights are close;
+    relative to the other bound they would be equal in floating point.
 
     Examples
     --------
@@ -272,8 +273,8 @@ def with_heights(
         ratio in per cent at which one passes into the other (ISO 13565-3): two Gaussians, the valleys of a
         map being the high parts of the lower face.
     sample : array
-        Heights of any shape with that distribution, of a lower face, such as ``treat_map(...).height``. Only
-        its form counts.
+        Heights of a lower face with that distribution, an array of any shape such as
+        ``treat_map(...).height``. Only the form of the distribution counts.
 
     Returns
     -------

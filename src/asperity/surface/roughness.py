@@ -45,8 +45,8 @@ turns their lay by 13°, with it by 3°; twice as wide a filter leaves fewer ind
 ridges."""
 
 LEAST_FILTER = 0.85
-"""Smallest standard deviation of this filter in pixels. With it the lay of ridges three pixels wide is found
-to 1°, with differences of neighbouring heights alone to 6°."""
+"""Smallest standard deviation of this filter in pixels. With the filter the lay of ridges three pixels wide
+is found to 1°, with differences of neighbouring heights alone to 6°."""
 
 TIP_SAFETY = 0.5
 """Largest curvature of the sharpest peaks, over that of the tip, at which the tip has not rounded them."""
@@ -151,8 +151,9 @@ def roughness_parameters(height: Array, length: float | tuple[float, float] = 1.
 def sampling_error(height: Array, grid: Grid) -> float:
     """Relative standard deviation of the rms height between places of a surface, from one of them.
 
-    The power of each wave of a random surface varies by itself from place to place; the fewer waves bear most
-    of the height, the more it varies. Heights have mean zero, and are not all equal.
+    The power of each wave of a random surface varies independently from place to place; the fewer waves
+    contribute most of the height, the more the rms height varies. Heights have mean zero, and are not all
+    equal.
     """
     modes = Fourier(grid).forward(height)
     power = np.abs(modes) ** 2
@@ -279,7 +280,7 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     direction : float
         Direction of the lay in degrees from x towards y, from 0 to 180: that along which the mean square
         slope is smallest, after a Gaussian filter that leaves out noise much shorter than `shortest`. The
-        longest length has another one where the edges of the map cut the autocorrelation.
+        direction of the longest length differs from it where the edges of the map cut the autocorrelation.
     """
     from scipy.ndimage import gaussian_filter, map_coordinates
 

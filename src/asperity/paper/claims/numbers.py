@@ -52,7 +52,7 @@ class SeedNumbers(NamedTuple):
     values : data array
         Estimates at vanishing grid spacing, or values on the grid where no correction is known.
     grid_errors : data array
-        Absolute errors that the grid leaves; zero where no correction is known.
+        Absolute errors of the grid that remain after its correction; zero where no correction is known.
     on_grid : data array
         Values on the grid.
     """
@@ -149,7 +149,7 @@ class Number:
         return (*(("lateral",) if lateral else ()), *self.depends_on, *(("delta",) if skewed else ()))
 
     def __call__(self, evidence: Evidence) -> SeedNumbers:
-        """The number of each seed; the errors that the grid leaves in its terms are taken as independent."""
+        """The number of each seed; the remaining errors of the grid in its terms are taken as independent."""
         count = max(len(self.of), len(self.quantity), len(self.poisson))
         on_grid, best, errors = zip(*(self._term(evidence, number) for number in range(count)), strict=True)
         values = self._combined(best)
@@ -203,7 +203,7 @@ def _kinds(
 ) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """A variable on the grid, its estimate at vanishing spacing, and the relative error of that.
 
-    Where there is no estimate, the value on the grid stands for it, with no error.
+    Where there is no estimate, the value on the grid is used in its place, with no error.
     """
     on_grid = statistics[f"seed_{variable}"].sel(chosen).reset_coords(drop=True)
     if (continuum := statistics.get(f"continuum_{variable}")) is None:
@@ -223,8 +223,8 @@ Raises `MissingEvidenceError` if the evidence lacks a surface or a dataset."""
 def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
     """Largest difference between the shares of peaks below a value, for each seed, from their quantiles.
 
-    Values are those above the smallest peak of both, below which a grid finds none. The distance is smaller
-    than that of all peaks, by at most 0.0025 for ten thousand of them (`docs/claims.md`).
+    Only values above the smallest peak of both are compared, because a grid finds no smaller peaks. The
+    distance is smaller than that of all peaks, by at most 0.0025 for ten thousand of them (`docs/claims.md`).
     """
     one, other = (found.transpose("seed", "level") for found in xr.align(one, other, join="inner"))
     levels, distances = one["level"].values, []

@@ -1,4 +1,4 @@
-"""Overview picture of the claims: each number with its interval, and the region that the paper wants."""
+"""Overview picture of the claims: each number with its interval, and the region in which its claim holds."""
 
 from collections.abc import Sequence
 

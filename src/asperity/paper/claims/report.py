@@ -27,7 +27,7 @@ WORDS = {option: words for one in OPTIONS.values() if isinstance(one, dict) for 
 
 
 def frame(findings: Sequence[Finding]) -> pd.DataFrame:
-    """All that is known of each claim, a row each."""
+    """Description, numbers and verdict of each claim, a row each."""
     rows = [
         _record(f.own)
         | vars(f.claim)
@@ -93,7 +93,7 @@ def markdown(findings: Sequence[Finding]) -> str:
 
 
 def found_in_words(finding: Finding) -> str:
-    """The number of a claim and its interval, under several interpretations if these tell verdicts apart."""
+    """The number of a claim and its interval, under several interpretations if their verdicts differ."""
     if finding.verdict not in (verdicts.DEPENDS, verdicts.UNDECIDED) or not finding.choices:
         untestable = finding.claim.untestable if finding.verdict == verdicts.UNTESTABLE else ""
         reason = finding.own.missing or untestable

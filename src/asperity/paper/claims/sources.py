@@ -1,4 +1,4 @@
-"""The surfaces of a configuration and the validation datasets on which the claims are decided.
+"""The surfaces of a configuration and the validation datasets from which the claims are judged.
 
 The workflow asks for them in every job: this module imports nothing that takes time.
 """
@@ -9,7 +9,7 @@ from typing import Any
 from asperity.core.data import packaged_yaml
 
 DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "punch")
-"""Datasets of stage validation on which claims are decided."""
+"""Datasets of stage validation from which claims are judged."""
 
 OPTIONS = packaged_yaml("asperity.paper.claims", "paper.yaml")["choices"]
 """Choice that the paper leaves open → its options; most of them with words, as `paper.yaml` explains."""

@@ -1,4 +1,5 @@
-"""Claims and verdicts: whether the number of a sentence of the paper lies where the sentence wants it.
+"""Claims and verdicts: whether the number of a sentence of the paper lies in the region that the sentence
+implies.
 
 The claims are read from `paper.yaml`. A claim is judged under every interpretation that the paper's text
 admits: every combination of the options of its choices (`asperity.paper.claims.sources.CHOICES`), the study's
@@ -6,8 +7,8 @@ own options first. Under one of them (`judge`) the 95 % interval of the mean ove
 inside the region of the claim (`REGIONS`): *holds*; outside: *does not hold*; across its edge, or with one
 seed only: *not decided*. A claim that our number cannot refute holds or is *not testable here*. Two surfaces
 are compared seed by seed, since one seed gives both the same random phases. The numbers are estimates at
-vanishing grid spacing, and the error that the grid leaves widens the interval in quadrature. A number that
-does not depend on a random surface has its numerical uncertainty as interval.
+vanishing grid spacing, and the error of the grid that remains widens the interval in quadrature. A number
+that does not depend on a random surface has its numerical uncertainty as interval.
 
 The claim *holds* or *does not hold* if it does under every interpretation. It *depends on* choices if it
 holds under one and does not under another; it is *not decided* if one interpretation does not decide it and
@@ -36,7 +37,7 @@ from asperity.paper.claims.sources import CHOICES
 
 
 class Region(NamedTuple):
-    """Interval in which a claim wants its number."""
+    """Interval in which the number of a claim lies if the claim holds."""
 
     low: float
     high: float
@@ -67,7 +68,7 @@ class Claim:
     compared : str
         What the number is: a ratio of two quantities, or one with its unit.
     region : str
-        Where the sentence wants the number: a name of `REGIONS`, or ``alike``.
+        Region of the number if the sentence holds: a name of `REGIONS`, or ``alike``.
     measure : callable
         Takes the number from the evidence.
     untestable : str
@@ -88,7 +89,7 @@ class Claim:
         return (*getattr(self.measure, "choices", ()), *(("alike",) if self.region == "alike" else ()))
 
     def region_under(self, options: Options) -> Region:
-        """Where the sentence wants the number under an interpretation."""
+        """Region of the number if the sentence holds under an interpretation."""
         if self.region != "alike":
             return REGIONS[self.region]
         share = options.get("alike", CHOICES["alike"][0])
@@ -113,14 +114,14 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Judgement:
-    """The number of a claim under one interpretation, and what it decides: a row of ``interpretations.csv``.
+    """The number of a claim under one interpretation, and its verdict: a row of ``interpretations.csv``.
 
     Parameters
     ----------
     interpretation : mapping
         Choice of the claim → option taken.
     region_low, region_high : float
-        Where the statement wants the number.
+        Region of the number if the statement holds.
     value : float
         Mean over seeds, at vanishing grid spacing where a correction is known.
     value_on_grid : float
@@ -128,9 +129,9 @@ class Judgement:
     standard_error : float
         Over seeds, or the numerical uncertainty; NaN with one seed.
     grid_error : float
-        Error that the grid leaves after its correction.
+        Error of the grid that remains after its correction.
     interval_low, interval_high : float
-        Interval that decides, from both errors.
+        Interval that decides the verdict, from both errors.
     seeds : int
         Number of seeds; 0 if no random surface enters.
     verdict : one of `VERDICTS`
@@ -153,7 +154,7 @@ class Judgement:
 
     @property
     def region(self) -> Region:
-        """Where the statement wants the number."""
+        """Region of the number if the statement holds."""
         return Region(self.region_low, self.region_high)
 
 
@@ -170,7 +171,7 @@ class Finding:
     choices : tuple of names
         Choices on which the verdict depends, or which leave it undecided.
     shown : tuple of Judgement
-        Interpretations that show the verdict: the study's own, or two that tell verdicts apart.
+        Interpretations that show the verdict: the study's own, or two with different verdicts.
     """
 
     claim: Claim

@@ -28,7 +28,7 @@ class Description:
     title : str
         First line of the caption, without the number.
     drawing : str
-        Module and name of its two functions: ``peaks.decay`` stands for ``draw_decay`` and ``caption_decay``.
+        Module and name of its two functions: ``peaks.decay`` names ``draw_decay`` and ``caption_decay``.
     stages : sequence of str
         Stages whose results are drawn.
     number : int, optional
@@ -37,7 +37,7 @@ class Description:
         Studies of the configuration that are shown. With one study an argument maps surfaces to datasets,
         with several it maps studies to such mappings.
     supplement : sequence of str
-        Further studies of which the figure is drawn; for study ``moments``, ``fig09_moments``.
+        Further studies for which the figure is drawn; for study ``moments``, ``fig09_moments``.
     own : str
         Name of the figure for a user's own study; of study ``steel`` it is ``peaks_steel``.
     datasets : sequence of str
@@ -80,7 +80,7 @@ class Description:
         studies : mapping
             Section ``studies`` of the configuration: study → names of its surfaces.
         path : callable
-            Stage and surface, or ``validation`` and dataset → what stands for the result.
+            Stage and surface, or ``validation`` and dataset → path of the result.
         """
 
         def of(stage: str, names: Sequence[str]) -> dict[str, Any]:
@@ -138,7 +138,7 @@ def surfaces_with_load_area(config: Mapping[str, Any]) -> set[str]:
 
 
 def surfaces_with_ratios(config: Mapping[str, Any]) -> set[str]:
-    """Surfaces that are analysed at all Poisson's ratios: of the paper's, those whose ratios are compared."""
+    """Surfaces analysed at all Poisson's ratios; of the paper's surfaces those whose ratios are compared."""
     return _shown(config, lambda figure: figure.several_ratios or config["figures"] != "paper")
 
 

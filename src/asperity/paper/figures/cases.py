@@ -21,11 +21,11 @@ SHEAR_STRESSES = ("xz", "yz", "xy")
 """Quantities as often positive as negative, of which the magnitude is shown."""
 
 SMALLEST_DENSITY = 2e-3
-"""Smallest density, over the largest, to which the axis of a density extends."""
+"""Lower end of the axis of a density, over the largest density."""
 
 LARGEST_OVER_MEDIAN = 10.0
 """Largest value of a peak drawn, over the largest median of the cases. Spikes of a measured map have peaks
-far above, which would flatten all curves; those of random surfaces stay below 6."""
+far above it, which would flatten all curves; peaks of random surfaces are below 6."""
 
 
 @dataclass(frozen=True)

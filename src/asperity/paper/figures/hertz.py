@@ -58,7 +58,7 @@ def draw_load_area(validation: Datasets) -> Figure:
 def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
     """Draw contact area against load, and load against indentation, of slabs of several heights.
 
-    Slabs are stiffer, and that is seen at one indentation, not at one load: a thin line joins the deepest
+    Slabs are stiffer, which shows at equal indentation, not at equal load: a thin line joins the deepest
     point of each slab with that of the half-space at the same indentation, an open marker.
     """
     scale = data.attrs["curvature_radius"]

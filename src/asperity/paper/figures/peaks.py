@@ -33,7 +33,7 @@ MOST = 0.999
 """Share of the peaks that an axis, of value or of depth, shows."""
 
 DEPARTURE = 0.05
-"""Difference between decay curves, over the variance, from which it is marked: the paper finds none."""
+"""Difference between decay curves, over the variance, above which it is marked: the paper finds none."""
 
 SMALLEST_SHARE = 1e-4
 """Smallest joint density drawn, over the largest: the range of the colours."""
@@ -135,7 +135,7 @@ def draw_von_mises(statistics: Mapping[str, Datasets]) -> Figure:
 
 
 def caption_von_mises(statistics: Mapping[str, Datasets]) -> Iterator[str]:
-    """Percentiles over E* ḡ_r, and the gradients and medians that show what this scaling does."""
+    """Percentiles over E* ḡ_r, and the gradients and medians that show the effect of this scaling."""
     for case in [case for study in statistics.values() for case in of_surfaces(study)]:
         contact, outside = (
             float(case.statistics[f"seed_gradient_rms_{where}"].mean()) for where in ("contact", "outside")

@@ -38,7 +38,7 @@ PIXELS = 512
 
 WIDEST = 4.0
 """Largest ratio of the upper end of the colours to the largest pressure of the surface with the smallest
-pressures: one surface with spikes does not make the others pale."""
+pressures: otherwise a surface with spikes would make the others pale."""
 
 
 def draw_spectrum(surface: Datasets) -> Figure:

@@ -25,7 +25,7 @@ _MAX_SCALAR = 2000
 """Largest number of characters of a text or number: long numbers take long to convert."""
 
 _MAX_VALUES = 100_000
-"""Largest number of values in a file, each alias counted as all that it stands for: aliases can be nested."""
+"""Largest number of values in a file, each alias counted as its whole content: aliases can be nested."""
 
 _MAX_DEPTH = 32
 """Largest number of nested levels of keys and lists; a configuration has six."""
@@ -115,7 +115,7 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
 
 
 def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
-    """Number of values in a node, each alias counted as all that it stands for."""
+    """Number of values in a node, each alias counted as its whole content."""
     line = node.start_mark.line + 1
     if depth > _MAX_DEPTH:
         raise ValueError(f"at most {_MAX_DEPTH} levels are accepted, line {line} has more")
@@ -137,7 +137,7 @@ def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
 def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
     """Configuration with an overlay on top of it, merged key by key as Snakemake does.
 
-    The load of section ``contact`` replaces that beneath, which may be another setting.
+    The load of section ``contact`` replaces the load of the configuration, which may be another setting.
     """
     both = dict(config)
     for key, value in overlay.items():

@@ -1,7 +1,7 @@
 """Type, range, unit, default and description of every setting, and the values of those that are left out.
 
 `schema.yaml` describes the settings. A setting is found by its dotted key, such as ``contact.tolerance`` or
-``surfaces.NAME.hurst``, where ``NAME`` stands for a name that the user chooses.
+``surfaces.NAME.hurst``, where ``NAME`` is a placeholder for a name that the user chooses.
 
 A configuration names a preset of accuracy, which sets every source of error at once; a setting that it gives
 itself overrides the preset. Cost and errors of each preset, after the correction of the grid, are measured by
@@ -96,7 +96,7 @@ def number(value: float) -> str:
 
 @dataclass(frozen=True)
 class AccuracySettings:
-    """Settings that decide about accuracy, one for every source of error.
+    """Settings of accuracy, one for every source of error.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class AccuracySettings:
     precision : "float64" or "float32"
         Floating-point precision of the contact problem.
     depth_tolerance : float
-        Largest error of a deep plane from computing it on a coarser grid.
+        Largest error that a coarser grid may cause in a deep plane.
     depth_spacing : float
         Distance between planes near the surface, in grid spacings.
     half_space_tolerance : float

@@ -1,7 +1,8 @@
 """The configuration of one study: its files merged, checked and completed, and its folder of results.
 
-A study stands alone: what its files do not ask for is not made. A file with ``based_on: config/config.yaml``,
-or the name of another study, changes that one: the settings of the file beneath hold where it gives none.
+Only what the files of a study ask for is computed. A file with ``based_on: config/config.yaml``, or with
+the name of another study, is a variant of that study: the settings of the base hold where the file gives
+none.
 """
 
 import os
@@ -60,7 +61,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
                 f"one such as results/mine is needed"
             )
     config = check(config)
-    # Without NumPy the study is planned, and runs in another environment.
+    # Without NumPy the study is only planned here; its jobs run in another environment.
     if (missing := absent([config["fft_engine"]])) and not absent(["numpy"]):
         raise ConfigError(f"fft_engine = {shown(config['fft_engine'])}: {message(missing)}")
     if "results" in given:
@@ -89,7 +90,8 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
 
 
 def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str, Any]:
-    """A configuration with the file beneath it that ``based_on`` names, and the files beneath that.
+    """A configuration merged onto the file that ``based_on`` names, and onto the files on which that is
+    based.
 
     Parameters
     ----------

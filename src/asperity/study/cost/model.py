@@ -33,7 +33,7 @@ PAPER_SPACING = 0.5
 """Distance between planes, in grid spacings, to which the times of `jobs.csv` belong."""
 
 LARGE_GRID = 2048**2
-"""Nodes above which the memory of a job may grow more slowly: of larger planes the stress keeps one, not two
+"""Nodes above which the memory of a job may grow more slowly: on larger planes the stress keeps one, not two
 (`asperity.stress.planes.stream.KEPT_BYTES`)."""
 
 
@@ -80,7 +80,7 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     job : str
         A rule of the workflow, or ``load-area curve`` for a contact with several loads.
     nodes : int
-        Nodes of the grid; of figures, those of all fields that one of them holds.
+        Nodes of the grid; for figures, the nodes of all fields that one figure shows.
     repetitions : int
         Loads of a contact, Poisson's ratios times lateral conditions of a stress, seeds of statistics,
         figures that one job draws.

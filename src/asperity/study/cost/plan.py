@@ -171,7 +171,7 @@ VARIED = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space_t
 def measured() -> pd.DataFrame:
     """Measured errors: area_fraction, parameter, setting, output, on_grid, and error after correction."""
     table = pd.read_csv(files("asperity.study.cost").joinpath("errors.csv"), dtype={"setting": str})
-    return table[table["output"] != "seconds"]  # which the tables of the pages show
+    return table[table["output"] != "seconds"]  # the tables of the pages show the seconds
 
 
 def outputs() -> list[str]:
@@ -320,7 +320,8 @@ def error_bounds(
 
     paper = PRESETS["paper"]
     limits = {name: getattr(accuracy, name) for name in VARIED}
-    # It was varied on the grid of the paper; the errors of the grids hold that of the spacing there.
+    # The spacing was varied on the grid of the paper; the errors of the grids include that of the spacing
+    # there.
     limits["depth_spacing"] *= paper.points_per_wavelength / accuracy.points_per_wavelength
     if limits["depth_spacing"] <= paper.depth_spacing:
         limits["depth_spacing"] = 0

@@ -37,7 +37,7 @@ FEWEST_BINS = 10
 """Smallest number of bins of the densities, however few the peaks."""
 
 QUANTILES = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
-"""Shares of the peaks at which quantiles are kept: every percent, above 99 % every tenth of a percent."""
+"""Shares of the peaks at which quantiles are stored: every percent, above 99 % every tenth of a percent."""
 
 LARGE_PATCH = 30
 """A patch of contact is large if it has more nodes than this."""
@@ -57,7 +57,7 @@ WORST_NODE = 100
 """Factor by which a single node may exceed the solver's tolerance, which is a norm over all nodes."""
 
 REFINEMENT = 0.25
-"""Part by which a peak between nodes may exceed the largest value at a node, with eight nodes on a wave."""
+"""Fraction by which a peak between nodes may exceed the largest nodal value, with eight nodes on a wave."""
 
 CERTIFIED = {
     "penetration": "penetration over its length scale",
@@ -139,8 +139,8 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     Parameters
     ----------
     surface, contact, stress : datasets
-        Results of the stages of these names. The numbers of the stress are taken from its dataset if it has
-        them.
+        Results of the stages of these names. The numbers of the stress are taken from the dataset of the
+        stress if it has them.
 
     Returns
     -------

@@ -77,13 +77,13 @@ def compute_stress(
     -------
     dict
         Condition of the mean (q = 0) mode, that of the layer first → dataset as of `analyse_stress`. The
-        planes of a half-space reach down to the height of the layer that it stands for. A layer has only the
+        planes of a half-space reach down to the height of the layer that it replaces. A layer has only the
         Poisson's ratio of its contact.
 
     Raises
     ------
     ValueError
-        If the half-space of the contact does not stand for the layer at another Poisson's ratio.
+        If the half-space of the contact cannot replace the layer at another Poisson's ratio.
     """
     layer, _ = solid(layer_settings)
     grid = grid_of(contact)

@@ -30,7 +30,7 @@ from asperity.study.validation.indenter import CURVATURE_RADIUS, paraboloid
 from asperity.surface.self_affine import self_affine
 
 RTOL = 1e-8
-"""Tolerance of the solver, whose error is then far below those that are compared."""
+"""Tolerance of the solver: its error is then far below the errors that are compared."""
 
 SEMI_MINOR = 0.3
 """Smaller semi-axis of the contacts on an isolated map, over the shorter edge of the map."""
@@ -90,8 +90,8 @@ def slab_load_area(
 ) -> xr.Dataset:
     """Load and contact area of bonded slabs of several heights, against the half-space (figure 2b, c).
 
-    Each slab is indented to the paper's depth. That depth, 0.02 (slab height × cell edge) / R, is reached in
-    steps that are even in the contact radius; the first is at half of the last radius. The stiffening is the
+    Each slab is indented to the paper's depth. That depth, 0.02 (slab height × cell edge) / R, is reached
+    in equal steps of the contact radius; the first is at half of the last radius. The stiffening is the
     load divided by that of a single Hertz contact with a half-space at the same approach: at the same
     contact area the loads of slab and half-space nearly agree.
 

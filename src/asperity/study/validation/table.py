@@ -1,4 +1,4 @@
-"""Comparisons of the study: the functions that make them, and the errors that they must keep.
+"""Comparisons of the study: the functions that make them, and the bounds of their errors.
 
 `CHECKS`, read from `checks.yaml`, is the one list of errors with their bounds. The study writes them as a
 table (``results/validation/table.csv``), and ``tests/physics/test_validation.py`` asserts each.

@@ -26,10 +26,10 @@ LARGEST_HEIGHT = 1e6
 """Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
 
 REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, EQUAL_HEIGHTS = 1e-3, 10, 2**16, 1e-9
-"""A height stands for missing data if more than this share of the points has it, and this many times as many
-points as have any of the next heights. It is sought in a sample of so many points; heights closer than this
-fraction of the interquartile range are equal. Neighbouring steps of a coarse quantisation have about as many
-points as each other; a plateau of one exact height is reported too."""
+"""A height marks missing data if more than this share of the points has it, and if this many times as many
+points have it as have any of the neighbouring heights. It is sought in a sample of so many points; heights
+closer than this fraction of the interquartile range are equal. Neighbouring steps of a coarse quantisation
+have about as many points as each other; a plateau of one exact height is reported too."""
 
 AGREEMENT = 1e-3
 """Relative difference up to which a value of the caller agrees with that of the file: one pixel of 1000."""
@@ -110,7 +110,7 @@ class MapFile:
     options : MapOptions
         The options given; for a file with several channels, with the one that was chosen.
     edges_known, unit_stated : bool
-        True if the edges are known, and if the file says its unit.
+        True if the edges are known, and if the file states its unit.
     """
 
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
@@ -218,7 +218,7 @@ class MapFile:
 
 
 def repeated_height(height: Array) -> tuple[float, int] | None:
-    """A height that so many points share that it may stand for missing data, and their number.
+    """A height that so many points share that it may mark missing data, and their number.
 
     More than `REPEATED_SHARE` of the points have it, and `REPEATED_RATIO` times as many as have any of the
     next heights. It is looked for in a sample of the points, if they are not mostly equal.

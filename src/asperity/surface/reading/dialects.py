@@ -218,7 +218,7 @@ def _gwyddion_unit(field: dict[str, Any], axis: str) -> str:
 
 
 def corrected(format_name: str, begin: bytes, info: Any, content: FileContent) -> FileContent:
-    """The content with those units and missing points put right that SurfaceTopography reads wrongly.
+    """The content with corrected units and missing points, where SurfaceTopography reads them wrongly.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class Format:
         Makers of such files.
     extensions : list of str
     begins : str
-        Regular expression for the first bytes; empty if they tell nothing.
+        Regular expression for the first bytes; empty if they are not characteristic.
     holds : str
         Regular expression for a member of a ZIP archive.
     reader : str

@@ -2,9 +2,9 @@
 
 Two conventions meet here. A **map** of an instrument shows its peaks upward. The height that
 `asperity.contact.solve` takes is the **lower face** of an indenter, measured upward: its lowest points touch
-first. One is minus the other, so every `HeightMap` says which of the two it holds, and x and y stay as they
-are. The files of instruments are maps; results of asperity hold lower faces and say so; a bare array of
-numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader has to be told.
+first. One is minus the other, so every `HeightMap` states which of the two it holds; x and y are the same
+in both. The files of instruments are maps; results of asperity hold lower faces and say so; a bare array of
+numbers (NPY, MATLAB, HDF5, text without a header) can be either, and the user has to state which.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ MOST_POINTS = 2**16
 """Most nodes on the longer edge of a map that is resampled: 34 GB."""
 
 ORIENTATION_NEEDED = (
-    f"orientation: the file does not say which way is up; set it to {PEAKS_UP!r} (a map of an instrument) "
+    f"orientation: the file does not state which way is up; set it to {PEAKS_UP!r} (a map of an instrument) "
     f"or {LOWER_FACE!r} (the height of an indenter as solve takes it)"
 )
 
@@ -95,14 +95,14 @@ class MapOptions:
     unit : str, optional
         Unit of the heights, and of edges given as numbers, for files that do not contain it.
     channel : str or int, optional
-        Name or number of the channel; by default the one that holds heights by its name.
+        Name or number of the channel; by default the one whose name says that it holds heights.
     missing : float, optional
-        Number in the file, or height in its unit, that stands for points without data.
+        Number in the file, or height in its unit, that marks points without data.
     orientation : "peaks up" or "lower face", optional
         Meaning of the heights, for files that do not say it.
     format : str, optional
-        Format as ``docs/formats.md`` names it. Needed for formats without a signature (``hgt``), in which any
-        file could be read, and for a line scan, which ``profile`` declares; others are recognised.
+        Format as ``docs/formats.md`` names it. Needed for formats without a signature (``hgt``), as which
+        any file could be read, and for a line scan (``profile``); other formats are recognised.
     max_memory : float
         Largest size of the unpacked file in GiB.
     detrend : "none", "tilt" or "curvature"
@@ -125,7 +125,7 @@ class MapOptions:
     despike : float, optional
         Spikes beyond this number of robust standard deviations from the local median, at least 3, are
         replaced by a harmonic function; see `asperity.surface.treatment.levelling.find_spikes`. By default
-        none is.
+        no point is replaced.
     wavelength_short : float or str, optional
         Waves shorter than this are removed, from two nodes to the longer edge.
     points : int, optional
@@ -135,13 +135,13 @@ class MapOptions:
         Radius of a sphere or cylinder whose form is added to the roughness, its lowest point or line in the
         middle of the map.
     form : "sphere" or "cylinder"
-        What the radius is of.
+        Form to which the radius belongs.
     cylinder_axis : "y" or "x"
         Direction of the axis of a cylinder.
 
     Examples
     --------
-    For an array of numpy, which says neither size nor unit nor which way is up:
+    For an array of numpy, which contains neither size nor unit nor orientation:
 
     >>> asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up").unit
     'nm'

@@ -37,7 +37,7 @@ ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
 
 PROFILE_LINES = 4
-"""Number of equal lines in the map that stands for a line scan, which does not vary along y."""
+"""Number of equal lines in the map made from a line scan, which does not vary along y."""
 
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
@@ -65,7 +65,7 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
     path : path
         In one of the formats that docs/formats.md lists, also packed by gzip.
     options : MapOptions, optional
-        What is known of the map beside its file; how it is treated is not used.
+        Properties of the map that its file does not state; options of the treatment are not used.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 

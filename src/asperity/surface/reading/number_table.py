@@ -18,8 +18,8 @@ from asperity.core.errors import shown
 from asperity.core.types import Array
 
 MERGE_DISTANCE = 1e-6
-"""Positions nearer than this, relative to the extent of the points, are one column or row of the grid:
-the rounding of single precision and of seven printed digits."""
+"""Positions nearer than this, relative to the extent of the points, are one column or row of the grid; it
+allows for the rounding of single precision and of seven printed digits."""
 
 GRID_TOLERANCE = 0.05
 """Largest distance of a point from its grid node, in units of the spacing; positions printed with three
@@ -221,7 +221,7 @@ def find_dialect(text: str) -> Dialect | None:
 
 
 def _has_thousands(lines: list[str]) -> bool:
-    """True if all commas of quoted numbers may part thousands, and some numbers of a column have none."""
+    """True if all commas of quoted numbers may separate thousands, and some numbers of a column have none."""
     commas: dict[int, set[bool]] = {}
     for line in lines:
         for number, field in enumerate(Dialect(",", ",", False).fields(line)):

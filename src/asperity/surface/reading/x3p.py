@@ -1,7 +1,7 @@
 """Maps in the format X3P of ISO 25178-72 (earlier ISO 5436-2), in all variants that programs write.
 
 The archive holds ``main.xml`` at its top or in a folder. Heights are in a binary member, or listed in the
-XML; a checksum that is stated has to be right. Lengths are in metres.
+XML; a checksum that is stated has to match. Lengths are in metres.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""Two measured maps pressed face to face, as the one rough face that the contact needs.
+"""Two measured maps pressed face to face, combined into the single rough face that the contact needs.
 
 Both maps were measured with their peaks upward. The lower one lies as it was measured. The upper one is
 turned over about an axis through the middle of its map, so that its peaks point down, and is laid on the
@@ -34,7 +34,7 @@ class FacedMaps(NamedTuple):
     ----------
     map : HeightMap
         The combined lower face, on the pixels of the lower map that both maps cover. It is periodic if both
-        maps are, which need the same edges then.
+        maps are; these then need the same edges.
     origin : (y, x)
         Corner of the common area on the lower map.
     whole : bool
@@ -58,7 +58,7 @@ def face_to_face(
     turned_about: str = "y",
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> FacedMaps:
-    """The rough face that stands for two measured maps pressed against each other.
+    """The rough face that is equivalent to two measured maps pressed against each other.
 
     Parameters
     ----------
@@ -145,7 +145,8 @@ def face_to_face(
         size = lower.shown_length(*combined.length, digits=4)
         y, x = (lower.shown_length(corner, digits=4) for corner in origin)
         done.append(
-            f"the maps have {size} in common; places count from its corner, y = {y} and x = {x} of the map"
+            f"the maps have {size} in common; positions are measured from the corner of this area, "
+            f"y = {y} and x = {x} of the map"
         )
     if not all(on_nodes):
         done.append("counter map interpolated to the pixels of the map")

@@ -16,8 +16,8 @@ MEDIAN_POINTS = 5
 """Edge of the square of points in which the local median is taken."""
 
 LONGEST_SPIKE = 5
-"""Edge of the largest square of points that is a spike; a group that extends farther is a scratch, a step or
-a particle, and stays."""
+"""Edge of the largest square of points that is a spike; a group that extends farther is a scratch, a step
+or a particle, and is kept."""
 
 SHARPEST_PEAK = 1.75
 """Fourth over second differences of the heights about the sharpest peak that is no spike. A spike of one
@@ -31,7 +31,7 @@ _MAX_DESPIKE_ITERATIONS = 10
 
 
 def find_spikes(height: Array, threshold: float) -> Array:
-    """Points of a map that stand out of their surroundings, and are too sharp for its waves.
+    """Points of a map that differ from their surroundings and are too sharp for its waves.
 
     A spike differs from the local median by more than `threshold` robust standard deviations of the local
     roughness (1.4826 times the median of the absolute difference between height and local mean), and belongs
@@ -88,9 +88,9 @@ def find_spikes(height: Array, threshold: float) -> Array:
 def _neighbours(height: Array, axis: int) -> list[Array]:
     """The heights shifted by −2 to 2 points along an axis.
 
-    Beyond an edge they go on as the point reflection at the edge, so that a slope has no bend there. The
-    height of the edge is the median of itself and of two extrapolations, so that a spike in it is none of the
-    reflection.
+    Beyond an edge they are continued by point reflection at the edge, so that a slope has no bend there.
+    The height of the edge is the median of itself and of two extrapolations, so that a spike in it does not
+    enter the reflection.
     """
     half = MEDIAN_POINTS // 2
     n = height.shape[axis]
@@ -253,9 +253,9 @@ def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | 
 def level_lines(height: Array, how: str) -> tuple[Array, Array]:
     """The heights without the offsets between their scan lines, which run along x, and these offsets.
 
-    ``median`` takes the median of every line off it. ``matched`` takes the median of the differences between
-    neighbouring lines for their offset, which keeps a slope across the lines less its median step, and steps
-    that cross less than half of a line.
+    ``median`` subtracts the median of every line. ``matched`` uses the median of the differences between
+    neighbouring lines as their offset, which keeps steps that cross less than half of a line, and a slope
+    across the lines except for its median step.
 
     Parameters
     ----------

@@ -91,7 +91,7 @@ class TreatedMap:
     Parameters
     ----------
     height : (ny, nx) array
-        Heights measured upward, with mean zero but for an added form.
+        Heights measured upward, with mean zero before a form is added.
     grid : Grid
         Grid of the heights, in their unit.
     wavelength_short : float
@@ -145,10 +145,11 @@ class TreatedMap:
         return field[: self.map_shape[0], : self.map_shape[1]]
 
     def is_on_map(self, y: Array, x: Array) -> Array:
-        """True for places in the cell that belong to the map, and not to one of its mirror images.
+        """True for positions in the cell that belong to the map, and not to one of its mirror images.
 
-        A peak on the mirror is found between a node of the map and its image, to rounding: places up to the
-        nearest nodes of the images belong to the map. There is no second peak so near to the mirror.
+        A peak on the mirror line is found between a node of the map and its image, up to rounding:
+        positions up to the nearest nodes of the images belong to the map. There is no second peak so near
+        to the mirror.
         """
         own = np.ones(np.shape(y), bool)
         if self.is_mirrored:
@@ -157,10 +158,10 @@ class TreatedMap:
         return own
 
     def on_map(self, y: Array | float, x: Array | float) -> tuple[Array, Array]:
-        """Places on the map of places in the cell, which may lie in a mirror image of the map.
+        """Positions on the map of positions in the cell, which may lie in a mirror image of the map.
 
-        Mirror images repeat the outermost row and column: the mirror stands half a spacing beyond the last
-        node. Between the mirror and the first node the map has no node of its own.
+        Mirror images repeat the outermost row and column: the mirror line lies half a spacing beyond the
+        last node. Between the mirror line and the first node the map has no node of its own.
         """
         found = []
         for position, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
@@ -207,7 +208,7 @@ def prepare_map(path: FilePath, options: MapOptions | None = None, **given: Any)
 
 
 def usable_map(path: FilePath, options: MapOptions, needs_unit: bool = True) -> HeightMap:
-    """The map in a file, if file and options say all that its treatment needs."""
+    """The map in a file, if file and options state all that its treatment needs."""
     found = open_map(path, options)
     if problems := missing_options(found, options, needs_unit):
         raise MapError(os.fspath(path), problems)
@@ -229,7 +230,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     ----------
     surface : HeightMap
     options : MapOptions, optional
-        What is known of a file is not used.
+        Options on the content of a file are not used.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 
@@ -437,7 +438,7 @@ def _lengths(
 def _filtered(
     level: Array, surface: HeightMap, options: MapOptions, grid: Grid
 ) -> tuple[Array, tuple[float, float], list[str]]:
-    """Heights after the Gaussian filters, what these leave of rms height and gradient, and that in words."""
+    """Heights after the Gaussian filters, remaining shares of rms height and gradient, and these in words."""
     given = {"s_filter": options.s_filter, "l_filter": options.l_filter}
     index = {name: surface.in_map_unit(name, value) for name, value in given.items() if value is not None}
     if not index:
