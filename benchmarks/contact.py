@@ -164,7 +164,7 @@ def run_once(options: argparse.Namespace) -> None:
             pressure, iterations, certificate = solve(solver, height, load, tolerance, options.boundary)
             processor, wall = time.process_time() - processor, time.perf_counter() - wall
         spent += processor
-        if not number:  # later runs find memory that this one has left
+        if not number:  # later runs reuse memory that this one has freed
             added = (1e6 * peak_memory() - before) / height.size
             memory = {"memory_GB": peak_memory() / 1e3, "bytes_per_node": added}
         if processor < cost["seconds"]:

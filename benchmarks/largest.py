@@ -46,7 +46,7 @@ def table(seed: int) -> pd.DataFrame:
             first = range(0, CELLS, FEW)
             found = [largest_on(sizes[number : number + FEW], FEW, CELLS) for number in first]
             if hardness is not None and name == "pressure":
-                continue  # is the hardness
+                continue  # the largest pressure is the hardness
             rows.append(
                 {
                     "contact": kind,

@@ -1,4 +1,4 @@
-"""Peak of the resident memory of this process, as Linux tells it."""
+"""Peak of the resident memory of this process, as reported by Linux."""
 
 from pathlib import Path
 

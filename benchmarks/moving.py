@@ -1,4 +1,4 @@
-"""Error of few shifts, its estimate, and cost of cycles of two rough faces in units of one stress analysis.
+"""Cycles of two rough faces: error of few shifts, its estimate, and cost in units of one stress analysis.
 
 OMP_NUM_THREADS=1 python benchmarks/moving.py --grid 128 --seeds 3
 """

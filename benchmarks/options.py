@@ -1,4 +1,5 @@
-"""Cost of hardness, load curves, cycles, coatings, partial slip and the gap, over that of what they extend.
+"""Cost of hardness, load curves, cycles, coatings, partial slip and the gap, over that of the plain
+calculation.
 
 python benchmarks/options.py --grid 1024 --out options.csv
 """
@@ -24,7 +25,7 @@ COATINGS = (0.1, 3.0)
 """Young's modulus of coatings over that of the base."""
 
 TOLERANCE = 1e-4
-"""Of the planes of stress, as in `asperity run`."""
+"""Tolerance of the planes of stress, as in `asperity run`."""
 
 
 def seconds(call: Callable[[], Any]) -> float:
@@ -38,7 +39,7 @@ def seconds(call: Callable[[], Any]) -> float:
 
 
 def rows(points: int) -> Iterator[tuple[str, str, float]]:
-    """Option, what its time is divided by, and the ratio."""
+    """Option, the calculation by whose time its time is divided, and the ratio."""
     height = asp.self_affine((points, points), 0.8, 0.25, 8 / points, rms_height=1e-3, seed=1)
     solid, gradient = asp.Layer(1.0, 0.0), asp.roughness_parameters(height).rms_gradient
     load = 0.02 * gradient

@@ -22,7 +22,7 @@ from asperity.engineering import Body, run
 DATA = Path(__file__).parents[1] / "tests" / "data"
 FILES = sorted(path.name for path in DATA.glob("steel*"))
 NEEDED = {"steel.npy": {"unit": "um", "physical_size": ("80 um", "96 um"), "orientation": "peaks up"}}
-"""What a file does not say."""
+"""Options for properties that a file does not state."""
 
 NUMBERS = {
     "real contact": "1",

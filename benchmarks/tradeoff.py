@@ -8,7 +8,7 @@ loads that make 2 and 10 % contact. Grids are compared with the estimate of `asp
 on λ_s. Every other parameter is varied alone from a converged reference on 8 nodes. The error of an output is
 the largest of all surfaces under that load. Times are those of a surface with λ_s = L/256, as the paper has.
 
-Written are ``src/asperity/study/cost/errors.csv``, from which `asperity plan` is made, the tables of
+Written are ``src/asperity/study/cost/errors.csv``, which `asperity plan` uses, the tables of
 ``docs/tradeoff.md`` and ``config/README.md``, and the figure of both ``docs`` and ``paper``.
 """
 
@@ -133,7 +133,7 @@ def runs(hurst: float, area: float) -> Iterator[tuple[str, str, pd.DataFrame]]:
 
 
 def varied(surface: dict[str, float], load: dict[str, float]) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """The same for every parameter but the grid, whose errors are those of the values on the grid."""
+    """The same for every parameter except the grid; errors are those of the values on the grid."""
     converged = pressed(surface, PAPER, load, **CONVERGED)[1]["on_grid"]
     for parameter, settings in VARIED.items():
         for setting in settings:

@@ -80,7 +80,7 @@ TOLERANCES = (
     Tolerance(
         r"contact\.(area_fraction|patch)|.*\.count|profile\.reference_depth",
         1e-3,
-        "decided node by node, room for one node in a thousand; neither change moves any",
+        "counts of nodes, with an allowance of one node in a thousand; neither change moves any",
     ),
     Tolerance(
         r".*",
@@ -88,7 +88,7 @@ TOLERANCES = (
         "heights changed by 1e-13 move them by 2e-11, a tenth of the contact's tolerance by 2e-4",
     ),
 )
-"""The first pattern that matches applies. The changes named are the largest of all surfaces."""
+"""The first pattern that matches applies. The changes named are the largest over all surfaces."""
 
 
 class Drift(NamedTuple):

@@ -49,7 +49,7 @@ def environment() -> str:
     lines = "".join(f"      - {requirement}\n" for requirement in needed)
     return f"""\
 # The environment of every rule: what the library needs. A job finds the library itself by the path of
-# Snakemake, which copies this file: no path to the checkout can stand in it. Made by `make metadata`.
+# Snakemake, which copies this file: it cannot contain a path to the checkout. Made by `make metadata`.
 # In a checkout: conda env create --name asperity --file workflow/envs/asperity.yaml
 #                conda run --name asperity pip install --no-deps --editable .
 channels: [conda-forge, nodefaults]
@@ -61,7 +61,7 @@ dependencies:
 
 
 def config_schema() -> str:
-    """JSON Schema of a configuration, in the words of the standard alone."""
+    """JSON Schema of a configuration, with keywords of the standard only."""
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     text = yaml.safe_dump(head | standard(schema()), allow_unicode=True, sort_keys=False, width=120)
     return (
@@ -70,7 +70,7 @@ def config_schema() -> str:
 
 
 def standard(entry: Any) -> Any:
-    """An entry of the schema without keywords of our own; the unit is in the description."""
+    """An entry of the schema without keywords of asperity; the unit is added to the description."""
     if isinstance(entry, list):
         return [standard(each) for each in entry]
     if not isinstance(entry, Mapping):

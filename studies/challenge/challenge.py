@@ -48,7 +48,7 @@ PRESSURES = Path("docs/challenge_pressures.csv")
 STRESSES = Path("docs/challenge_stress.csv")
 PROFILES = Path("docs/challenge_profiles.csv")
 TOLERANCE = 1e-4
-"""Of the stress in planes on coarser grids, which are in single precision."""
+"""Tolerance of the stress in planes on coarser grids, which are in single precision."""
 
 SECOND_ORDER = ("mean_gap", "max_pressure")
 """Numbers whose error falls with the square of the spacing."""
@@ -103,7 +103,7 @@ def contacts(
         )
         counts, _ = np.histogram(contact.pressure[touching] / unit, BINS)
         densities.append(counts / (touching.size * np.diff(BINS)))
-        del contact, touching  # whose fields the next solution has no room beside, on the largest grid
+        del contact, touching  # on the largest grid the next solution needs the memory of these fields
         start = time.process_time()
     table = pd.DataFrame(rows, index=pd.Index(loads, name="load")).to_xarray()
     table["density"] = ("load", "bin"), np.array(densities)

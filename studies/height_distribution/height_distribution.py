@@ -1,4 +1,4 @@
-"""What do skewness and kurtosis of the heights change at one spectrum? Writes docs/height_distribution.md.
+"""Effects of skewness and kurtosis of the heights at one spectrum: writes docs/height_distribution.md.
 
     python studies/height_distribution/height_distribution.py studies/height_distribution/config.yaml
 

@@ -1,4 +1,5 @@
-"""Do height and depth of the von Mises peaks lie on one curve? Writes docs/master_curve.md, .csv and .png.
+"""Test whether height and depth of the von Mises peaks follow one curve: writes docs/master_curve.md,
+.csv, .png.
 
     python studies/master_curve/master_curve.py studies/master_curve/config.yaml
 
@@ -6,7 +7,7 @@ computes the surfaces that are missing in the folder of results, then the table 
 a configuration the page is written from the table that is kept. Run it in the project's folder.
 
 A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a scale
-is the root mean square of what is left of ln(y/s) after subtracting the mean of each Poisson's ratio, over
+is the root mean square of ln(y/s) after subtraction of the mean of each Poisson's ratio, over
 all surfaces and areas. All errors are standard errors of the jackknife over surfaces.
 """
 
@@ -56,7 +57,7 @@ DEPTH_SCALES = {
 
 WAVELENGTH = "depth_wavelength"
 COLLAPSED = 0.05
-"""Largest scatter of what is called one curve."""
+"""Largest scatter that counts as one curve."""
 
 REFERENCE = 0.33
 """Poisson's ratio to which the others are compared."""
@@ -168,7 +169,7 @@ def _fit(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> Array:
 
 
 def _left(rows: pd.DataFrame, key: str, terms: Sequence[str], coefficients: Array) -> Array:
-    """What is left of the logarithm of a number after a fit."""
+    """Residual of the logarithm of a number after a fit."""
     return np.log(rows[key].to_numpy()) - _design(rows, terms) @ coefficients
 
 

@@ -40,10 +40,10 @@ OUTCOMES = (
     *("no cell", "certified and checked", "certified", "not converged"),
     *("refused", "wrong", "warned", "failed"),
 )
-"""Outcomes of a case, by number; "no cell" stands for two levels of the same setting."""
+"""Outcomes of a case, by number; "no cell" marks two levels of the same setting."""
 
 NAMING = (" = ", "height:")
-"""One of them is in a message that names an argument."""
+"""A message that names an argument contains one of them."""
 
 NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED, WRONG, WARNED, FAILED = range(len(OUTCOMES))
 ACCEPTABLE = (NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED)

@@ -25,7 +25,7 @@ class Nodes:
     ----------
     shape : (ny, nx)
     size : float
-        Radius or width of what a family makes, over the edge of the cell.
+        Radius or width of the feature of a family, over the edge of the cell.
     seed : int
     """
 

@@ -17,11 +17,13 @@ ACCEPTABLE = (*SOLVED, REFUSED)
 """Outcomes that are no defect."""
 
 REFUSALS = ("area_fraction = ", "approach = ", "dtype = ")
-"""Beginnings of the messages that refuse what has no solution: full contact beyond the hardness, the mean
-height of a solid without uniform displacement, and heights that single precision does not hold."""
+"""Beginnings of the messages that refuse problems without a solution: full contact beyond the hardness, an
+approach to the mean height on a solid without uniform displacement, and heights that single precision
+cannot hold."""
 
 REPEATED = 4.0
-"""Multiple of the median of its grid from which the time of a contact is the less of two."""
+"""A contact that takes more than this multiple of the median of its grid is timed twice, and the shorter
+time counts."""
 
 
 def family_outcomes(every: int = 1) -> xr.Dataset:

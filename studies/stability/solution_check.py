@@ -11,14 +11,15 @@ A solution holds if
   of the pressure. The exact solution is the direct one of `asperity.reference.pivoting` with up to
   `DIRECT_NODES` contact nodes; otherwise the difference is bounded in the norm of the elastic energy.
 
-The certificate is that of heights cut off above all that the displaced surface reaches, for which the
-pressure is the same: nodes that nothing reaches would set the scale of its lengths otherwise. Heights are
+The certificate is computed for heights that are cut off above the reach of the displaced surface, for which
+the pressure is the same: otherwise nodes that nothing touches would set the scale of its lengths. Heights are
 measured from the lowest one.
 
-The bound rests on this: a pressure is the exact one of heights that are less by what is wrong with its gap,
-and a change of the heights changes the exact pressure by at most the inverse of the compliance times that
-change, in the norm of the energy. The inverse of a compliance restricted to some nodes is at most the same
-restriction of the inverse. With a free boundary it is the inverse of a dense matrix, up to `FREE_NODES`.
+The bound follows from two facts: a pressure is the exact one for heights that are reduced by the error of
+its gap, and a change of the heights changes the exact pressure by at most the inverse of the compliance
+times that change, in the norm of the energy. The inverse of a compliance restricted to some nodes is at
+most the same restriction of the inverse. With a free boundary it is the inverse of a dense matrix, up to
+`FREE_NODES`.
 """
 
 import math
@@ -140,7 +141,7 @@ def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance
     violation = max(violation, ALLOWED_AT_NODE / ALLOWED * certificate.load_imbalance / tolerance)
     if not violation <= ALLOWED_AT_NODE:
         return SolutionCheck(violation, reason=str(certificate))
-    # On a solid that bends more load may close fewer nodes.
+    # On a solid that bends, a larger load may close fewer nodes.
     bends = contact.solid.height is not None and contact.solid.height < 0.1 * min(contact.grid.length)
     if (
         "area_fraction" in imposed
@@ -181,8 +182,8 @@ def energy_error(
     Returns
     -------
     error, noise : float
-        The bound, NaN on a free map of more than `FREE_NODES`, and the part of it that rounding makes: that
-        of the heights by so much, and that of the displacement.
+        The bound, NaN on a free map of more than `FREE_NODES`, and the part of it due to rounding of the
+        heights and of the displacement.
     """
     if contact.boundary == "periodic":
         response: _PeriodicResponse | _FreeResponse = _PeriodicResponse(

@@ -15,8 +15,9 @@ VARIANCE = 0.25
 """Variance of the pressure in full contact over (E*ḡ)²: Σ (E* q/2)² |h|²."""
 
 TERMS = 400
-"""Terms of the series: the last one is exp(−2e4 / p_H²) at the variance of full contact, far below rounding for
-hardnesses up to 4, and up to TERMS π/p_H beyond which no load is resolved at vanishing variance."""
+"""Terms of the series: the last one is exp(−2e4 / p_H²) at the variance of full contact, far below
+rounding for hardnesses up to 4, and up to TERMS π/p_H beyond which no load is resolved at vanishing
+variance."""
 
 GAMMA = 0.45
 """Factor of the elastic energy of partial contact, as quoted with Persson's theory; 1 in its first form."""
@@ -41,8 +42,8 @@ def elastoplastic_areas(
 
         P = (2/p_H) Σ sin(α_n σ) sin(α_n p̄) exp(−α_n² v/2).
 
-    The elastic area is the integral of P, and the plastic one the current −½ ∂P/∂σ through σ = p_H over v. The
-    load p̄ is carried by both: ∫ σ P dσ + p_H A_plastic = p̄.
+    The elastic area is the integral of P, and the plastic one the current −½ ∂P/∂σ through σ = p_H over v.
+    The load p̄ is carried by both: ∫ σ P dσ + p_H A_plastic = p̄.
     """
     load, hardness = np.broadcast_arrays(load, hardness)
     n = np.arange(1, TERMS + 1)
@@ -55,7 +56,8 @@ def elastoplastic_areas(
 
 
 def cavity_pressure(hardness: ArrayLike) -> Array:
-    """Mean pressure of an indentation after Johnson's expanding cavity, with a yield stress of a third of p_H.
+    """Mean pressure of an indentation after Johnson's expanding cavity, with a yield stress of a third of
+    p_H.
 
     p_m = (2/3) Y [1 + ln(E* tan β / (3 Y))], between first yield at 1.1 Y and the hardness 3 Y, with the rms
     gradient as tan β. K. L. Johnson, J. Mech. Phys. Solids 18 (1970) 115, doi 10.1016/0022-5096(70)90029-3.

@@ -81,9 +81,9 @@ def rings_of(field: Array) -> tuple[Array, Array]:
 def plastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dataset:
     """Elastic and plastic area under every load below each hardness, estimated from both grids.
 
-    Nodes count with their whole pixels: the area of contact loses a strip along its boundary, as in
-    `asperity.continuum`, and the plastic area, whose nodes are those of which the whole pixel would bear the
-    hardness, gains one of the same width.
+    Nodes count with their whole pixels. Therefore a strip along its boundary is subtracted from the area of
+    contact, as in `asperity.continuum`, and a strip of the same width is added to the plastic area, whose
+    nodes are those whose whole pixel would bear the hardness.
     """
     loads, hardnesses = config["plastic"]["loads"], config["plastic"]["hardness"]
     half = on_half_the_nodes(height, asp.Grid(height.shape))[0]

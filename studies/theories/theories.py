@@ -191,7 +191,7 @@ def _points(axis: Any, rows: pd.DataFrame, key: str, number: int, label: str, **
 def _labelled(axis: Any, y: str, **scales: str) -> None:
     axis.set(xlabel=r"$\bar{p} / E^*\bar{g}$", ylabel=y, **({"xscale": "log"} | scales))
     for one, limits in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
-        if one.get_scale() == "log" and limits[1] < 30 * limits[0]:  # whose decades are too few for labels
+        if one.get_scale() == "log" and limits[1] < 30 * limits[0]:  # too few decades for labels
             every = [n * 10.0**k for k in range(-4, 3) for n in (1, 2, 5)]
             shown = [value for value in every if limits[0] <= value <= limits[1]]
             one.set_ticks(shown, [f"{value:g}" for value in shown])
@@ -227,7 +227,8 @@ def _draw_area(elastic: pd.DataFrame, plastic: pd.DataFrame) -> Figure:
                 )
             own = loads[(loads > 0.012) & (loads < min(0.9 * hardness, 0.25))]
             theory = closed_forms.elastoplastic_areas(own, hardness)[key == "plastic_area"]
-            axis.plot(own, np.maximum(theory, 1e-12), color=f"C{number}", lw=1, label=rf"$p_H = {hardness:g}\,E^*\bar{{g}}$")
+            label = rf"$p_H = {hardness:g}\,E^*\bar{{g}}$"
+            axis.plot(own, np.maximum(theory, 1e-12), color=f"C{number}", lw=1, label=label)
         axis.set_ylim(1e-4, 1)
         _labelled(axis, key.replace("_", " "), yscale="log")
     elastic_axis.legend(fontsize="xx-small")

@@ -1,7 +1,7 @@
 """Rules figures_...: pictures of the same studies from their datasets, and their captions.
 
-Pictures get their places when all are drawn. Those of a job that was killed are kept until then, and are not
-drawn again from the same results.
+Pictures are moved to their final names when all are drawn. Pictures of a job that was killed are kept, and
+are not drawn again from the same results.
 """
 
 import os
@@ -36,7 +36,7 @@ with job(snakemake) as progress, style():
             results = read(figure["results"], figure["labels"])
             folder.mkdir(parents=True, exist_ok=True)
             save(draw(description, results), png, pdf)
-            # Snakemake's report takes `{{`, `{%` and `{#` for commands; `\ ` parts them and is not shown.
+            # Snakemake's report takes `{{`, `{%` and `{#` for commands; `\ ` separates them and is not shown.
             write_text(text, re.sub(r"{(?=[{%#])", r"{\\ ", caption(description, results)))
         moves |= zip(drawn, final, strict=True)
         progress(len(moves), 3 * len(params.figures))
