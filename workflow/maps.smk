@@ -28,7 +28,7 @@ wildcard_constraints:
     name="|".join(MAPS),
 
 
-# Before the first job: what is wrong with one of the maps is said before anything is computed.
+# Before the first job: errors of the maps are reported before anything is computed.
 onstart:
     if subprocess.run([*RUN, "--check"]).returncode:
         sys.exit(1)

@@ -7,7 +7,7 @@ ROLES = roles(STUDIES, {name: SURFACES[name] for name in load(PAPER)["surfaces"]
 DELTAS = surfaces_by_delta(ROLES, SURFACES)
 ROLES_OF_DELTA = ROLES | {role: name for found in DELTAS.values() for role, name in found.items()}
 CLAIMED = sorted({*ROLES_OF_DELTA.values()})
-# Of every choice, the study's own option first.
+# The study's own option of every choice comes first.
 INTERPRETATIONS = CHOICES | {
     "lateral": [config["layer"]["lateral"], *OTHER_LATERALS],
     "delta": [*DELTAS],

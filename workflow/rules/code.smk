@@ -11,7 +11,7 @@ from asperity.core.packages import NAMES
 
 LIBRARY = Path(asperity.__file__).parent
 SCRIPTS = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "scripts"
-# Files that modules read; a module that reads one names it.
+# Files that modules read, found by their names in the modules.
 DATA = {
     path.name: path for path in LIBRARY.rglob("*") if path.suffix in (".csv", ".j2", ".mplstyle", ".yaml")
 }
@@ -75,7 +75,7 @@ def code_of(script, *modules):
     for name in sorted(packages):
         try:
             digest.update(f"{name} {version(name)}".encode())
-        except PackageNotFoundError:  # where the workflow is planned only
+        except PackageNotFoundError:  # not installed where the workflow is only planned
             pass
     return digest.hexdigest()[:16]
 
@@ -86,5 +86,5 @@ def modules_of(figure):
 
 
 def any_of(names):
-    """Pattern of a wildcard that is one of these names; without names one that nothing matches."""
+    """Pattern of a wildcard that matches these names; without names it matches nothing."""
     return "|".join(map(re.escape, names)) or "(?!)"

@@ -1,4 +1,4 @@
-# Before the run: checks, and an announcement of what it takes. After it: the manifest, and where the results are.
+# Before the run: checks, and an announcement of time and memory. After it: the manifest, and the folder of the results.
 import shutil
 import subprocess
 
@@ -11,7 +11,7 @@ from asperity.study.run import require_memory, require_space, write_manifest
 
 
 def require_maps(jobs):
-    """Read the measured maps of these jobs, so that what is wrong with one is said before anything is computed."""
+    """Read the measured maps of these jobs, so that their errors are reported before anything is computed."""
     # Imported here, as it takes time: on a cluster every job reads this file.
     from asperity.study.stages.surface import map_problems
 

@@ -17,7 +17,7 @@ DRAWN_TOGETHER = {
 WITH_LOAD_AREA = surfaces_with_load_area(config)
 WITH_RATIOS = surfaces_with_ratios(config)
 FFT_ENGINE = config["fft_engine"]
-# What the interpretations of the claims need besides the study: other conditions of the mean (q = 0) mode, components.
+# Additional needs of the interpretations of the claims: other conditions of the mean (q = 0) mode, and components.
 OTHER_LATERALS = [
     name for name in CHOICES["lateral"] if config["claims"] and name != config["layer"]["lateral"]
 ]
@@ -25,7 +25,7 @@ OTHER_COMPONENTS = [name for name in CHOICES["shear"] if config["claims"] and na
 
 
 def settings_of_surface(name):
-    """Entry of a surface without its label and its load, which change nothing of the surface."""
+    """Entry of a surface without its label and its load, which do not change the surface."""
     entry = {**SURFACES, **MEASURED}[name]
     return {key: value for key, value in entry.items() if key not in ("label", "contact")}
 
@@ -40,7 +40,7 @@ MADE = {name: made_as(name) for name in (*SURFACES, *MEASURED)}
 
 
 def seeds_of(surface):
-    """Seeds of a surface. A measured map has no seeds: the first one stands for it."""
+    """Seeds of a surface. A measured map has no seeds: the first seed is used in file names."""
     return config["seeds"][:1] if surface in MEASURED else config["seeds"]
 
 
@@ -94,7 +94,7 @@ def leaves(tree):
 
 
 def surface_labels(figure):
-    """Labels of the surfaces that a figure shows: not in their results, so that a new label computes nothing anew."""
+    """Labels of the surfaces that a figure shows; results do not contain them, so that a new label reruns no computation."""
     shown = {name for study in FIGURES[figure].studies for name in STUDIES[study]}
     return {name: {**SURFACES, **MEASURED}[name]["label"] for name in sorted(shown)}
 
