@@ -24,7 +24,7 @@ import psutil
 from matplotlib.figure import Figure
 
 from asperity.core.markup import markdown
-from asperity.study.kept import rendered
+from asperity.study.small_studies import rendered
 
 mpl.use("Agg")
 

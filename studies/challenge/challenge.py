@@ -30,14 +30,14 @@ from matplotlib.figure import Figure
 from asperity import Grid, Layer, LoadedSolid, analyse_stress, read_map, solve, solve_path
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, mean_square, resample
-from asperity.stress.statistics.continuum import (
+from asperity.stress.statistics.extrapolation import (
     BOUNDARY_SHARE,
     PERCENTILES,
     OnGrid,
     extrapolated_numbers,
     numbers_on,
 )
-from asperity.study.kept import kept, rendered
+from asperity.study.small_studies import computed_once, rendered
 from asperity.views.style import panels, save, style
 
 BINS = np.linspace(0, 2.5, 101)
@@ -121,7 +121,7 @@ def collect(config: Mapping[str, Any], height: Array, grid: Grid, source: str) -
             heights = on_grid(height, grid, points)
             return contacts(*heights, config["effective_modulus"], rms_gradient, config["loads"])
 
-        found.append(kept(Path(config["results"], f"{points}.nc"), [dict(config), source], on_these))
+        found.append(computed_once(Path(config["results"], f"{points}.nc"), [dict(config), source], on_these))
     memory = ("points", [one.attrs["memory_GB"] for one in found])
     return xr.concat(found, xr.Variable("points", config["points"])).assign(memory_GB=memory)
 
@@ -169,7 +169,9 @@ def stresses(config: Mapping[str, Any], surface: tuple[Array, Grid], source: str
             with ProcessPoolExecutor(1, get_context("spawn")) as process:
                 return process.submit(stress_on, config, surface, points, other).result()
 
-        found.append(kept(Path(config["results"], f"{points}_stress.nc"), [dict(config), source], on_these))
+        found.append(
+            computed_once(Path(config["results"], f"{points}_stress.nc"), [dict(config), source], on_these)
+        )
     return found
 
 

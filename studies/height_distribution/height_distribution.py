@@ -25,7 +25,7 @@ from scipy.special import ndtri
 
 import asperity as asp
 from asperity.core.markup import with_error
-from asperity.study.kept import kept, rendered
+from asperity.study.small_studies import computed_once, rendered
 from asperity.surface.heights import ShapedSurface
 from asperity.views.style import panels, save, style
 
@@ -103,7 +103,7 @@ def table(config: Mapping[str, Any]) -> pd.DataFrame:
     """A row for each case and seed."""
     frames = []
     for name, case in config["cases"].items():
-        found = kept(
+        found = computed_once(
             Path(config["results"], f"{name}.nc"),
             [config, name],
             lambda case=case: xr.concat(

@@ -31,7 +31,7 @@ from asperity.reference.hertz import Hertz
 from asperity.results.dataset import grid_of
 from asperity.stress.statistics.covariance import half_length
 from asperity.study.config.study import read_study
-from asperity.study.kept import kept, rendered
+from asperity.study.small_studies import computed_once, rendered
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import compute_stress
@@ -123,7 +123,7 @@ def collect(config: Mapping[str, Any]) -> dict[str, xr.Dataset]:
         def of_seeds(surface: Mapping[str, Any] = surface) -> xr.Dataset:
             return xr.concat([numbers_of(surface, seed, config) for seed in config["seeds"]], "seed")
 
-        found[name] = kept(Path(config["results"], f"{name}.nc"), [surface, parts], of_seeds)
+        found[name] = computed_once(Path(config["results"], f"{name}.nc"), [surface, parts], of_seeds)
     return found
 
 

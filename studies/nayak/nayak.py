@@ -29,7 +29,7 @@ from asperity import Grid, Layer, self_affine, solve_path
 from asperity.core.markup import with_error
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, gradient, mean_square
-from asperity.study.kept import kept, rendered
+from asperity.study.small_studies import computed_once, rendered
 from asperity.views.style import panels, save, style
 
 HALF_SPACE = Layer(young=1.0, poisson=0.0)
@@ -138,7 +138,7 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
             path = Path(config["results"], f"{name}_{nodes:g}.nc")
             settings = [surface, edge, count, config["loads"]]
             compute = partial(contacts, *settings)
-            found.setdefault(name, {})[nodes] = kept(path, settings, compute)
+            found.setdefault(name, {})[nodes] = computed_once(path, settings, compute)
     return found
 
 

@@ -16,7 +16,7 @@ import family_outcomes
 import rounding
 import rounding_figure
 
-from asperity.study.kept import rendered
+from asperity.study.small_studies import rendered
 from asperity.views.style import save, style
 
 DOCS = Path("docs")

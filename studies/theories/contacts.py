@@ -18,7 +18,7 @@ from asperity.contact.half_grid import on_half_the_nodes
 from asperity.core.types import Array
 from asperity.engineering.continuum import continuum_on_grids, solved_on_half
 from asperity.fourier.grid import Fourier
-from asperity.stress.statistics.continuum import BOUNDARY_SHARE
+from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE
 
 NODES = 8
 """Nodes on λ_s."""

@@ -22,7 +22,7 @@ import yaml
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
-from asperity.study.kept import rendered
+from asperity.study.small_studies import rendered
 from asperity.views.style import panels, save, style
 
 HERE = Path(__file__).parent

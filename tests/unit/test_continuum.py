@@ -7,7 +7,7 @@ from samples import refuses, rough
 import asperity as asp
 from asperity.contact.half_grid import on_half_the_nodes
 from asperity.fourier.grid import Grid
-from asperity.stress.statistics.continuum import BOUNDARY_SHARE
+from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE
 from asperity.surface.treatment.levelling import low_pass_bounded, mirrored
 
 LAYER = asp.Layer(young=1.0, poisson=0.33)

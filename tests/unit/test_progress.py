@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
-from asperity.study import job as runtime
-from asperity.study.job import ProgressBar
+from asperity.study import progress_and_log as runtime
+from asperity.study.progress_and_log import ProgressBar
 
 JOB = """
 import os, warnings
 from types import SimpleNamespace
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 given = SimpleNamespace(rule="contact", wildcards=["a", "1"], log=[{log!r}], params={{"fft_engine": "ducc0"}})
 with job(given) as progress:
     print("printed", flush=True)

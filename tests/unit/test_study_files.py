@@ -10,7 +10,7 @@ from small_study import SETTINGS, STRESS, results_of
 
 from asperity.cli.main import main
 from asperity.results import dataset
-from asperity.study.run import MANIFEST, write_manifest
+from asperity.study.preflight_and_manifest import MANIFEST, write_manifest
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ import pytest
 
 from asperity.core import packages, system
 from asperity.core.errors import PreflightError
-from asperity.study import run
-from asperity.study.run import require_memory, require_space
+from asperity.study import preflight_and_manifest
+from asperity.study.preflight_and_manifest import require_memory, require_space
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_missing_packages_are_named_with_their_extra(monkeypatch, hidden, messag
 
 def test_job_larger_than_the_memory_is_refused(monkeypatch):
     require_memory({})
-    monkeypatch.setattr(run, "available_memory", lambda: 2000.0)
+    monkeypatch.setattr(preflight_and_manifest, "available_memory", lambda: 2000.0)
     with pytest.raises(PreflightError, match="needs about 4 GB of memory, this machine has 2 GB; choose"):
         require_memory({"c.nc": 4000})
 
@@ -61,7 +61,7 @@ def test_space_is_that_of_the_disk(tmp_path):
 def test_package_imports_without_unix_modules():
     code = (
         "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource', 'grp', 'pwd', 'termios'));"
-        "import asperity.core.system, asperity.study.run"
+        "import asperity.core.system, asperity.study.preflight_and_manifest"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

@@ -83,7 +83,7 @@ def snakemake(folder, *arguments, cores=2):
 @cache
 def compile_functions():
     """Compile the functions of the project once, for all copies of it."""
-    from asperity.study.run import warm_up
+    from asperity.study.preflight_and_manifest import warm_up
 
     warm_up()
 

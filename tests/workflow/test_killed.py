@@ -11,7 +11,7 @@ from project import OWN, ROOT
 
 from asperity.paper import figures
 from asperity.results import dataset
-from asperity.study import job
+from asperity.study import progress_and_log
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.stress import stress_of_seed
@@ -49,7 +49,7 @@ def test_figures_that_a_killed_job_has_drawn_are_kept(own_study, tmp_path, monke
         return draw(figure, _)
 
     monkeypatch.setattr(figures, "draw", killed_at_the_second)
-    monkeypatch.setattr(job, "job", lambda _: nullcontext(lambda *_: None))
+    monkeypatch.setattr(progress_and_log, "job", lambda _: nullcontext(lambda *_: None))
     entries = {
         name: {"description": asdict(figure), "labels": labels, "results": {"statistics": results}}
         for name, figure in described.items()

@@ -7,7 +7,7 @@ from snakemake.settings.types import DeploymentMethod
 
 from asperity.core.errors import PreflightError
 from asperity.core.packages import NEEDED, absent, message
-from asperity.study.run import require_memory, require_space, write_manifest
+from asperity.study.preflight_and_manifest import require_memory, require_space, write_manifest
 
 
 def require_maps(jobs):
@@ -55,7 +55,7 @@ onstart:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
     if workflow.local_exec and not missing and {"contact", "stress"} & {job.rule.name for job in jobs}:
-        subprocess.run([PYTHON, "-c", "from asperity.study.run import warm_up; warm_up()"], check=True)
+        subprocess.run([PYTHON, "-c", "from asperity.study.preflight_and_manifest import warm_up; warm_up()"], check=True)
 
 
 onsuccess:

@@ -10,7 +10,7 @@ from asperity.paper.claims.verdicts import CLAIMS, decide
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 from asperity.views.style import save, style
 
 files, params, output = snakemake.input, snakemake.params, snakemake.output

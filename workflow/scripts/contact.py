@@ -1,7 +1,7 @@
 """Rule contact: a random or measured surface, the solid pressed against it, and its load-area curve."""
 
 from asperity.results import dataset
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import make_surface, read_surface
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from asperity.paper.figures import Description, caption, draw
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 from asperity.views.style import save, style
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from asperity.paper.figures import Description
 from asperity.paper.page import write_page
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 
 with job(snakemake):
     figures = {name: Description(**found) for name, found in snakemake.params.figures.items()}

@@ -2,7 +2,7 @@
 
 from asperity.results import dataset
 from asperity.stress.analysis import SOUGHT
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 from asperity.study.stages.stress import stress_of_seed
 
 params = snakemake.params

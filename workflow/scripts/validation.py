@@ -4,7 +4,7 @@ from asperity.core import markup
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-from asperity.study.job import job
+from asperity.study.progress_and_log import job
 from asperity.study.validation.table import comparison, for_reader, frame, title
 
 chosen, output = snakemake.params.validation, snakemake.output

@@ -1,6 +1,6 @@
 """Estimates at vanishing grid spacing, from a second solution on half as many nodes.
 
-The formulas are in `asperity.stress.statistics.continuum`.
+The formulas are in `asperity.stress.statistics.extrapolation`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.planes.planes import depth_grid
-from asperity.stress.statistics.continuum import OnGrid, extrapolate, reason_against
+from asperity.stress.statistics.extrapolation import OnGrid, extrapolate, reason_against
 
 
 @dataclass(frozen=True, eq=False)

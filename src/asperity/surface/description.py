@@ -19,7 +19,7 @@ from asperity.surface.reading.height_map import (
 )
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
-from asperity.surface.treatment.treatment import DESPIKE, FLAT, missing_options
+from asperity.surface.treatment.treatment import DESPIKE, FLAT_VARIATION, missing_options
 
 SHORT_WAVE_PIXELS = 8
 """Waves shorter than this number of pixels are called not resolved: the slopes of a contact on fewer nodes a
@@ -175,7 +175,7 @@ class MapMeasures:
         self.flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
         self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(self.flat))
         added, grid = self.rms_height - self.rms_height_without_bow, Grid(height.shape, surface.length)
-        self.bow_counts = added > FLAT * float(np.abs(filled).max()) and (
+        self.bow_counts = added > FLAT_VARIATION * float(np.abs(filled).max()) and (
             not self.rms_height_without_bow
             or added > roughness.sampling_error(self.flat, grid) * self.rms_height_without_bow
         )

@@ -12,8 +12,8 @@ from asperity.cli.parser import section, sliding
 from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
 from asperity.stress.planes.fields import FIELDS
-from asperity.study.job import ProgressBar
-from asperity.study.run import require_space
+from asperity.study.preflight_and_manifest import require_space
+from asperity.study.progress_and_log import ProgressBar
 from asperity.views.export import (
     ExportUnits,
     box_below,

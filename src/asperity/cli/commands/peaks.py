@@ -10,7 +10,7 @@ from asperity.core.errors import one_line
 from asperity.results.dataset import grid_of, height_of, settings_of, write_result
 from asperity.results.variables import in_cell_lengths
 from asperity.stress.peaks.selection import selection_for
-from asperity.study.job import ProgressBar
+from asperity.study.progress_and_log import ProgressBar
 from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.surface.roughness import surface_dataset
 

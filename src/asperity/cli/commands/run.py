@@ -138,7 +138,7 @@ def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
 def _answered(job: Job, save: str | None) -> Any:
     """The answer of a case, printed and written."""
     from asperity.engineering import answer_of, save_case, write_answer
-    from asperity.study.job import ProgressBar
+    from asperity.study.progress_and_log import ProgressBar
 
     if save and not _is_written(save, job.out):
         save_case(job.case, Path(save), job.out, job.rough.files)

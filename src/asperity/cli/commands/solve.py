@@ -17,7 +17,7 @@ from asperity.results.dataset import grid_of, settings_of, unit_system, write_re
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.study.config.check import check_section
 from asperity.study.config.schema import complete_map, default
-from asperity.study.job import ProgressBar
+from asperity.study.progress_and_log import ProgressBar
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError

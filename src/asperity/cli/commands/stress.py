@@ -7,7 +7,7 @@ from asperity.cli.parser import section
 from asperity.core.errors import one_line
 from asperity.results.dataset import settings_of, write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si
-from asperity.study.job import ProgressBar
+from asperity.study.progress_and_log import ProgressBar
 from asperity.study.stages.stress import compute_stress
 
 

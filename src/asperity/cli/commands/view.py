@@ -13,7 +13,7 @@ from asperity.cli.parser import flag, section, sliding
 from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
-from asperity.study.job import ProgressBar
+from asperity.study.progress_and_log import ProgressBar
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.source import title_of

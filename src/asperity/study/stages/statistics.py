@@ -22,8 +22,8 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.results.dataset import grid_of, read_result, settings_of
 from asperity.stress.peaks.selection import peaks, selection_for
-from asperity.stress.statistics.continuum import OnGrid, extrapolated_numbers, numbers_on
 from asperity.stress.statistics.density import bin_edges
+from asperity.stress.statistics.extrapolation import OnGrid, extrapolated_numbers, numbers_on
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
 from asperity.study.stages.contact import SOLID_ATTRIBUTES
 

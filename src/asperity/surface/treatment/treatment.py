@@ -45,7 +45,7 @@ BYTES_PER_NODE = {"none": 410.0}
 """Memory of a contact and its stress for each node of the cell, 136 with a periodic boundary; measured by
 `asperity run --points 1024`."""
 
-FLAT = 1e-13
+FLAT_VARIATION = 1e-13
 """Largest variation, relative to the heights, of a map that is flat but for rounding."""
 
 
@@ -280,7 +280,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     filled = levelling.fill_harmonic(raw, gaps)
 
     level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
-    if np.ptp(level) <= FLAT * np.abs(filled).max():
+    if np.ptp(level) <= FLAT_VARIATION * np.abs(filled).max():
         raise MapError(surface.name, ["a surface that varies is needed, this one is flat"])
     tilt = math.atan(math.hypot(*slope))
     degrees = f"tilt of {math.degrees(tilt):.3g}°"
@@ -312,7 +312,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     height = low_pass(lower, grid, target, shortest)
     if images > 1:
         height = levelling.mirrored(height)
-    if np.ptp(height) <= FLAT * np.ptp(lower):
+    if np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
     if shortest is not None:
@@ -452,7 +452,7 @@ def _filtered(
     )
     sizes = [(float(np.std(height)), rms_step(height, grid.spacing)) for height in (level, found)]
     shares = sizes[1][0] / sizes[0][0], sizes[1][1] / sizes[0][1]
-    if shares[0] <= FLAT:
+    if shares[0] <= FLAT_VARIATION:
         stated = ", ".join(
             f"{name} = {surface.shown_length(value, digits=6)}" for name, value in index.items()
         )

@@ -1,4 +1,4 @@
-"""Kept results and pages of the small studies in the folder ``studies``."""
+"""Small studies in the folder ``studies``: results that are computed once, and pages from templates."""
 
 import json
 from collections.abc import Callable
@@ -9,8 +9,8 @@ import xarray as xr
 from jinja2 import Environment, StrictUndefined
 
 
-def kept(path: Path, settings: Any, compute: Callable[[], xr.Dataset]) -> xr.Dataset:
-    """The dataset in a file that was made with these settings, else computed and written there."""
+def computed_once(path: Path, settings: Any, compute: Callable[[], xr.Dataset]) -> xr.Dataset:
+    """The dataset in a file, computed and written first unless the file was made with these settings."""
     text = json.dumps(settings, default=str)
     if not path.exists() or xr.load_dataset(path).attrs["settings"] != text:
         print(path.stem, flush=True)

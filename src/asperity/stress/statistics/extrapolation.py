@@ -38,7 +38,7 @@ from asperity.stress.statistics.covariance import decay_lengths
 LEAST_NODES = 200
 """Nodes in contact, and nodes out of contact, below which there is no estimate."""
 
-FLAT = 1e-3
+FLAT_CURVATURE = 1e-3
 """Median curvature at the contact nodes, over the root mean square of all, below which heights are flat or
 stepped; it is 0.7 on a Gaussian surface."""
 
@@ -154,7 +154,7 @@ def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0) ->
     if nodes < LEAST_NODES:
         return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
     bend = sum(np.roll(height, 1, axis) + np.roll(height, -1, axis) - 2 * height for axis in (0, 1))
-    if np.median(np.abs(bend[touching])) <= FLAT * np.sqrt(np.mean(np.square(bend))):
+    if np.median(np.abs(bend[touching])) <= FLAT_CURVATURE * np.sqrt(np.mean(np.square(bend))):
         return "the heights in contact are flat or stepped, and no grid resolves their edges"
     if touching.size - nodes < LEAST_NODES:
         return f"{touching.size - nodes} nodes are out of contact, and {LEAST_NODES} are needed"
