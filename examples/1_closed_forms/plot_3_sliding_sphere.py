@@ -43,7 +43,7 @@ plt.show()
 
 # %%
 # **Check**: all six components at two depths against the closed form, and the largest tension just below the
-# surface. (At the trailing edge itself the stress has an infinite slope, which no grid follows.)
+# surface. (At the trailing edge itself the stress has an infinite slope, which no grid resolves.)
 sliding = SlidingSphere(hertz, friction)
 components = ("xx", "yy", "zz", "yz", "xz", "xy")
 for plane in asp.stress_planes(

@@ -44,7 +44,7 @@ asp.plot_pressure(rough, axes=axes)
 plt.show()
 
 # %%
-# **Check**: the free contact is Hertz's for every radius, the periodic one departs from it as the
+# **Check**: the free contact agrees with Hertz for every radius; the periodic one departs from it as the
 # neighbours come near.
 assert np.abs(errors["free"]).max() < 0.004
 assert np.all(np.diff(np.abs(errors["periodic"])) > 0)

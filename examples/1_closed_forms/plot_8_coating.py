@@ -3,8 +3,8 @@ A ball on a coating
 ===================
 
 A hard coating raises the pressure under a ball and bends over the softer base: its lower face is under
-tension. On the interface :math:`\sigma_{xx}` jumps, because both materials are strained alike; the shear
-stress does not, and it is what peels the coating off. A soft coating spreads the load. The reference is an
+tension. On the interface :math:`\sigma_{xx}` jumps, because both materials have the same strain there. The
+shear stress is continuous; it can peel the coating off. A soft coating spreads the load. The reference is an
 independent solution of the contact by an integral equation of Fredholm's kind.
 """
 

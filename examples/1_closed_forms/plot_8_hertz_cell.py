@@ -2,9 +2,9 @@ r"""
 A cell of a Hertz contact
 =========================
 
-A map of a rough ball is small beside the contact of the ball. ``HertzContact.background`` adds the stress of
-the smooth contact to that of the map as a periodic cell. Here a wavy ball is small enough to be resolved as
-a whole, and shows how good the cell is.
+A map of a rough ball is small compared with the contact of the ball. ``HertzContact.background`` adds the
+stress of the smooth contact to that of the map as a periodic cell. Here a wavy ball is small enough to be
+resolved as a whole, so that the stress of the cell can be tested.
 """
 
 from dataclasses import replace
@@ -50,7 +50,8 @@ axes.legend()
 plt.show()
 
 # %%
-# **Check**: the cell has the stress of the whole ball at all depths; alone it errs by half.
+# **Check**: with the added stress the cell has the stress of the whole ball at all depths; without it the
+# error is a half.
 error = {name: np.abs(values / stress["whole ball"] - 1).max() for name, values in stress.items()}
 print(
     f"error of the cell {100 * error['cell in the contact']:.2f} %, alone {100 * error['cell alone']:.0f} %"

@@ -42,8 +42,8 @@ for contact in contacts[::3]:
 
 # %%
 # **Check**: proportionality with κ about 2 (at the smallest loads contacts are few nodes wide, and their
-# area too large), an area that rises to less than the whole, a gap that falls, and the same contact whether
-# it was reached along the path or at once.
+# area too large), an area that rises to less than the whole, a gap that falls, and the same contact along
+# the path and for a single load.
 assert np.all(np.diff(area) > 0)
 assert area[-1] < 1
 assert np.all((kappa[2:6] > 1.9) & (kappa[2:6] < 2.6))

@@ -3,7 +3,7 @@ Blunt and sharp surfaces: skewness
 ==================================
 
 Grinding leaves sharp peaks, running-in and lapping leave plateaus with deep grooves. Johnson's transform
-bends the heights of a Gaussian surface to a given skewness and kurtosis and keeps its rms height. The
+gives the heights of a Gaussian surface a chosen skewness and kurtosis and keeps the rms height. The
 height of the indenter is its lower face, measured upward: a *positive* skewness is a long tail upward, away
 from the solid, so the contacts are blunt.
 """

@@ -15,7 +15,7 @@ import asperity as asp
 
 grid = asp.Grid((99, 99), 1.0)  # odd: a grid holds no sine at its Nyquist wavenumber
 sheet = asp.Layer(young=1.0, poisson=0.4, height=0.12)
-# Each contact sees half of the sheet: the middle plane hardly moves.
+# Each contact is solved with half of the sheet, because the middle plane hardly moves.
 half = asp.Layer(young=1.0, poisson=0.4, height=0.06, bottom="frictionless")
 pressures = {}
 for face, seed, shortest in (("top", 1, 1 / 24), ("bottom", 2, 1 / 12)):

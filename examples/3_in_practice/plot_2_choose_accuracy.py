@@ -3,7 +3,7 @@ Choosing the accuracy
 =====================
 
 The largest error is nearly always that of the grid: how many nodes lie on the shortest wavelength λ_s. A
-seed is the same surface at every resolution, so that the error is seen by refining the grid. ``asperity
+seed is the same surface at every resolution, so that refining the grid shows the error. ``asperity
 plan`` predicts it beforehand from errors that were measured, with the time and the memory.
 """
 

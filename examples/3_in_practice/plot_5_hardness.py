@@ -2,9 +2,9 @@ r"""
 Plastic contact: a hardness
 ===========================
 
-A metal flows where the pressure reaches its hardness :math:`H`, about three times the yield stress.
-``hardness=`` bounds the pressure, :math:`0 \le p \le H`: the surface is flattened where the bound is reached,
-and the real contact grows.
+A metal flows where the pressure reaches its hardness :math:`p_H`, about three times the yield stress.
+``hardness=`` bounds the pressure, :math:`0 \le p \le p_H`: the surface is flattened where the bound is
+reached, and the real contact grows.
 """
 
 import matplotlib.pyplot as plt

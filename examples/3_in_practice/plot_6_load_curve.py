@@ -26,7 +26,7 @@ elastic.to_pandas()
 
 # %%
 # Mikic (1974) for elastic contacts, 1.55 k m/σ (√2 p/(E* m))^0.94, and Yovanovich (1982) for plastic ones,
-# 1.25 k m/σ (p/H)^0.95, with the rms height σ, the mean slope m of a profile, for a Gaussian surface
+# 1.25 k m/σ (p/p_H)^0.95, with the rms height σ, the mean slope m of a profile, for a Gaussian surface
 # :math:`m = \bar g/\sqrt{\pi}`, and the harmonic mean k of the conductivities.
 roughness = asp.roughness_parameters(height, edge)
 slope = roughness.rms_gradient / np.sqrt(np.pi)

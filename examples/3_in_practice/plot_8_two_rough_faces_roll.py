@@ -16,7 +16,7 @@ length, nodes = 40e-6, 64
 faces = []
 for seed, rms in ((1, 6e-8), (2, 3e-8)):
     relief = asp.self_affine((nodes, nodes), 0.8, 20e-6, 5e-6, rms_height=rms, seed=seed, length=length)
-    faces.append(0.5 * relief + 0.5 * relief.mean(axis=0))  # a relief, and one drawn out along y
+    faces.append(0.5 * relief + 0.5 * relief.mean(axis=0))  # a relief, and one elongated along y
 ring, honed = faces
 steel = asp.Layer(young=210e9, poisson=0.3)
 pair = asp.TwoBodies(steel, steel)
@@ -29,7 +29,7 @@ along = asp.MovingContact(
     ring, -honed, pair, length, shifts=32, sliding_direction="y", mean_pressure=0.5e9, **common
 )
 # %%
-# Through a line contact of p₀ = 1 GPa: pressure and phase of the counter-face change with the place.
+# Through a line contact of p₀ = 1 GPa: pressure and phase of the counter-face change with the position.
 hertz = asp.HertzContact.from_radii(8e-3, np.inf, pair.effective_modulus, largest_pressure=1e9)
 through = asp.MovingContact(ring, -honed, pair, length, shifts=41, hertz=hertz, slide_to_roll=0.05, **common)
 cycles = {}

@@ -2,7 +2,7 @@ r"""
 Largest stress of an area that was not measured
 ===============================================
 
-The largest stress of a map is that of its few square micrometres. On a larger area a higher one is found:
+The largest stress of a map holds for its few square micrometres. A larger area has a higher one:
 peaks above a threshold follow a generalised Pareto distribution, from which ``Sample.largest`` predicts it,
 with an interval, up to a hundred times the area of the maps.
 """

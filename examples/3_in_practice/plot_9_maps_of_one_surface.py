@@ -2,9 +2,9 @@ r"""
 Several maps of one surface
 ===========================
 
-One map says nothing about how places of a surface differ. Four maps do: ``pooled`` gives every number as its
-mean with a 95 % interval, of the places and of the pixels. Here each map is a cut-out of a larger surface,
-whose contact is known, and so is what the maps should give.
+One map does not show how places of a surface differ, but four maps do: ``pooled`` gives every number as its
+mean with a 95 % interval, from the differences between places and from the pixels. Here each map is a
+cut-out of a larger surface with a known contact, so that the result can be checked.
 """
 
 import matplotlib.pyplot as plt

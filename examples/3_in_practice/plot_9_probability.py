@@ -31,7 +31,7 @@ for area in (1e-6, 1e-5, 1e-4):
     print(f"{area * 1e6:5.0f} mm²: {row.no_crack:.4f}, 95 % between {row.low:.4f} and {row.high:.4f}")
 
 # %%
-# The volume above a share of the limit, for each map: all that is said without a scatter.
+# The volume above a share of the limit, for each map: the result if no scatter is given.
 figure, axes = plt.subplots(figsize=(6, 4), layout="compressed")
 for answer in answers:
     table = answer.fatigue()

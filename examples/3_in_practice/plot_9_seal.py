@@ -2,8 +2,9 @@ r"""
 A seal: what leaks through the gap
 ==================================
 
-A rough steel ring is pressed into rubber. ``percolation`` says whether a path through the gap is open and how
-narrow it is at the least, and ``film_flow`` what flows through it (with ``pip install "asperity[flow]"``).
+A rough steel ring is pressed into rubber. ``percolation`` finds out whether a path through the gap is open
+and how narrow it is at its narrowest point, and ``film_flow`` computes the flow through it (with ``pip
+install "asperity[flow]"``).
 """
 
 import matplotlib.pyplot as plt
@@ -39,9 +40,9 @@ figure.colorbar(image, ax=axes, label="flux over the mean flux")
 plt.show()
 
 # %%
-# **Check**: sections carry the same flow, which falls with the load as the constriction does. Across a wave
-# the film meets its gaps in series, 1/(mean of 1/g³), and along it side by side, mean of g³: a cylinder
-# against a flat, whose gap is known beside the contact, shows the second.
+# **Check**: sections carry the same flow, which falls with the load as the constriction does. For flow
+# across a wave the gaps are in series, 1/(mean of 1/g³), and along it they are parallel, mean of g³: a
+# cylinder against a flat, whose gap is known beside the contact, shows the second.
 rates = np.array([flow.flow_rate for flow in flows])
 assert max(flow.conservation_error for flow in flows) < 1e-4
 assert np.all(np.diff(rates) < 0)

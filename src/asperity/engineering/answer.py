@@ -95,8 +95,8 @@ class Advice(NamedTuple):
     Attributes
     ----------
     level : "warning" or "note"
-        A warning says that a number of the answer must not be used as it stands; a note says what to keep in
-        mind.
+        A warning says that a number of the answer must not be used without a check; a note adds
+        information.
     subject : str
         Short heading.
     text : str

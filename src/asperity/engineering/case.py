@@ -103,10 +103,10 @@ class Body:
         Lower face of the layer.
     fatigue_torsion, fatigue_bending : float, optional
         Fatigue limits in Pa in fully reversed torsion and bending, both or none. With them the cycles of the
-        stress are analysed, as if this body were the smooth one; see `asperity.stress_cycles`.
+        stress are analysed, with this body taken as smooth; see `asperity.stress_cycles`.
     residual_stress : float, optional
-        Equal normal stress along x and y in Pa in the unloaded body, compression negative; it adds to the
-        mean stress in that of Dang Van.
+        Equal normal stresses along x and y in Pa in the unloaded body, compression negative. They are added
+        to the mean stress in the criterion of Dang Van.
     coating, coating_young, coating_poisson : float, optional
         Thickness in m, Young's modulus in Pa and Poisson's ratio of a coating that is bonded to the body, a
         half-space; all or none. The hardness is that of the coated body, yield stress and fatigue limits are
@@ -268,8 +268,8 @@ class Case:
         None: rigid. Which of the bodies is rough does not matter as long as the slopes are small.
     load : Load
     friction : float
-        Coefficient μ of full sliding, with the shear traction μ p; the pressure stays that of the contact
-        without friction. For half-spaces, coated or not, and layers bonded to a rigid base.
+        Coefficient of friction μ of full sliding, with the shear traction μ p; the pressure is that of the
+        contact without friction. For half-spaces, coated or not, and layers bonded to a rigid base.
     sliding_direction : "x", "y" or float
         Direction in which the upper body moves over the lower one, that of the traction on the lower body; a
         number is an angle in degrees from x towards y.

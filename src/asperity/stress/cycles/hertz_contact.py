@@ -113,7 +113,7 @@ class HertzContact:
         return min(self.half_width_y, self.half_width_x)
 
     def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
-        """Pressure at places from the middle; y and x broadcast."""
+        """Pressure at positions relative to the middle; y and x broadcast."""
         inside = 1 - (np.asarray(y) / self.half_width_y) ** 2 - (np.asarray(x) / self.half_width_x) ** 2
         return self.largest_pressure * np.sqrt(np.maximum(inside, 0.0))
 
@@ -136,7 +136,7 @@ class HertzContact:
         friction: float = 0.0,
         sliding_direction: str | float = "x",
     ) -> Callable[[float], Array]:
-        """Stress below places of the surface, as a function of the depth.
+        """Stress below positions on the surface, as a function of the depth.
 
         In closed form under a roller; else from the pressure on pixels, by `asperity.stress_planes`.
 
@@ -196,7 +196,9 @@ class HertzContact:
         friction: float = 0.0,
         sliding_direction: str | float = "x",
     ) -> Callable[[float], Array]:
-        """The part of `stress` beyond the mean mode of a cell at each place; (6,) for a place as numbers."""
+        """The part of `stress` beyond the mean mode of a cell at each position; (6,) for a single
+        position.
+        """
         below = self.stress(y, x, layer, friction, sliding_direction)
         mode = layer.uniform_stress()
         mode[4], mode[3] = shear_traction(friction, sliding_direction, layer)
