@@ -61,7 +61,7 @@ MIN_POINTS = 32
 FINAL_ERROR = 2e-3
 
 # After so many steps without progress one step follows the projected gradient; the length of inner solves
-# has then been doubled as often. In single precision the loop goes on in double precision.
+# has then been doubled as often. From single precision the loop then continues in double precision.
 PATIENCE = 3
 
 # The whole step is taken unless the energy is least before this fraction of it: otherwise the whole step

@@ -126,7 +126,7 @@ class InnerSolver:
     def solve_uniform(
         self, operators: Operators, drop: float = RESIDUAL_DROP, max_iterations: int = MAX_ITERATIONS
     ) -> Correction:
-        """Correction that answers a uniform overlap of the contact nodes at a given approach."""
+        """Correction that removes a uniform overlap of the contact nodes at a given approach."""
         ones = np.ones(operators.nodes.size, np.float32)
         return self.solve(System(operators, ones, operators.uniform, fixed_load=False), drop, max_iterations)
 

@@ -469,9 +469,9 @@ def _error(
     it; a node that penetrates, or a plastic one with a gap, counts with that length over the displacement
     of a node per unit of its own pressure. The estimate is at least as large as two lower bounds:
 
-    - A layer that is much stiffer than the half-space answers a residual by a much larger pressure than M,
-      which is made for the half-space. There the norm of the pressure is used with which the whole layer, all
-      nodes in contact, would remove the residual.
+    - In a layer that is much stiffer than the half-space a residual corresponds to a much larger pressure
+      than M gives, which is made for the half-space. There the norm of the pressure is used with which the
+      whole layer, all nodes in contact, would remove the residual.
     - The gap is known only to its rounding error, which corresponds to a pressure.
     """
     problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads

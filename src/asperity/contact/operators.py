@@ -109,7 +109,7 @@ class Operators:
     response : InnerResponse
     precondition : NodePreconditioner
     uniform : (count,) array
-        Pressures M 1 that answer a uniform residual.
+        Pressures M 1 that remove a uniform residual.
     uniform_sum : float
         Their sum.
     """

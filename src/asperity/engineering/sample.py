@@ -152,7 +152,8 @@ def check_area(area: float, sample_area: float) -> None:
 def _shape_scale(excesses: Array) -> tuple[float, float]:
     """Shape ξ and scale of the distribution of some excesses, by probability-weighted moments.
 
-    J. R. M. Hosking, J. R. Wallis, Technometrics 29 (1987) 339, https://doi.org/10.1080/00401706.1987.10488243.
+    J. R. M. Hosking, J. R. Wallis, Technometrics 29 (1987) 339,
+    https://doi.org/10.1080/00401706.1987.10488243.
     """
     if excesses.size < 2 or excesses.max() <= 0:
         return 0.0, float(excesses.mean()) if excesses.size else 0.0
@@ -190,7 +191,7 @@ LARGEST = {
 }
 """Quantity of peaks → number whose grid error is used for the largest value on an area."""
 
-ONE_MAP = "one map: no interval, as parts of one map do not tell how places of the surface differ"
+ONE_MAP = "one map: no interval, because parts of one map do not show how places of the surface differ"
 
 
 class SampleRow(NamedTuple):

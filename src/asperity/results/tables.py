@@ -138,7 +138,7 @@ def units(table: str, frame: "pd.DataFrame") -> dict[str, str]:
 
 
 def _described(name: str, columns: dict[str, Any]) -> str:
-    """Name under which a column is described, empty if it is not; ``error_…`` stands for all such names."""
+    """Name under which a column is described, empty if it is not; ``error_…`` describes all such names."""
     matches = (
         known for known in columns if name == known or (known[-1] == "…" and name.startswith(known[:-1]))
     )

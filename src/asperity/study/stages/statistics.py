@@ -31,7 +31,7 @@ _HEIGHT_LIMITS = (-6.0, 6.0)
 """Heights over their rms that are counted: a Gaussian surface has one node in 10⁹ beyond."""
 
 PEAKS_PER_BIN = 20
-"""Least number of peaks for each bin of their densities: an average bin then errs by a fifth."""
+"""Least number of peaks for each bin of their densities: an average bin then has an error of a fifth."""
 
 FEWEST_BINS = 10
 """Smallest number of bins of the densities, however few the peaks."""
