@@ -1,7 +1,7 @@
 from dataclasses import asdict
 
-# One job draws the figures of the same studies one after the other, because a process needs most of its time to start. Figures that are
-# drawn when a job is killed stay in the folder of parameter `drawn`.
+# One job draws the figures of the same studies one after the other, because a process needs most of its time to
+# start. Figures that are drawn when a job is killed stay in the folder of parameter `drawn`.
 for group, names in DRAWN_TOGETHER.items():
 
     rule:

@@ -55,7 +55,10 @@ onstart:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
     if workflow.local_exec and not missing and {"contact", "stress"} & {job.rule.name for job in jobs}:
-        subprocess.run([PYTHON, "-c", "from asperity.study.preflight_and_manifest import warm_up; warm_up()"], check=True)
+        subprocess.run(
+            [PYTHON, "-c", "from asperity.study.preflight_and_manifest import warm_up; warm_up()"],
+            check=True,
+        )
 
 
 onsuccess:
