@@ -72,7 +72,7 @@ NODES_AT_ONCE = 2**15
 """Nodes of rows that are transformed, searched and summed while they are in the cache."""
 
 COMPARED_AT_ONCE = 2**16
-"""Maxima that are compared with a plane together: memory of values around those that are not kept."""
+"""Maxima that are compared with a plane together: the values around them take memory."""
 
 BLOCK = 512
 """Nodes for which the values that all von Mises stresses share fit into the processor's cache."""
@@ -148,7 +148,7 @@ class PlaneFields:
 
     @classmethod
     def of_array(cls, values: Array, periodic: bool) -> PlaneFields:
-        """A field of its own, (ny, nx), in place of σ_zz."""
+        """A plane of one given field, (ny, nx), which takes the place of σ_zz."""
         real = values.dtype.type
         basis = Basis(np.ascontiguousarray(values)[None], values.shape[1], np.zeros(len(BASIS), int), real(0))
         nothing = np.zeros(1, real)

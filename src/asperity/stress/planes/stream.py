@@ -86,7 +86,7 @@ class LinearPlane:
         True if A is the stress itself, for one Poisson's ratio.
     solid : LoadedSolid
     scale : float
-        Root mean square of σ_zz or less, as far as it is known before the plane is computed.
+        A lower bound of the root mean square of σ_zz, known before the plane is computed.
     refresh : callable
         Computes the basis fields again if another plane has overwritten them, and calls its argument
         `visit`, a `Visit`, for the rows.

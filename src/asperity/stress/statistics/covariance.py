@@ -73,7 +73,7 @@ class References:
     def on(self, grid: Grid, memory: Array) -> Array:
         """The references on the grid of a plane in steps, (fields, ny, nx); none before the first plane.
 
-        `memory` is that of the plane, which is computed later: it holds what is needed meanwhile.
+        `memory` is the array in which the plane will be computed; until then it serves as working memory.
         """
         if len(self._packed) and grid != self._grid:
             self._end(np.flatnonzero(self._rising))
@@ -208,9 +208,10 @@ class References:
         return found
 
     def settle(self, memory: Array) -> None:
-        """Finish what needs the references on their own grid, the present one, when no plane is missing.
+        """Compute the covariances within the reference planes, which are on the present grid.
 
-        As long as no larger value is found, they are then needed on the grids of deeper planes only.
+        No plane may be missing. The references on the present grid are then no longer needed, unless a larger
+        value is found in a deeper plane.
         `memory` is as of `on`.
         """
         self.missing[:] = 0
