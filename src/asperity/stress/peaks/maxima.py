@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
+from asperity.core.compiled import compiled
 from asperity.core.types import Array
 
 MIN_DETERMINANT = 1e-12
@@ -73,13 +74,9 @@ def refine_in_plane(values: Array) -> Array:
     values : (maxima, 3, 3) array
         Along y and x, the node in the middle. Where that is negative, the sign of all nine is changed.
     """
-    sign = np.sign(values[:, 1, 1])
-    centre, gradient, second = _derivatives(values, sign)
-    nothing, one = np.zeros_like(centre), np.ones_like(centre)
-    # A third axis on which nothing changes.
-    gradient, second = [nothing, *gradient], [-one, nothing, nothing, *second]
-    step = _steps_to_maxima(gradient, second, 1.0)
-    return np.stack([centre + 0.5 * sum(g * s for g, s in zip(gradient, step, strict=True)), *step[1:]])
+    out = np.empty((3, len(values)))
+    _refine_in_plane(values, out)
+    return out
 
 
 def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float, ...]) -> Array:
@@ -96,43 +93,69 @@ def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float
     depths : tuple of float
         Of the three planes, which may be unequally spaced.
     """
+    out = np.empty((4, len(here)))
+    _refine_in_solid(above, here, below, tuple(map(float, depths)), out)
+    return out
+
+
+@compiled
+def _refine_in_plane(values: Any, out: Any) -> None:
+    """Fill `out` as `refine_in_plane` says, with a third axis on which nothing changes."""
+    for n in range(values.shape[0]):
+        centre, along_y, along_x, yy, yx, xx = _derivatives(values[n], np.sign(values[n, 1, 1]))
+        step = _step_to_maximum((0.0, along_y, along_x), (-1.0, 0.0, 0.0, yy, yx, xx), 1.0)
+        out[0, n] = centre + 0.5 * (along_y * step[1] + along_x * step[2])
+        out[1, n], out[2, n] = step[1], step[2]
+
+
+@compiled
+def _refine_in_solid(above: Any, here: Any, below: Any, depths: Any, out: Any) -> None:
+    """Fill `out` as `refine_in_solid` says, with derivatives along depth per `unit`."""
     up, down = depths[1] - depths[0], depths[2] - depths[1]
     weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
     unit = min(up, down)
-    sign = np.sign(here[:, 1, 1])
-    centre, (along_y, along_x), second = _derivatives(here, sign)
-    over, (over_y, over_x), _ = _derivatives(above, sign)
-    under, (under_y, under_x), _ = _derivatives(below, sign)
-    # Derivatives along depth per `unit`, of the quadratics through three planes.
-    along_z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
-    zy = unit * (weight_up * (over_y - along_y) + weight_down * (under_y - along_y))
-    zx = unit * (weight_up * (over_x - along_x) + weight_down * (under_x - along_x))
-    zz = 2 * (unit * unit) * ((over - centre) / up + (under - centre) / down) / (up + down)
-    gradient = [along_z, along_y, along_x]
-    step = _steps_to_maxima(gradient, [zz, zy, zx, *second], max(up, down) / unit)
-    value = centre + 0.5 * sum(g * s for g, s in zip(gradient, step, strict=True))
-    return np.stack([value, depths[1] + unit * step[0], *step[1:]])
+    for n in range(here.shape[0]):
+        sign = np.sign(here[n, 1, 1])
+        centre, along_y, along_x, yy, yx, xx = _derivatives(here[n], sign)
+        over, over_y, over_x, _, _, _ = _derivatives(above[n], sign)
+        under, under_y, under_x, _, _, _ = _derivatives(below[n], sign)
+        along_z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
+        zy = unit * (weight_up * (over_y - along_y) + weight_down * (under_y - along_y))
+        zx = unit * (weight_up * (over_x - along_x) + weight_down * (under_x - along_x))
+        zz = 2 * (unit * unit) * ((over - centre) / up + (under - centre) / down) / (up + down)
+        second = zz, zy, zx, yy, yx, xx
+        step = _step_to_maximum((along_z, along_y, along_x), second, max(up, down) / unit)
+        out[0, n] = centre + 0.5 * (along_z * step[0] + along_y * step[1] + along_x * step[2])
+        out[1, n], out[2, n], out[3, n] = depths[1] + unit * step[0], step[1], step[2]
 
 
-def _derivatives(values: Array, sign: Array) -> tuple[Array, list[Array], list[Array]]:
+@compiled
+def _derivatives(values: Any, sign: float) -> tuple[float, float, float, float, float, float]:
     """Value at the middle of 3 × 3 values times a sign, slopes along y and x, and ∂²/∂y², ∂²/∂y∂x, ∂²/∂x²."""
-    v = np.multiply(sign, values.transpose(1, 2, 0), dtype=float)
-    centre, upper, lower, left, right = v[1, 1], v[0, 1], v[2, 1], v[1, 0], v[1, 2]
-    mixed = (v[2, 2] - v[2, 0] - v[0, 2] + v[0, 0]) / 4
-    slopes = [(lower - upper) / 2, (right - left) / 2]
-    return centre, slopes, [lower - 2 * centre + upper, mixed, right - 2 * centre + left]
+    sign = np.float64(sign)
+    centre = sign * values[1, 1]
+    upper, lower, left, right = (
+        sign * values[0, 1],
+        sign * values[2, 1],
+        sign * values[1, 0],
+        sign * values[1, 2],
+    )
+    mixed = (sign * values[2, 2] - sign * values[2, 0] - sign * values[0, 2] + sign * values[0, 0]) / 4
+    along_y, along_x = (lower - upper) / 2, (right - left) / 2
+    return centre, along_y, along_x, lower - 2 * centre + upper, mixed, right - 2 * centre + left
 
 
-def _steps_to_maxima(gradient: list[Array], second: list[Array], reach: float) -> Array:
-    """Newton's steps to the maxima of quadratics, (3, maxima).
+@compiled
+def _step_to_maximum(gradient: Any, second: Any, reach: float) -> tuple[float, float, float]:
+    """Newton's step to the maximum of a quadratic.
 
-    Where a quadratic has no maximum within `reach` along the first axis and one spacing along the others, the
-    axis that gains most is refined alone, by at most half a spacing.
+    Where it has no maximum within `reach` along the first axis and one spacing along the others, the axis
+    that gains most is refined alone, by at most half a spacing.
 
     Parameters
     ----------
-    gradient : three arrays
-    second : six arrays
+    gradient : three numbers
+    second : six numbers
         Second derivatives: the upper triangle of their matrix, row by row.
     reach : float
     """
@@ -143,15 +166,16 @@ def _steps_to_maxima(gradient: list[Array], second: list[Array], reach: float) -
     bb, bc, cc = a * f - c * c, b * c - a * e, a * d - b * b
     determinant = a * aa + b * ab + c * ac
     # Sylvester's criterion: leading minors of alternating sign.
-    negative = (np.abs(determinant) > MIN_DETERMINANT * np.abs(a * d * f)) & (a < 0) & (cc > 0)
-    negative &= determinant < 0
-    along = [aa * u + ab * v + ac * w, ab * u + bb * v + bc * w, ac * u + bc * v + cc * w]
-    with np.errstate(all="ignore"):
-        newton = -np.stack(along) / determinant
-        alone = np.where(
-            np.stack([a, d, f]) < 0, np.clip(-np.stack(gradient) / np.stack([a, d, f]), -0.5, 0.5), 0
-        )
-    most = np.argmax(np.abs(alone * gradient), axis=0)
-    alone *= np.arange(3)[:, None] == most
-    within = np.all(np.abs(newton) <= np.array([[reach], [1.0], [1.0]]), axis=0)
-    return np.where(negative & within, newton, alone)
+    if a < 0 and cc > 0 and determinant < 0 and -determinant > MIN_DETERMINANT * abs(a * d * f):
+        x = -(aa * u + ab * v + ac * w) / determinant
+        y = -(ab * u + bb * v + bc * w) / determinant
+        z = -(ac * u + bc * v + cc * w) / determinant
+        if abs(x) <= reach and abs(y) <= 1.0 and abs(z) <= 1.0:
+            return x, y, z
+    x = min(max(-u / a, -0.5), 0.5) if a < 0 else 0.0
+    y = min(max(-v / d, -0.5), 0.5) if d < 0 else 0.0
+    z = min(max(-w / f, -0.5), 0.5) if f < 0 else 0.0
+    gain_x, gain_y, gain_z = abs(x * u), abs(y * v), abs(z * w)
+    if gain_x >= gain_y and gain_x >= gain_z:
+        return x, 0.0, 0.0
+    return (0.0, y, 0.0) if gain_y >= gain_z else (0.0, 0.0, z)

@@ -136,12 +136,9 @@ class PlaneSearch:
 
     def maxima(self, floor: float) -> Maxima:
         """Maxima above a floor; those of a field are in the order of rising rows and columns."""
-        parts = []
-        for found in self._maxima:
-            high = found.magnitude > floor
-            parts.append(vars(found if high.all() else found.select(np.flatnonzero(high))))
-        self._maxima = []
-        return _joined(Maxima, parts)
+        high = np.concatenate([found.magnitude for found in self._maxima]) > floor
+        parts, self._maxima = [vars(found) for found in self._maxima], []
+        return _joined(Maxima, parts, slice(None) if high.all() else np.flatnonzero(high))
 
     def _arrays(self) -> tuple[Any, ...]:
         """Memory of the present thread, in which `rows_at_once` are searched."""
@@ -190,10 +187,13 @@ class PlaneSearch:
         return maxima, Lower(*(array[:number].copy() for array in exceeding))
 
 
-def _joined(kind: type[Kind], parts: list[dict[str, Any]]) -> Kind:
-    """All entries of several sets, which lose their arrays one by one: two copies would take memory."""
-    arrays = ((name, [part.pop(name) for part in parts]) for name in list(parts[0]))
-    return kind(**{name: None if own[0] is None else np.concatenate(own) for name, own in arrays})
+def _joined(kind: type[Kind], parts: list[dict[str, Any]], chosen: Any = slice(None)) -> Kind:
+    """Some entries of several sets, which lose their arrays one by one: two copies would take memory."""
+    joined = {}
+    for name in list(parts[0]):
+        arrays = [part.pop(name) for part in parts]
+        joined[name] = None if arrays[0] is None else np.concatenate(arrays)[chosen]
+    return kind(**joined)
 
 
 @compiled

@@ -20,6 +20,7 @@ from asperity.stress.planes.fields import NODES_AT_ONCE, BasisField, Visit, band
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
+_PLACES = {name: place for place, name in enumerate(COMPONENTS)}
 
 COLUMNS_AT_ONCE = 32
 """Fewest columns of modes that are transformed along y together."""
@@ -158,6 +159,12 @@ class PeriodicPlanes:
         edges = [0, *(k for k in range(1, len(along_y)) if along_y[k] > along_y[k - 1] + 1), len(along_y)]
         runs = [slice(along_y[start], along_y[stop - 1] + 1) for start, stop in pairwise(edges)]
 
+        if is_xz_derived:
+            constant, slope = fields[first["xx"]][1:]
+            factor = self._along_x[1, : own.columns] * self.dtype.type(
+                fields[first["xz"]].constant * 0.5 * depth / (constant + slope)
+            )
+            numbers = tuple(first[name] for name in ("xx", "yy", "zz", "xz"))
         # The spectra of some columns stay in the processor's cache until they are transformed.
         together = max(COLUMNS_AT_ONCE, NODES_AT_ONCE // ny)
 
@@ -171,21 +178,17 @@ class PeriodicPlanes:
                 done += count
 
         def transform_rows(band: int) -> None:
+            shared = np.empty((4, nx + 2), self.dtype)
             for start, stop in strips_of(bands[band], nx):
                 if is_xz_derived:
-                    constant, slope = fields[first["xx"]][1:]
-                    factor = self._along_x[1, : own.columns] * self.dtype.type(
-                        fields[first["xz"]].constant * 0.5 * depth / (constant + slope)
-                    )
-                    numbers = tuple(first[name] for name in ("xx", "yy", "zz", "xz"))
-                    _fill_xz(numbers, factor, start, stop, np.empty(2 * own.columns, self.dtype), values)
+                    _fill_xz(numbers, factor, start, stop, shared[0, : 2 * own.columns], values)
                 for some in runs if is_surface else [slice(None)]:
                     _clear_columns(2 * own.columns, 2 * spectra.shape[2], start, stop, values[some])
                     engine.inverse_along_x(spectra[some, start:stop], values[some, start:stop, :nx])
                 if is_surface:
                     places = np.array([first["xx"], first["xy"]])
-                    shared = np.empty((4, nx), self.dtype)
-                    _fill_surface(self._pressure, mean, places, combinations, start, stop, shared, values)
+                    memory = shared[:, :nx]
+                    _fill_surface(self._pressure, mean, places, combinations, start, stop, memory, values)
                 if visit is not None:
                     visit(band, start, stop)
 
@@ -201,8 +204,8 @@ class PeriodicPlanes:
         count = columns.stop - columns.start
         out = kept.array("coefficients", (len(fields), grid.shape[0], count), modes.dtype)
         wavevector = np.ascontiguousarray(self._along_x[0, columns]), self._along_y[0]
-        kinds = np.array([COMPONENTS.index(field.component) for field in fields])
-        factors = np.array([(field.constant, field.slope) for field in fields], self.dtype)
+        kinds = np.array([_PLACES[field.component] for field in fields])
+        factors = np.array([field[1:] for field in fields], self.dtype)
         kernels = np.empty((3, 1, 1), self.dtype)
         if is_layer := self._layer.height is not None:
             kernels = np.stack(self._layer.kernels(self._wavenumber(columns), depth)[:3])

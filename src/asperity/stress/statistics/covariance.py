@@ -337,8 +337,9 @@ class _Rings:
         They are written over, and the covariance in the plane to `memory`, if that is given.
         """
         power = modes.copy() if memory is None else modes
-        for row in power:
-            row *= np.conj(row)
+        rows = max(1, NODES_AT_ONCE // power.shape[1])
+        for start in range(0, len(power), rows):
+            power[start : start + rows] *= np.conj(power[start : start + rows])
         power[0, 0] = 0
         if source != self._grid:
             power = resample(power, source, self._grid)
