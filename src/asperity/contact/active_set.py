@@ -206,7 +206,15 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
     if control.kind == "approach":
         return Pressure.of_field(np.zeros_like(height), np.nan)
     if control.kind == "mean_pressure":
-        level = _level_of_load(height, control.value, stiffness, hardness)
+        # The level at which the overlap has that pressure, at most the hardness, by bisection.
+        low = float(height.min())
+        level = float(height.max()) + control.value / stiffness
+        for _ in range(60):
+            middle = 0.5 * (low + level)
+            if np.clip(middle - height, 0, hardness / stiffness).mean() * stiffness > control.value:
+                level = middle
+            else:
+                low = middle
     else:
         # Twice the imposed area lies below this level, since the overlap exceeds the contact.
         least = height.min() + 1e-3 * np.std(height, dtype=float)
@@ -219,19 +227,6 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
     if not pressure.any():
         pressure[:] = min(stiffness * min(problem.grid.spacing) * 1e-3, 0.5 * hardness)
     return Pressure.of_field(pressure, float(pressure.mean(dtype=float)))
-
-
-def _level_of_load(height: Array, mean_pressure: float, stiffness: float, hardness: float) -> float:
-    """Level at which the overlap times a stiffness, at most the hardness, has a given mean, by bisection."""
-    low = float(height.min())
-    high = float(height.max()) + mean_pressure / stiffness
-    for _ in range(60):
-        level = 0.5 * (low + high)
-        if np.clip(level - height, 0, hardness / stiffness).mean() * stiffness > mean_pressure:
-            high = level
-        else:
-            low = level
-    return high
 
 
 class Stagnation:

@@ -245,34 +245,29 @@ def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> Lin
 
 
 def _along(axis: int, values: Array, positions: Array, periodic: bool) -> Array:
-    """Values interpolated to positions along one axis, in spacings from the first node."""
+    """Values interpolated to positions along one axis, in spacings from the first node.
+
+    Through the nodes of a period by trigonometric polynomials, else by Lagrange's on the nearest nodes.
+    """
     nodes, nearest = values.shape[axis], np.rint(positions)
     inside = periodic or nearest.max() < nodes
     if inside and np.all(np.abs(positions - nearest) < ON_A_NODE):
         return values.take(nearest.astype(np.int64) % nodes, axis)
-    weights = (_trigonometric_weights if periodic else _lagrange_weights)(nodes, positions)
+    if periodic:
+        distance = positions[:, None] - np.arange(nodes)
+        angle = np.pi * distance / nodes
+        below = nodes * (np.sin(angle) if nodes % 2 else np.tan(angle))
+        on_node = np.abs(distance - nodes * np.rint(distance / nodes)) < ON_A_NODE
+        weights = np.where(on_node, 1.0, np.sin(np.pi * distance) / np.where(on_node, 1.0, below))
+    else:
+        count = min(LAGRANGE_NODES, nodes)
+        first = np.clip(np.floor(positions).astype(np.int64) - (count - 1) // 2, 0, nodes - count)
+        index = first[:, None] + np.arange(count)
+        local = np.ones(index.shape)
+        for k in range(count):
+            for m in range(count):
+                if m != k:
+                    local[:, k] *= (positions - index[:, m]) / (k - m)
+        weights = np.zeros((positions.size, nodes))
+        np.put_along_axis(weights, index, local, axis=1)
     return weights @ values if axis == 1 else values @ weights.T
-
-
-def _trigonometric_weights(nodes: int, positions: Array) -> Array:
-    """Weights of the trigonometric interpolation through equally spaced nodes of a period."""
-    distance = positions[:, None] - np.arange(nodes)
-    angle = np.pi * distance / nodes
-    below = nodes * (np.sin(angle) if nodes % 2 else np.tan(angle))
-    on_node = np.abs(distance - nodes * np.rint(distance / nodes)) < ON_A_NODE
-    return np.where(on_node, 1.0, np.sin(np.pi * distance) / np.where(on_node, 1.0, below))
-
-
-def _lagrange_weights(nodes: int, positions: Array) -> Array:
-    """Weights of Lagrange's interpolation on the nearest nodes."""
-    count = min(LAGRANGE_NODES, nodes)
-    first = np.clip(np.floor(positions).astype(np.int64) - (count - 1) // 2, 0, nodes - count)
-    index = first[:, None] + np.arange(count)
-    local = np.ones(index.shape)
-    for k in range(count):
-        for m in range(count):
-            if m != k:
-                local[:, k] *= (positions - index[:, m]) / (k - m)
-    weights = np.zeros((positions.size, nodes))
-    np.put_along_axis(weights, index, local, axis=1)
-    return weights

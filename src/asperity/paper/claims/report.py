@@ -98,7 +98,17 @@ def found_in_words(finding: Finding) -> str:
         untestable = finding.claim.untestable if finding.verdict == verdicts.UNTESTABLE else ""
         reason = finding.own.missing or untestable
         return "; ".join(filter(None, (_number(finding.own), reason)))
-    return "; ".join(f"{_in_words(finding, one)}: {_number(one)} {one.verdict}" for one in finding.shown)
+    parts = []
+    for one in finding.shown:
+        words = []  # the options that tell the verdicts apart, and others that are not the study's own
+        for choice, option in one.interpretation.items():
+            if choice in finding.choices or option != finding.own.interpretation[choice]:
+                if choice == "alike":
+                    words.append(f"the same up to {100 * option:g} %")
+                else:
+                    words.append(f"δ = {option:g}" if choice == "delta" else WORDS.get(option, str(option)))
+        parts.append(f"{', '.join(words)}: {_number(one)} {one.verdict}")
+    return "; ".join(parts)
 
 
 def _number(one: Judgement) -> str:
@@ -108,15 +118,3 @@ def _number(one: Judgement) -> str:
     if not one.interval_low < one.interval_high:
         return f"{one.value:.3g}"
     return f"{one.value:.4g} ({one.interval_low:.4g} to {one.interval_high:.4g})"
-
-
-def _in_words(finding: Finding, one: Judgement) -> str:
-    """The options of the choices of a verdict, and those that are not the study's own, in words."""
-    words = []
-    for choice, option in one.interpretation.items():
-        if choice in finding.choices or option != finding.own.interpretation[choice]:
-            if choice == "alike":
-                words.append(f"the same up to {100 * option:g} %")
-            else:
-                words.append(f"δ = {option:g}" if choice == "delta" else WORDS.get(option, str(option)))
-    return ", ".join(words)
