@@ -20,7 +20,7 @@ WATCHED = ("numpy", "scipy", "numba", "SurfaceTopography", "mpmath", "skfem")
 
 
 def imported(statements):
-    """Names of modules that statements import, also inside functions, but for types."""
+    """Names of modules that statements import, also inside functions; not those imported for types only."""
     for node in statements:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)

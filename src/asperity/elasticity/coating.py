@@ -85,7 +85,7 @@ def coated_compliance(h: float, materials: Materials) -> float:
 def _interface(of_shear: bool, h: float, materials: Materials) -> tuple[float, float, float, float]:
     """State on the interface, above it, under S_z = −1 or S_l = −1 at the top: U_l − h/2 U_z, U_z, S_l, S_z.
 
-    In bending U_l is h/2 U_z but for the stretching of the middle of a thin coating.
+    In bending U_l is h/2 U_z except for the stretching of the middle of a thin coating.
     """
     nu, nu_base, stiff, soft = materials
     m, n = 1.0 - 2.0 * nu, 1.0 - 2.0 * nu_base

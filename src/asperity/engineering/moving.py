@@ -2,7 +2,7 @@
 
 The upper body moves over the lower one by whole nodes along a direction of the grid. Every position is a
 contact of its own, under one mean pressure over a whole period of the motion. On its way through a Hertz
-contact a point sees the mean pressure of its place rise and fall, while the other face slides past it by the
+contact the mean pressure at a point rises and falls, while the other face slides past it by the
 slide-to-roll ratio S = 2 (u_upper − u_lower)/(u_upper + u_lower) of the surface velocities: when a point of
 the lower body has moved by s, the upper face has moved past it by S s/(1 − S/2), and for a point of the upper
 body by S s/(1 + S/2). In the middle of the contact the faces lie as they are given.
@@ -177,7 +177,7 @@ class MovingContact:
         return math.lcm(*(nodes // math.gcd(nodes, step) for nodes, step in each))
 
     def states(self, body: str) -> list[State]:
-        """Positions that a point of a body sees."""
+        """Positions at which the contact is computed for the history of a point of `body`."""
         if self._hertz is None:
             steps = np.rint(np.arange(self.shifts) * self.period / self.shifts)
             return [State(int(step), self._mean_pressure, 0.0) for step in steps]
@@ -211,7 +211,7 @@ class MovingContact:
         return start[0] + places * self._along[0], start[1] + places * self._along[1]
 
     def in_body(self, body: str) -> MovingPressure:
-        """The pressures that points of a body see, for `asperity.stress_cycles`.
+        """The pressures on points of a body, for `asperity.stress_cycles`.
 
         Parameters
         ----------

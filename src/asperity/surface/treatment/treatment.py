@@ -46,7 +46,7 @@ BYTES_PER_NODE = {"none": 410.0}
 `asperity run --points 1024`."""
 
 FLAT_VARIATION = 1e-13
-"""Largest variation, relative to the heights, of a map that is flat but for rounding."""
+"""Largest variation, relative to the heights, of a map that is flat except for rounding."""
 
 
 @dataclass(frozen=True)
