@@ -5,8 +5,8 @@
 The Hurst exponent, the wavelengths and the contact area of every surface are random, and one in four is
 skewed. It is pressed with 2, 4, 8 and 32 nodes on its shortest wavelength under the same load, and the
 estimates on 2, 4 and 8 nodes are compared with that on 32. With two nodes, as on a map with roughness down
-to its pixels, a grid with half of the nodes cannot represent the shortest waves. The shares that the estimates use were chosen on
-230 other surfaces of this kind.
+to its pixels, a grid with half of the nodes cannot represent the shortest waves. The shares
+that the estimates use were chosen on 230 other surfaces of this kind.
 """
 
 import argparse

@@ -5,7 +5,7 @@ pressure p ≥ 0 the surface of the solid moves down by u, and the gap is ``g = 
 approach δ of the indenter. Where the solid has no uniform displacement (half-space, free bottom, confined and
 incompressible) u has mean zero, and δ is measured from the mean plane of the solid's surface.
 
-With a hardness p_H, p ≤ p_H, and g ≤ 0 where p = p_H: by −g the surface is flattened.
+With a hardness p_H, p ≤ p_H, and g ≤ 0 where p = p_H: the surface is flattened there by −g.
 
 `solve` scales the problem (`problem`), a method finds p (`active_set`, `gfmd`), and `certificate` checks it
 independently. `load` computes the change of p with the load: stiffness, the loads between which the same

@@ -94,7 +94,7 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
 
 
 def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
-    """Sum of a number of its row and a number of its column, for each of some nodes.
+    """For each of some nodes, the sum of the number given for its row and the one given for its column.
 
     Parameters
     ----------

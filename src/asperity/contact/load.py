@@ -204,7 +204,7 @@ class AreaControl:
         return load * math.exp(min(max(exponent * self.log_ratio(count), -limit), limit))
 
     def bracketed(self, load: float, count: int, guess: float) -> float | None:
-        """Load to go on with after the pressure has converged at a load; None if that load stays.
+        """Next load after the pressure has converged at a load; None if that load is kept.
 
         It is the guess, if that lies within the bracket and the bracket shrinks fast, or the bracket's
         middle. Once the bracket has closed, it is the end with the nearer area.
@@ -318,7 +318,7 @@ def _approximate_tangent(
 
 
 def _change_to(target: int, edges: Iterable[Array], least: float, most: float, shortest: float) -> float:
-    """Change below which so many of the edges lie, or the nearest stable number; 0 if no change is needed.
+    """Change below which `target` edges lie, or the nearest stable number of them; 0 if no change is needed.
 
     Parameters
     ----------

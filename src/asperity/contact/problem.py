@@ -102,7 +102,7 @@ class Problem:
 
     @property
     def own_compliance(self) -> float:
-        """Displacement of a node per unit of its own pressure; of a single node, which has none, the unit."""
+        """Displacement of a node per unit of its own pressure; the unit where that is 0."""
         return self.response.own_compliance or self.nodal_compliance
 
     def coarser(self, min_points: int) -> "Problem | None":
@@ -225,7 +225,7 @@ class Units:
         return out
 
     def clipped_by(self, height: Array) -> Array | None:
-        """By how much heights, in the unit of the caller, are clipped; None if none is."""
+        """Part of each height that is clipped, in the unit of the caller; None if heights are not clipped."""
         if self.below == self.above == math.inf:
             return None
         above = height - self.datum

@@ -261,7 +261,7 @@ def partial_slip(
     friction = number("friction", friction, "a number above 0, at most 1000,", lambda mu: 0 < mu <= 1000)
     degrees_of(sliding_direction)
     for body in _bodies(contact):
-        body.shear_kernels(1.0, 0.0)  # which a layer on a frictionless bottom has not
+        body.shear_kernels(1.0, 0.0)  # an error for a layer on a frictionless bottom, which has none
     if contact.plastic_area:
         raise ValueError(f"hardness = {contact.hardness:.6g}: an elastic contact is needed for partial slip")
     if (tangential_force is None) == (tangential_displacement is None):

@@ -307,8 +307,8 @@ class Layer:
         Returns
         -------
         (2, ...) array
-            Along, across; in length per stress. At q = 0 that of a uniform traction, which is 0 by rule where
-            `uniform_compliance` is.
+            Along, across; in length per stress. At q = 0 that of a uniform traction; it is set to 0
+            where `uniform_compliance` is set to 0.
 
         Raises
         ------

@@ -7,8 +7,8 @@ else it is `DEFAULT`.
 All have the same methods, with the normalisation of `asperity.fourier.grid`. Arrays may be views, with rows
 at any distance, and an engine may be used by several threads at once.
 
-The results of two differ by rounding errors. The results of one have the same bits for any number of
-threads and in every run; those of pyFFTW as long as the wisdom of FFTW is kept.
+Results of two engines differ by rounding errors. Results of one engine have the same bits for any number of
+threads and in every run, with pyFFTW as long as the wisdom of FFTW is kept.
 """
 
 import json

@@ -242,8 +242,8 @@ def unit_displacement(rho: ArrayLike) -> Array:
     """Dimensionless displacement of the surface at ρ = r/a, in the shape of `rho`.
 
     π/2 (2 − ρ²) inside the contact, ``(2 − ρ²) asin(1/ρ) + √(ρ² − 1)`` outside: the bracket of Eqs. 11 and
-    12 over a². The printed form loses ρ² ε to rounding far away; this one is the hypergeometric function that
-    equals it.
+    12 over a². The printed form has a rounding error of ρ² ε far away. Therefore the hypergeometric function
+    that equals it is evaluated.
     """
     rho = np.asarray(rho, float)
     inverse = 1 / np.maximum(rho, 1.0)

@@ -88,7 +88,7 @@ class StateSpace:
     def _basis(self, sign: int) -> Array:
         """Three independent states (6, 3) that vary as e^(sign q z) times a linear function of z."""
         eigenvalue = sign * self.q
-        # Arrays stand on the left of products: a number of mpmath there first writes the array as text.
+        # Arrays are the left factors of products: a number of mpmath on the left converts the array to text.
         one = np.eye(6, dtype=object)
         up, down = self.system + one * eigenvalue, self.system - one * eigenvalue
         projector = up @ up @ (one / (4 * eigenvalue**2) - down / (4 * eigenvalue**3))

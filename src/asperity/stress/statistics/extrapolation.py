@@ -19,9 +19,9 @@ The error that remains is a share of the change from half of the nodes to all no
 full contact. So that it does not vanish by chance, sizes, depths and decay lengths use the largest change
 of the numbers of their kind. `SHARE_OF_CHANGE` and the constants beside it hold the measured shares. With
 hundreds of peaks the error of their sizes is a multiple of the share of peaks that the grid missed
-(`OF_MISSED`, `benchmarks/statements.py`). Half of the nodes cannot represent waves shorter than
-four nodes; the corrections of a surface with such waves have larger errors. Under a hardness the errors are larger, and there is no
-estimate of depths and decay lengths.
+(`OF_MISSED`, `benchmarks/statements.py`). Half of the nodes cannot represent waves shorter than four
+nodes; the corrections of a surface with such waves have larger errors. Under a hardness the errors are
+larger, and there is no estimate of depths and decay lengths.
 """
 
 from collections.abc import Iterable, Sequence

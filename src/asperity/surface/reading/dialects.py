@@ -11,7 +11,7 @@ import numpy as np
 from asperity.surface.reading.agreement import FileContent, metres, require_size
 
 HEADING = 512
-"""Bytes at the begin of a file from which `corrected` takes the units."""
+"""Bytes at the beginning of a file from which `corrected` takes the units."""
 
 LARGEST_NANOFOCUS_PIXEL = 0.1
 """Largest pixel of a NanoFocus file in mm; above it the lengths are in nm, as instruments write them. No
@@ -66,7 +66,7 @@ _SDF_NUMBERS = (
 
 
 def _sur(content: bytes, limit: float) -> bytes:
-    """Digital Surf: compressed points, and units in UTF-8 or that are no length."""
+    """Digital Surf: points are unpacked; units in UTF-8, and units that are no length, are replaced."""
     header = bytearray(content[:512])
     for start in range(180, 276, 16):
         unit = header[start : start + 16].replace(b"\xc2\xb5", b"\xb5").replace(b"\xce\xbc", b"\xb5")

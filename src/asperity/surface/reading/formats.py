@@ -26,7 +26,7 @@ BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
 """First bytes of a text in UTF-16."""
 
 BLOCK = 2**20
-"""Bytes at the begin of a file by which it is recognised."""
+"""Bytes at the beginning of a file by which it is recognised."""
 
 
 UNNAMED = "Default"

@@ -1,6 +1,6 @@
 """Height maps as measured: heights, edges, unit, and which way is up; and the options of a map.
 
-Two conventions meet here. A **map** of an instrument shows its peaks upward. The height that
+This module uses two conventions. A **map** of an instrument shows its peaks upward. The height that
 `asperity.contact.solve` takes is the **lower face** of an indenter, measured upward: its lowest points touch
 first. One is minus the other, so every `HeightMap` states which of the two it holds; x and y are the same
 in both. The files of instruments are maps; results of asperity hold lower faces and say so; a bare array of
@@ -53,7 +53,7 @@ UNIT_NEEDED = "unit: the file does not say the unit of its heights; set it, for 
 
 
 class MapError(InputError):
-    """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
+    """Raised for a height map that cannot be read or used as asked; each problem has a line in the message.
 
     Attributes
     ----------

@@ -85,7 +85,7 @@ def read_x3p(file: BinaryIO) -> FileContent:
 
 
 def _plain(name: str) -> str:
-    """Name of a member in one form: small letters, slashes, no point at its begin."""
+    """Name of a member in one form: small letters, slashes, no leading point."""
     return posixpath.normpath(name.replace("\\", "/")).lstrip("/").lower()
 
 

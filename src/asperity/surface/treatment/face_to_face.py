@@ -40,7 +40,7 @@ class FacedMaps(NamedTuple):
     whole : bool
         True if the common area is all of the lower map.
     done : tuple of str
-        What was done, one sentence a step.
+        What was done, one sentence for each step.
     upper : HeightMap
         The part of the map that is the upper body's lower face.
     """

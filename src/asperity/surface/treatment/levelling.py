@@ -36,9 +36,9 @@ def find_spikes(height: Array, threshold: float) -> Array:
     A spike differs from the local median by more than `threshold` robust standard deviations of the local
     roughness (1.4826 times the median of the absolute difference between height and local mean), and belongs
     to a connected group of such points that fits into a square of `LONGEST_SPIKE` points. The high peaks of a
-    skewed surface do so, too, but change as smoothly from point to point as its other waves: see
-    `SHARPEST_PEAK`. Found spikes are
-    replaced by the local median and the search is repeated until it finds no more. Mean and median are those
+    skewed surface also fulfil this, but they are as smooth as its other waves, and are told apart from spikes
+    by `SHARPEST_PEAK`. Found spikes are replaced by the local median, and the search is repeated until it
+    finds no more. Mean and median are those
     of `MEDIAN_POINTS` squared points; the median is taken of the medians of their rows (P. M. Narendra, IEEE
     Trans. Pattern Anal. Mach. Intell. 3 (1981) 20, doi 10.1109/TPAMI.1981.4767047). The difference from the
     mean is Gaussian for a Gaussian surface, so that its spread is a standard deviation; the difference from

@@ -98,7 +98,7 @@ class TreatedMap:
         Shortest wavelength that was kept.
     treatment : MapTreatment
     done : tuple of str
-        What was done to the map, in words, a sentence a step.
+        What was done to the map, one sentence for each step.
     name : str
         Name of the map.
     images : int
