@@ -218,7 +218,7 @@ def draw_stress(rows: pd.DataFrame, profiles: pd.DataFrame) -> Figure:
 def limits(data: xr.Dataset) -> pd.DataFrame:
     """Numbers of each grid, and their limits at vanishing spacing from the first two grids, a row each.
 
-    The area loses the strip along its boundary (`asperity.continuum`), of the finer of the two grids; the
+    From the area the strip along its boundary on the finer grid is subtracted (`asperity.continuum`); the
     other numbers are extrapolated with second order.
     """
     data = data.drop_vars("density")

@@ -95,8 +95,8 @@ def choices(name: str, values: Any, known: Sequence[str]) -> tuple[str, ...]:
 def real_array(name: str, values: Any) -> Array:
     """An array of real numbers; float32 and float64 are kept, everything else becomes float64.
 
-    A DataArray over axes that `plane_axes` knows becomes an array [y, x], with rising positions; so does a
-    DataFrame whose rows or columns are named by numbers.
+    A DataArray over axes that `plane_axes` recognises becomes an array [y, x], with rising positions; so
+    does a DataFrame whose rows or columns are named by numbers.
     Complex numbers, truth values, text, quantities with a unit, and masked arrays with masked elements are
     refused. Elements may be infinite or NaN.
     """
@@ -134,7 +134,7 @@ COLUMN_AXES = frozenset(("x", "col", "cols", "column", "columns", "lon", "longit
 
 
 def plane_axes(dims: Sequence[Any]) -> tuple[Any, Any] | None:
-    """The axes along y and x of two named axes; None if their names do not tell."""
+    """The axes along y and x of two named axes; None if their names are not known."""
     kinds = [(str(axis).lower() in ROW_AXES) - (str(axis).lower() in COLUMN_AXES) for axis in dims]
     if kinds not in ([1, -1], [-1, 1]):
         return None
@@ -142,7 +142,7 @@ def plane_axes(dims: Sequence[Any]) -> tuple[Any, Any] | None:
 
 
 def rising(values: Any) -> Any:
-    """A DataArray over axes that `plane_axes` knows as [y, x], sorted by its positions."""
+    """A DataArray over axes that `plane_axes` recognises as [y, x], sorted by its positions."""
     values = values.transpose(*(plane_axes(values.dims) or ()))
     for axis in values.dims:
         place = values.coords[axis].values if axis in values.coords else np.arange(2)

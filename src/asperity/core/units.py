@@ -17,7 +17,7 @@ from asperity.core.errors import shown
 
 
 class Dimension(NamedTuple):
-    """A physical dimension that the interfaces know.
+    """A physical dimension of numbers with units in the interfaces.
 
     Parameters
     ----------

@@ -144,7 +144,7 @@ AnyRow = TypeVar("AnyRow", bound=Any)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Answer:
-    """The answer of a case; ``print`` shows it, `frame` is it as a table.
+    """The answer of a case; ``print`` shows it, `frame` returns it as a table.
 
     Attributes
     ----------

@@ -167,7 +167,7 @@ class MovingContact:
                 needed = math.ceil(self.shifts * 2 * longest / wave)
                 raise ValueError(
                     f"shifts = {self.shifts}: at least {needed} are needed, for steps of half of the "
-                    f"shortest wave of the faces, {wave:.4g}; fewer do with a longer wavelength_short"
+                    f"shortest wave of the faces, {wave:.4g}; fewer suffice with a longer wavelength_short"
                 )
 
     @property

@@ -336,7 +336,7 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sample:
-    """Numbers of several maps of one surface; ``print`` shows their means, `frame` is them as a table.
+    """Numbers of several maps of one surface; ``print`` shows their means, `frame` returns them as a table.
 
     Attributes
     ----------

@@ -1,6 +1,6 @@
 """The surfaces of a configuration and the validation datasets from which the claims are judged.
 
-The workflow asks for them in every job: this module imports nothing that takes time.
+Every job of the workflow imports this module. Therefore it imports nothing that takes time.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -3,8 +3,8 @@
 A drawing is two functions of a module with the same arguments: ``draw_…`` returns a
 `matplotlib.figure.Figure`, ``caption_…`` reStructuredText, or the items of a list in it. The arguments are
 the results of the stages that the figure needs, and its options. A module is imported when its figure is
-drawn: libraries for plotting take a second to import, and the workflow asks in every job which files its
-figures need.
+drawn: libraries for plotting take a second to import, and every job of the workflow imports this module
+for the names of the files that figures need.
 """
 
 import re

@@ -5,10 +5,10 @@ the von Mises stress; coordinates that a residual stress can change come first.
 
 Dang Van
 --------
-The elastic cycle is shaken down to one around the centre c of the smallest sphere that encloses its
-deviators. The largest τ_a(t) + α σ_H(t), with the Tresca shear stress τ_a of s(t) − c and the mean σ_H of the
-normal stresses, stays below the fatigue limit in reversed torsion; α follows from the limit in reversed
-bending (K. Dang Van, ASTM STP 1191 (1993) 120).
+After elastic shakedown the deviators of the cycle lie around the centre c of the smallest sphere that
+encloses them. The largest τ_a(t) + α σ_H(t), with the Tresca shear stress τ_a of s(t) − c and the mean σ_H
+of the normal stresses, stays below the fatigue limit in reversed torsion; α follows from the limit in
+reversed bending (K. Dang Van, ASTM STP 1191 (1993) 120).
 
 Shakedown
 ---------

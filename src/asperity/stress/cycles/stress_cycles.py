@@ -3,7 +3,8 @@
 In steady motion along x the stress moves with the rough body: the history of the stress at the point (y, z)
 of the smooth body is the row σ(·, y, z), and for motion along y the column. With a periodic map the
 history repeats; with a free boundary the point is also unloaded, σ = 0. This is exact for a smooth elastic
-body under a translating rough one, at the nodes of the row. Histories of two rough bodies are in `asperity.stress.cycles.histories`.
+body under a translating rough one, at the nodes of the row. Histories of two rough bodies are in
+`asperity.stress.cycles.histories`.
 """
 
 from __future__ import annotations

@@ -16,10 +16,10 @@ Percentiles of peaks
     extrapolated, and the percentile of all of them is the peak of the same rank among those found.
 
 The error that remains is a share of the change from half of the nodes to all nodes. It does not vanish near
-full contact. So that it does not vanish by chance, sizes, depths and decay lengths use the largest change
-of the numbers of their kind. `SHARE_OF_CHANGE` and the constants beside it hold the measured shares. With
-hundreds of peaks the error of their sizes is a multiple of the share of peaks that the grid missed
-(`OF_MISSED`, `benchmarks/statements.py`). Half of the nodes cannot represent waves shorter than four
+full contact. So that the stated error is not small by chance, sizes, depths and decay lengths use the
+largest change of the numbers of their kind. `SHARE_OF_CHANGE` and the constants beside it hold the measured
+shares. With hundreds of peaks the error of their sizes is a multiple of the share of peaks that the grid
+missed (`OF_MISSED`, `benchmarks/statements.py`). Half of the nodes cannot represent waves shorter than four
 nodes; the corrections of a surface with such waves have larger errors. Under a hardness the errors are
 larger, and there is no estimate of depths and decay lengths.
 """
@@ -95,7 +95,7 @@ OF_MISSED = {"pressure": 0.16, "von_mises": 0.16}
 """Quantity → relative error of its highest peaks over the share of peaks that the grid missed."""
 
 OF_MISSED_COMPONENT = 0.3
-"""The same for other quantities, whose peaks come in greater numbers from grid to grid."""
+"""The same for other quantities, whose number of peaks rises more from grid to grid."""
 
 LOWER_PEAKS = 1.5
 """Added to these factors in proportion to the share of higher peaks."""
