@@ -110,7 +110,7 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
         sheet = book.create_sheet(name)
         sheet.append(list(shown))
         # A cell holds no infinity, and nothing where a value is missing.
-        cells = shown.astype(object).replace({math.inf: "inf", -math.inf: "-inf"})
+        cells = shown.astype(object).mask(shown.eq(math.inf), "inf").mask(shown.eq(-math.inf), "-inf")
         for row in cells.where(shown.notna(), None).itertuples(index=False):
             sheet.append(row)
     book.save(path)
