@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick metadata address theories pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm peers report crate docs replication bench tradeoff lock clean
+.PHONY: help study quick metadata address theories pages verify test lint check fuzz wheel-test test-oldest test-python unit-tests test-slurm peers peers-tests report crate docs replication bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -77,7 +77,7 @@ test-python: ## Run the unit tests with another Python: make test-python PYTHON=
 unit-tests: $(VENV)/ready
 	pytest --numprocesses logical $(PYTEST) tests/unit
 
-test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
+test-slurm: $(VENV)/ready ## Run a small study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm
 
 peers: ## Compare with aspher, ContactMechanics and tamaas, which it installs (needs cmake, a C++17 compiler and Eigen)
