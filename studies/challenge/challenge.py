@@ -264,7 +264,7 @@ def draw(rows: pd.DataFrame, densities: pd.DataFrame) -> Figure:
         area.plot(some["load"], some["area_fraction"] / some["load"], label=name, **marks)
         gap.plot(some["mean_gap"], some["load"], label=name, **marks)
         stiff.plot(*stiffness(some), label=name, **marks)
-    area.set(xscale="log", xlabel=r"$\bar{p} / E^*\bar{g}$", ylabel=r"$A\, E^*\bar{g} / \bar{p}$")
+    area.set(xscale="log", xlabel=r"$\bar{p} / E^*\bar{g}$", ylabel=r"$a_r\, E^*\bar{g} / \bar{p}$")
     gap.set(yscale="log", xlabel=r"mean gap / rms height", ylabel=r"$\bar{p} / E^*\bar{g}$")
     stiff.set(xscale="log", yscale="log", xlabel=r"$\bar{p} / E^*\bar{g}$")
     stiff.set_ylabel(r"stiffness $\times\, h_{\mathrm{rms}} / E^*\bar{g}$")

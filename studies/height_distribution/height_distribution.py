@@ -32,8 +32,8 @@ from asperity.views.style import panels, save, style
 KEPT = Path("docs/height_distribution.csv")
 
 NUMBERS = {
-    "kappa": "κ = A E\\*ḡ/p̄",
-    "kappa_contact": "κ_r = A E\\*ḡ_r/p̄",
+    "kappa": "κ = a_r E\\*ḡ/p̄",
+    "kappa_contact": "κ_r = a_r E\\*ḡ_r/p̄",
     "gradient_contact": "ḡ_r/ḡ",
     "p90": "90 % peak / E\\*ḡ",
     "p99": "99 % peak / E\\*ḡ",

@@ -41,13 +41,13 @@ from asperity.views.style import panels, save, style
 HEIGHT_SCALES = {
     "height_gradient_contact": ("E\\*ḡ_r, gradient of the contact", r"$E^*\bar{g}_r$"),
     "height_gradient_whole": ("E\\*ḡ, gradient of the whole surface", r"$E^*\bar{g}$"),
-    "height_contact_pressure": ("p̄/A, mean pressure of the contact", r"($\bar{p}/A$)"),
+    "height_contact_pressure": ("p̄/a_r, mean pressure of the contact", r"($\bar{p}/a_r$)"),
 }
 """Column of the table → scale of the height on the page, and in the figure."""
 
 DEPTH_SCALES = {
     "depth_pressure_length": ("ℓ_p, half width of the autocovariance of the pressure", r"$\ell_p$"),
-    "depth_hydraulic_radius": ("area over half the boundary of contact", r"(2$A/\partial A$)"),
+    "depth_hydraulic_radius": ("area over half the boundary of contact", "(2 area/boundary)"),
     "depth_patch_radius": ("area-weighted mean radius of the patches", "patch radius"),
     "depth_curvature_length": ("√(m₂/m₄) over the contact", r"$\sqrt{m_2/m_4}$"),
     "depth_height_length": ("√(m₀/m₂) over the contact", r"$\sqrt{m_0/m_2}$"),
@@ -154,10 +154,10 @@ def table(config: Mapping[str, Any], samples: Mapping[str, xr.Dataset]) -> pd.Da
 def _design(rows: pd.DataFrame, terms: Sequence[str]) -> Array:
     """Columns of least squares: one for each Poisson's ratio, then the terms.
 
-    A term is ``"ln A"``, ``"H"``, ``"ln λ_l/λ_s"`` or a key of `DEPTH_SCALES`: the logarithm of that length
+    A term is ``"ln a_r"``, ``"H"``, ``"ln λ_l/λ_s"`` or a key of `DEPTH_SCALES`: the logarithm of that length
     over λ_s, from the depth over both.
     """
-    known = {"ln A": np.log(rows["area"]), "H": rows["hurst"], "ln λ_l/λ_s": np.log(rows["ratio"])}
+    known = {"ln a_r": np.log(rows["area"]), "H": rows["hurst"], "ln λ_l/λ_s": np.log(rows["ratio"])}
     known |= {key: np.log(rows[WAVELENGTH] / rows[key]) for key in DEPTH_SCALES}
     constants = [(rows["poisson"] == nu).astype(float) for nu in np.sort(rows["poisson"].unique())]
     return np.column_stack([*constants, *(known[term] for term in terms)])
@@ -225,7 +225,7 @@ def draw(rows: pd.DataFrame) -> Figure:
     figure, (height, depth, curve, scales) = panels(2, 2)
     for axis, key in ((height, "height_gradient_contact"), (depth, WAVELENGTH)):
         _draw_points(axis, rows, rows["area"], key, [0.02, 0.05, 0.1, 0.2])
-        axis.set(xlabel="area fraction $A$", ylim=(0, None))
+        axis.set(xlabel="area fraction $a_r$", ylim=(0, None))
     length = rows[WAVELENGTH] / rows["depth_curvature_length"]
     _draw_points(curve, rows, length, WAVELENGTH, [0.12, 0.15, 0.2, 0.25, 0.3])
     power = _fit(rows, WAVELENGTH, ["depth_curvature_length"])[-1]
@@ -284,9 +284,9 @@ def page(rows: pd.DataFrame) -> str:
     """The page docs/master_curve.md, from its template."""
     height = min(HEIGHT_SCALES, key=lambda key: scatter(rows, key)[0])
     length = min(list(DEPTH_SCALES)[:-1], key=lambda key: scatter(rows, WAVELENGTH, [key])[0])
-    fits = [("height", key, key, "ln A", "A^b") for key in HEIGHT_SCALES]
+    fits = [("height", key, key, "ln a_r", "a_r^b") for key in HEIGHT_SCALES]
     fits += [("depth", key, WAVELENGTH, key, "λ_s (s/λ_s)^b") for key in DEPTH_SCALES if key != WAVELENGTH]
-    fits.append(("depth", WAVELENGTH, WAVELENGTH, "ln A", "A^b"))
+    fits.append(("depth", WAVELENGTH, WAVELENGTH, "ln a_r", "a_r^b"))
     filters = {
         "percent": lambda found: f"{with_error(*(100 * found))} %",
         "error": lambda found: with_error(*found),

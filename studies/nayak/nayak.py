@@ -5,8 +5,8 @@
 computes the contacts that are missing in the folder of results, then the table docs/nayak.csv. Without a
 configuration the page is written from the table that is kept. Run it in the project's folder.
 
-κ = A E* ḡ / p̄ and κ_r = A E* ḡ_r / p̄, with the area fraction A, the rms gradient ḡ of the whole surface and
-ḡ_r of the rough surface over the real contact, where it equals the deformed one.
+κ = a_r E* ḡ / p̄ and κ_r = a_r E* ḡ_r / p̄, with the area fraction a_r, the rms gradient ḡ of the whole surface
+and that of the real contact, ḡ_r, where the rough surface has the slope of the deformed one.
 """
 
 import math
@@ -51,7 +51,7 @@ ORDERS = (0.5, 2.0)
 """Smallest and largest order of convergence with which a limit is extrapolated."""
 
 NUMBERS = {"kappa": "κ", "kappa_r": "κ_r"}
-TERMS = {"ln_nayak": "ln α", "hurst": "H", "ln_ratio": "ln λ_l/λ_s", "ln_area": "ln A"}
+TERMS = {"ln_nayak": "ln α", "hurst": "H", "ln_ratio": "ln λ_l/λ_s", "ln_area": "ln a_r"}
 STRUCTURE = ("ln_nayak", "hurst", "ln_ratio")
 """Terms that describe the surface, each tried beside the area."""
 
@@ -283,7 +283,7 @@ def _fit(rows: pd.DataFrame, number: str, terms: Sequence[str]) -> tuple[Array, 
 
 def draw(rows: pd.DataFrame) -> Figure:
     """κ and κ_r against α with their standard errors, a marker for each H and a colour for each load."""
-    symbols = {"kappa": r"\kappa = A E^* \bar{g}", "kappa_r": r"\kappa_r = A E^* \bar{g}_r"}
+    symbols = {"kappa": r"\kappa = a_r E^* \bar{g}", "kappa_r": r"\kappa_r = a_r E^* \bar{g}_r"}
     figure, axes = panels(2, 1, height=75.0)
     limits = (rows[[*symbols]].min(axis=None) - 0.05, rows[[*symbols]].max(axis=None) + 0.05)
     for axis, (key, symbol) in zip(axes, symbols.items(), strict=True):
@@ -301,7 +301,7 @@ def _draw_panel(axis: Axes, rows: pd.DataFrame, key: str) -> None:
     for colour, (_, of_load) in enumerate(rows.groupby("load")):
         slope, constant = np.polyfit(of_load["ln_nayak"], of_load[key], 1)
         ends = of_load["nayak"].agg(["min", "max"]).to_numpy()
-        name = f"$A$ = {of_load['area'].mean():.2g}"
+        name = f"$a_r$ = {of_load['area'].mean():.2g}"
         axis.plot(ends, slope * np.log(ends) + constant, color=f"C{colour}", lw=0.8, label=name)
         for marker, (_, of_hurst) in zip(MARKERS, of_load.groupby("hurst"), strict=False):
             x, y, error = (of_hurst[column] for column in ("nayak", key, f"{key}_error"))

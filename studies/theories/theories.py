@@ -209,7 +209,7 @@ def _draw_area(elastic: pd.DataFrame, plastic: pd.DataFrame) -> Figure:
     ratio.plot(loads, closed_forms.elastic_area(loads) / loads, "k", lw=1, label="Persson")
     ratio.legend(fontsize="xx-small", ncols=2)
     ratio.set_ylim(0, None)
-    _labelled(ratio, r"$A\,E^*\bar{g} / \bar{p}$")
+    _labelled(ratio, r"$a_r\,E^*\bar{g} / \bar{p}$")
     for axis, key in ((elastic_axis, "elastic_area"), (plastic_axis, "plastic_area")):
         for number, (hardness, rows) in enumerate(plastic.groupby("hardness")):
             for name, some in rows.groupby("surface"):

@@ -46,7 +46,7 @@ def draw_load_area(statistics: Datasets) -> Figure:
 
     Notes
     -----
-    Persson: a = erf(√2 P₀ / E* ḡ), doi 10.1063/1.1388626; Bush, Gibson and Thomas: a = √(2π) P₀ / E* ḡ,
+    Persson: a_r = erf(√2 p̄ / E* ḡ_r), doi 10.1063/1.1388626; Bush, Gibson and Thomas: a_r = √(2π) p̄ / E* ḡ_r,
     doi 10.1016/0043-1648(75)90145-3. Both are evaluated with the gradient of the real contact.
     """
     figure, (curve, peaks) = panels()
