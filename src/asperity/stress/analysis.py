@@ -268,9 +268,9 @@ class _Analysis:
         self._references.compare(number, self._search.sums, self._references.missing > number)
 
     def _settle(self, memory: Array) -> None:
-        """Compare all planes on the grid of the contact with references that have stopped rising there.
+        """Compare all planes on the grid of the contact with the references, if these lie on that grid.
 
-        The references then need the memory of coarser grids only.
+        From then on the references need the memory of coarser grids only.
         """
         finest, self._finest = self._finest, []
         if self._references.number.max() < len(finest) - 1:
@@ -289,7 +289,7 @@ class _Analysis:
         """Search and sum the rows of a plane as they are computed."""
         if self._finest and plane.grid != self._finest[0].grid:
             self._settle(plane.basis.values)
-        # The floor is known when the plane is; until then, one that is a little lower.
+        # The floor is known when the plane is computed; until then a slightly lower one is used.
         floor = max(plane.bound, 0.99 * self._floor * plane.scale)
         fields, references = (
             self._fields_of(plane, range(len(self._fields))),

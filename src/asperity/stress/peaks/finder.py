@@ -11,8 +11,8 @@ other. Over a periodic boundary, a node at an edge has neighbours at the opposit
 it has none across its edge.
 
 Where the grid changes between two planes, each plane compares on its own nodes, so that both or neither could
-claim a peak between them. There, matched maxima of the two planes (within a spacing of the coarser grid) are
-decided between themselves: the one with the larger refined in-plane value is kept.
+claim a peak between them. There, of two matched maxima of the planes (within a spacing of the coarser grid)
+the one with the larger refined in-plane value is kept.
 
 Peaks of a signed field are those of its magnitude; the value keeps the sign.
 """
@@ -96,7 +96,7 @@ class SearchedPlane(NamedTuple):
     ) -> tuple[Array, Array]:
         """Which maxima in a plane on `grid` are above the nine values here, and these.
 
-        Those that are `decided` do not depend on the values.
+        For the maxima `decided`, `wins` is the answer, whatever the values are.
         """
         self.refresh()
         magnitude = maxima.magnitude
@@ -144,8 +144,8 @@ class PeakFinder:
         floor : float
             Of the maxima in the plane.
         """
-        # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`. No name
-        # holds what is no longer needed: there are many maxima.
+        # The maxima of the last plane are compared first: `LinearPlane.refresh` may overwrite this plane.
+        # Maxima take much memory: they are deleted as soon as they are no longer needed.
         lower = search.lower()
         if self._last is None:
             maxima = search.maxima(floor)
@@ -245,7 +245,7 @@ def _matched_maxima(
     taken = np.zeros((upper_plane.fields.formulas.kinds.size, *count), bool)
     for shift in product((-1, 0, 1), repeat=2):
         taken[squares(upper, upper_plane, shift)] = True
-    # Few lower maxima have an upper one in their square or beside it.
+    # Few maxima of the lower plane have one of the upper plane in their square or a neighbouring one.
     near = np.flatnonzero(taken[squares(lower, lower_plane)])
     if not near.size:
         return near, near, np.empty(0, bool)

@@ -34,7 +34,7 @@ from asperity.stress.planes.fields import (
 )
 
 WORDS = 4
-"""Words of eight flags that are looked at together."""
+"""Words that are tested together; a word holds the flags of eight nodes."""
 
 
 Kind = TypeVar("Kind", bound=Entries)
@@ -270,7 +270,7 @@ def _search_rows(
 def _mark(lines: Any, columns: int, floor: float, marks: Any) -> int:
     """Fill `places` with the maxima in the middle one of three lines; their number.
 
-    The nearest four neighbours are compared first, in vectors; a word holds eight flags.
+    The nearest four neighbours are compared first, in vectors.
     """
     (above, here, below), (flags, words, places) = lines, marks
     first, last = ROW_MARGIN - 1, ROW_MARGIN + columns + 1

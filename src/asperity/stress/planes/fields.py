@@ -306,7 +306,7 @@ def principal_stresses(
     if scale == 0.0:
         return mean, mean, mean
     a, b, c, f, g, h = a / scale, b / scale, c / scale, yz / scale, xz / scale, xy / scale
-    # Rounding of the mean may be all that there is of a deviator.
+    # Where the three normal stresses are equal, rounding of the mean would leave a false deviator.
     rest = (a + b + c) / 3.0
     mean += scale * rest
     a, b, c = a - rest, b - rest, c - rest
@@ -374,7 +374,7 @@ def _tensor_across(a: float, b: float, c: float, f: float, g: float, h: float) -
 def _von_mises(first: float, second: float, xy: float, across: float) -> float:
     """The von Mises stress from σ_xx − σ_yy, σ_yy − σ_zz, σ_xy and σ_yz² + σ_xz²."""
     shear = xy * xy + across
-    # A number in single precision leaves the precision of the others as it is.
+    # The factor is in single precision, so that a product in single precision stays so.
     return np.sqrt(first * (first + second) + second * second + np.float32(3) * shear)
 
 

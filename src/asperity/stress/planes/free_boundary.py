@@ -14,8 +14,8 @@ map, keeps the modes that the coarse grid holds; they are divided by the transfo
 multiplied by that of a fine one, because the influence is that of a coarse pixel. The influence is exact up
 to the distance of two nodes of the map. Beyond, it falls smoothly to zero over half a map's length, so that
 its transform has no slow tail. The error has two parts, both bounded from the spectrum of the pressure as in
-`asperity.stress.planes.truncation`: the modes dropped, and the short waves of the influence that the coarse
-nodes take for long ones.
+`asperity.stress.planes.truncation`: the modes dropped, and the short waves of the influence that appear as
+long ones at the coarse nodes (aliasing).
 """
 
 from __future__ import annotations

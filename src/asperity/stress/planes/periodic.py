@@ -251,7 +251,7 @@ def _in_surface(field: BasisField) -> tuple[float, float, float, float]:
     """Factors of A_xx, A_yy, A_zz and A_xy in a basis field in the surface of a half-space.
 
     There σ_zz is minus the pressure, σ_yz and σ_xz are zero, and A_xx + A_yy = σ_zz, B_xx = 2 A_yy,
-    B_yy = 2 A_xx and B_xy = −2 A_xy but for the mean mode: A_xx and A_xy alone are transformed.
+    B_yy = 2 A_xx and B_xy = −2 A_xy in all modes but the mean: A_xx and A_xy alone are transformed.
     """
     a, b = field.constant, field.slope
     return {
@@ -429,7 +429,7 @@ def _fill_spectra(
             for j in range(first, last):
                 own = factor[2 * (j - first) * columns : 2 * (j - first + 1) * columns]
                 _multiply(own, one, modes[j, left : left + 2 * columns], is_turned, out[n, j])
-                # The row of −qy has the same factors but for the sign of those odd in qy.
+                # The row of −qy has the same factors; those odd in qy change their sign.
                 if 0 < j < ny - j:
                     sign = -one if kind in (_YZ, _XY) else one
                     opposite = modes[modes.shape[0] - j, left : left + 2 * columns]

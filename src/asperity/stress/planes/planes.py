@@ -89,8 +89,8 @@ def stress_planes(
         the next larger number (`numpy.nextafter`) the upper face of its base.
     poisson : float or sequence, optional
         Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
-        of finite height only that of the contact, on which its pressure depends; under a coating, where it
-        names that of the coating, the base has its own.
+        of finite height only that of the contact, on which its pressure depends. With a coating it is that of
+        the coating; the base keeps its own.
     fields : names
         Any of those in the description of the module. Only what they need is computed.
     tolerance : float

@@ -49,11 +49,12 @@ PLANE_TOLERANCE = 1e-6
 """Default error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
 
 SINGLE_PRECISION_TOLERANCE = 3e-5
-"""Smallest tolerance for which single precision will do: its transforms round to a few 1e-7 of the root mean
-square."""
+"""Smallest tolerance at which planes are in single precision: its transforms round to a few 1e-7 of the root
+mean square."""
 
 SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
-"""Largest pressures for which single precision will do: squares of stresses stay within it."""
+"""Range of the largest pressure in which planes are in single precision: squares of stresses stay within its
+range."""
 
 KEPT_BYTES = 541_100_000
 """Memory in which the basis fields of two planes are kept side by side: those of 2048² nodes in double

@@ -146,7 +146,7 @@ class Truncation:
         grid, bound = self._grids[coarsest], float(bounds[coarsest])
         if all_columns:
             return PlaneGrid(grid, bound, scale, grid.half_shape[1])
-        # What is left of the tolerance allows columns to be left out of the transforms along y.
+        # The tolerance less the error of the grid allows columns to be left out of the transforms along y.
         count = grid.half_shape[1]
         dropped = self._of_columns[:count] * _decayed(self._qx[:count] * depth)
         dropped *= self._envelope(depth)
@@ -189,9 +189,10 @@ def envelope_of(layer: Layer, poisson: float, friction: float, depth: float) -> 
 def _mode_bound(z: Array, along: Array, across: Array, shear: Array) -> Array:
     """Bound of every field of modes with these normal stresses in phase, and a shear stress out of phase.
 
-    The von Mises stress is largest where the one or the other is. Half of the sum and the half of the
-    difference of two normal stresses, or the shear stress, bound the principal stresses, by which the
-    hydrostatic stress is bounded; the largest shear stress is at most the von Mises stress over √3.
+    The von Mises stress is largest where either the normal stresses or the shear stress are. Half of the sum
+    and the half of the difference of two normal stresses, or the shear stress, bound the principal stresses,
+    by which the hydrostatic stress is bounded; the largest shear stress is at most the von Mises stress over
+    √3.
     """
     differences = (z - along) ** 2 + (along - across) ** 2 + (across - z) ** 2
     von_mises = np.maximum(np.sqrt(0.5 * differences), np.sqrt(3.0) * np.abs(shear))

@@ -188,7 +188,7 @@ class References:
             self._above = []
 
     def _transformed(self, m: int, finer: bool, memory: Array | None = None) -> tuple[Grid, Array]:
-        """The modes of a reference and their grid: that of its plane, or the present one if it will do."""
+        """Modes and grid of a reference: if `finer`, on the grid of its plane, else on the present one."""
         if m in self._modes:
             return self._modes[m]
         grid, packed, step = self._grid, self._packed[m], self._steps[m]
