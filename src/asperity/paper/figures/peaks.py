@@ -230,8 +230,9 @@ def draw_decay(statistics: Datasets, cases: str) -> Figure:
                 1,
                 where=apart,
                 transform=axis.get_xaxis_transform(),
-                color="0.9",
-                lw=0,
+                facecolor="0.9",
+                edgecolor="0.6",  # so that its sample in the legend is seen, which may lie on it
+                lw=0.4,
                 zorder=0,
                 label=text,
             )

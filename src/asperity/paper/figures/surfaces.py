@@ -103,7 +103,7 @@ def draw_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datas
     for study, heights, section in zip(statistics, axes, axes[len(statistics) :], strict=False):
         moment = "skewness" if study == "skewness" else "kurtosis"
         titles = [
-            f"{label(data)}\n{moment} {float(data[f'seed_{moment}'].mean()):.2f}"
+            f"{label(data)}\n{moment} " + f"{float(data[f'seed_{moment}'].mean()):.2f}".replace("-", "−")
             for data in statistics[study].values()
         ]
         _draw_densities(heights, statistics[study], titles)
