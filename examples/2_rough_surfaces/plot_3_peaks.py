@@ -37,12 +37,11 @@ pooled = asp.pool_peaks(stresses, gradients, bins=25).sel(selection="under_conta
 edges = pooled["bin_edge"].values
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="compressed")
 asp.plot_peaks(stresses[0], "von_mises", 0.33, axes=left)
-for poisson in (0.0, 0.33, 0.5):
+for colour, poisson in zip(("C0", "C1", "C2"), (0.0, 0.33, 0.5), strict=True):
     density = pooled.sel(poisson=poisson)
-    right.stairs(density["peak_density"], edges, label=f"ν = {poisson}")
-    right.stairs(
-        density["peak_density_high"], edges, baseline=density["peak_density_low"], fill=True, alpha=0.2
-    )
+    low, high = density["peak_density_low"], density["peak_density_high"]
+    right.stairs(density["peak_density"], edges, color=colour, label=f"ν = {poisson:g}")
+    right.stairs(high, edges, baseline=low, fill=True, color=colour, alpha=0.2)
 right.set(xlabel=r"von Mises peak/(E* $\bar g_r$)", ylabel="probability density")
 right.legend()
 plt.show()

@@ -28,7 +28,7 @@ for name, height in surfaces.items():
     density = asp.probability_density(height / moments[name].rms_height, bins=50, limits=(-5, 5))
     axes.stairs(density.density, density.edges, label=f"{name}: skewness {moments[name].skewness:+.2f}")
     contacts[name] = asp.solve(height, solid, mean_pressure=0.002 * solid.effective_modulus)
-axes.set(xlabel="height/rms height", ylabel="probability density")
+axes.set(xlabel="height/rms height", ylabel="probability density", ylim=(0, 0.7))
 axes.legend()
 plt.show()
 

@@ -37,7 +37,7 @@ errors = np.abs(values / values[-1] - 1)[:-1]
 
 figure, axes = plt.subplots(figsize=(5.5, 3.6), layout="compressed")
 axes.loglog(nodes[:-1], 100 * errors, "o-")
-axes.minorticks_off()
+axes.set_xticks([], minor=True)
 axes.set_xticks(nodes[:-1], nodes[:-1])
 axes.set(xlabel="nodes on λ_s", ylabel="error of the 99th percentile (%)")
 plt.show()
