@@ -180,4 +180,5 @@ def _draw_points(
         ylim=(AXIS_DEPTH * shown[1] / length.factor, 0),
         ylabel=length.label("depth"),
     )
-    axis.legend(loc="lower right", markerscale=3)
+    # The frame hides the line of the profile behind the words.
+    axis.legend(loc="lower right", markerscale=3, frameon=True, framealpha=0.9, edgecolor="none")
