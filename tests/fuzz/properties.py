@@ -431,6 +431,7 @@ initial has the shape
 method = 'gfmd': active_set is needed
 approach = .*: less than the mean
 hardness = .*: more than the mean pressure
+\w+ = .*: rising values are needed with a hardness
 area_fraction = .*: less is needed
 boundary = 'free': half-spaces are needed
 dtype = 'float32': cannot hold
