@@ -306,7 +306,6 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     +1.00 at y = 0.90, x = 0.80
     """
     plane, search, floor = _searched(0.0, grid, field, floor, boundary)
-    search.lower()
     found = _refined(search.maxima(floor), plane)
     require_finite("plane_peaks", vars(found))
     return found

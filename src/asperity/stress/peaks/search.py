@@ -109,21 +109,21 @@ class PlaneSearch:
         self.sums = np.zeros((summed, rows, SUMS))
         self._kept = KeptArrays() if kept is None else kept
         self._bands = bands_of(rows)
+        self._is_one_strip = strips_of(self._bands[0], fields.basis.columns) == [(0, rows)]
         self._memory: dict[int, tuple[Any, ...]] = {}
         self._found: list[list[tuple[Maxima, Lower]]] = [[] for _ in self._bands]
         self._maxima: list[Maxima] = []
 
     def add_rows(self, band: int, first: int, last: int) -> None:
         """Add the next rows of a band, one of `strips_of`."""
-        is_whole = (first, last) == (0, self._rows)
         # A whole plane has its neighbours beyond the edges.
-        rows = (-1, -1, last + 1) if is_whole else (self._bands[band][0], first, last)
+        rows = (-1, -1, last + 1) if self._is_one_strip else (self._bands[band][0], first, last)
         self._found[band].append(self._search(rows, self.sums))
 
     def lower(self) -> Lower:
-        """The candidates that exceed this plane, when all rows are added. To be called before `maxima`."""
+        """The candidates that exceed this plane, when all rows are added, and forget the candidates."""
         parts = self._found[0]
-        if len(self._bands) > 1 or len(strips_of(self._bands[0], self.fields.basis.columns)) > 1:
+        if not self._is_one_strip:
             edges = [(start - 1, start + 1) for start, _ in self._bands[1:]]
             around, no_sums = [(0, 1), *edges, (self._rows - 1, self._rows)], self.sums[:0]
             between = [self._search((first - 1, first - 1, last + 1), no_sums) for first, last in around]
@@ -136,6 +136,8 @@ class PlaneSearch:
 
     def maxima(self, floor: float) -> Maxima:
         """Maxima above a floor; those of a field are in the order of rising rows and columns."""
+        if self._found:
+            self.lower()
         high = np.concatenate([found.magnitude for found in self._maxima]) > floor
         parts, self._maxima = [vars(found) for found in self._maxima], []
         return _joined(Maxima, parts, slice(None) if high.all() else np.flatnonzero(high))
