@@ -8,12 +8,12 @@ and is imported at the first use.
 import math
 import re
 from contextlib import suppress
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from asperity.core.errors import shown
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class Dimension(NamedTuple):
@@ -135,7 +135,7 @@ def shown_si(value: float, unit: str, digits: int = 4) -> str:
     return f"{scaled:.15g} {symbol}"
 
 
-def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
+def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
     """Factor and symbol of a unit that suits the largest magnitude of some values.
 
     Parameters
@@ -152,6 +152,8 @@ def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
     symbol : str
         Such as ``"MPa"`` or ``"µm²"``.
     """
+    import numpy as np  # texts with units are also read where NumPy is not installed, to plan a study
+
     array = np.abs(np.asarray(values, dtype=float)).ravel()
     array = array[np.isfinite(array)]
     largest = float(array.max()) if array.size else 0.0

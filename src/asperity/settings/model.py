@@ -1,0 +1,350 @@
+"""Classes of settings: what a field states, and the messages on values that it does not accept.
+
+`pydantic` validates; this module adds what a field of ours states besides type and range, makes one line of
+each problem, and describes a class as a JSON Schema with these keywords of its own: ``unit``;
+``default_text``, what holds if the setting is left out, where that is not a constant; ``accepts``, the
+accepted values in words, where type and range are not enough; ``example``, a value as a user writes it; and
+of a group ``names``, the accepted names of settings that the user names; ``renamed``, former key → its key
+now; ``removed``, former key → what replaces it.
+"""
+
+import copy
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from functools import cache
+from typing import Annotated, Any, NamedTuple, Self, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, Strict, TypeAdapter, ValidationError
+
+from asperity.core.errors import InputError, did_you_mean, shown
+
+Entry = Mapping[str, Any]
+"""Description of one setting, or of a group of settings, in the words of a JSON Schema."""
+
+Number = Annotated[float, Strict()]
+"""A number; text and truth values are refused."""
+
+Whole = Annotated[int, Strict()]
+"""A whole number that is written as one: 2048.0 is refused."""
+
+YesNo = Annotated[bool, Strict()]
+
+_LONGEST_KEY = 40
+"""Characters of a key that are shown as they are; longer keys are shortened like values."""
+
+_TYPES = {
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "text",
+    "boolean": "true or false",
+    "array": "a list",
+    "object": "a group of keys",
+}
+
+
+class Problem(NamedTuple):
+    """A setting that is not accepted: its dotted key, and the rest of the message after the key."""
+
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.key}{self.text}"
+
+
+class SettingsError(InputError):
+    """Raised for settings that are not accepted, with all of their problems.
+
+    Attributes
+    ----------
+    found : tuple of Problem
+    """
+
+    def __init__(self, source: str, found: Iterable[Problem]) -> None:
+        self.found = tuple(found)
+        super().__init__(source, [str(problem) for problem in self.found])
+
+    def renamed(self, name_of: Callable[[str], str]) -> "SettingsError":
+        """The error with the names that the settings have in another interface, such as flags."""
+        return SettingsError(self.source, [Problem(name_of(key), text) for key, text in self.found])
+
+
+class NeededError(ValueError):
+    """Raised by a check of one value; the message says what is needed instead."""
+
+
+class ContradictionError(ValueError):
+    """Raised by a check of a group, for settings that are missing or exclude each other.
+
+    Attributes
+    ----------
+    found : tuple of Problem
+        With keys inside the group.
+    """
+
+    def __init__(self, *found: tuple[str, str]) -> None:
+        self.found = tuple(Problem(*each) for each in found)
+        super().__init__("; ".join(map(str, self.found)))
+
+
+class _ProblemsOfAll(type(BaseModel)):  # type: ignore[misc]
+    """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
+
+    def __call__(cls, **given: Any) -> Any:
+        try:
+            return super().__call__(**given)
+        except ValidationError as error:
+            raise SettingsError("", problems(cls, error)) from None
+
+
+class Settings(BaseModel, metaclass=_ProblemsOfAll):
+    """A group of settings that stay as they are; unknown keys are refused.
+
+    Raises
+    ------
+    SettingsError
+        With all values that are not accepted, and keys that are unknown or missing.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        arbitrary_types_allowed=True,
+        regex_engine="python-re",
+        protected_namespaces=(),
+    )
+
+    @classmethod
+    def read(cls, values: Mapping[str, Any], source: str = "", **context: Any) -> Self:
+        """The settings in a file or on the command line, where quantities have their units.
+
+        Parameters
+        ----------
+        values : mapping
+        source : str
+            File of the values, for messages.
+        **context
+            Passed to the checks of the fields.
+        """
+        try:
+            return cls.model_validate(values, context={"units": True} | context)
+        except ValidationError as error:
+            raise SettingsError(source, problems(cls, error)) from None
+
+    def replaced(self, **changes: Any) -> Self:
+        """The settings with other values of some of them."""
+        return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
+
+    def written(self) -> dict[str, Any]:
+        """The settings that are given and not at their default, as a file holds them, with their units."""
+        return self.model_dump(mode="json", exclude_defaults=True)
+
+
+def setting(
+    default: Any,
+    text: str,
+    *,
+    unit: str | None = None,
+    default_text: str | None = None,
+    accepts: str | None = None,
+    example: Any = None,
+    **limits: Any,
+) -> Any:
+    """A field of a class of settings.
+
+    Parameters
+    ----------
+    default : any
+        ``...`` for a setting that has to be given, None with a `default_text` for one that may be left out.
+    text : str
+        Meaning of the setting.
+    unit, default_text, accepts, example : optional
+        Keywords of the description, see the head of this module.
+    **limits
+        Of `pydantic.Field`: ``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``, ``pattern``.
+    """
+    own = {"unit": unit, "default_text": default_text, "accepts": accepts, "example": example}
+    extra = {name: value for name, value in own.items() if value is not None}
+    return Field(default, description=text, json_schema_extra=extra, validate_default=False, **limits)
+
+
+@cache
+def described(cls: type[BaseModel]) -> Entry:
+    """Description of a class of settings, with those of the groups in it."""
+    schema = cls.model_json_schema()
+    return _plain(schema, schema.get("$defs", {}))
+
+
+def _plain(entry: Any, known: Mapping[str, Any]) -> Any:
+    """An entry of a JSON Schema with references filled in, and without titles and null."""
+    if not isinstance(entry, dict):
+        return [_plain(each, known) for each in entry] if isinstance(entry, list) else entry
+    entry = dict(entry)
+    if "$ref" in entry:
+        entry = known[entry.pop("$ref").rpartition("/")[2]] | entry
+    if "anyOf" in entry:
+        others = [_plain(each, known) for each in entry.pop("anyOf") if each.get("type") != "null"]
+        entry = (others[0] if len(others) == 1 else {"anyOf": others}) | entry
+    if entry.get("default", 0) is None:
+        del entry["default"]
+    if "patternProperties" in entry:
+        ((pattern, below),) = entry.pop("patternProperties").items()
+        entry |= {"additionalProperties": below, "propertyNames": {"type": "string", "pattern": pattern}}
+    if isinstance(entry.get("description"), str):
+        entry["description"] = " ".join(entry["description"].split("\n\n")[0].split())
+    kept = {}
+    for key, value in entry.items():
+        if key == "properties":
+            kept[key] = {name: _plain(below, known) for name, below in value.items()}
+        elif key not in ("$defs", "title"):
+            kept[key] = copy.deepcopy(value) if key == "default" else _plain(value, known)
+    return kept
+
+
+def entry_of(root: type[BaseModel], key: str) -> Entry:
+    """Description of one setting, by its dotted key; ``NAME`` stands for a name that the user chooses."""
+    entry = described(root)
+    for part in key.split("."):
+        known = entry.get("properties", {})
+        entry = known[part] if part in known else entry["additionalProperties"]
+    return entry
+
+
+def entries(entry: Entry, prefix: str = "") -> Iterator[tuple[str, Entry]]:
+    """Dotted key and description of every group and setting below an entry, in their order."""
+    for name, below in entry.get("properties", {}).items():
+        yield f"{prefix}{name}", below
+        yield from entries(below, f"{prefix}{name}.")
+    if isinstance(named := entry.get("additionalProperties"), Mapping):
+        yield from entries(named, f"{prefix}NAME.")
+
+
+def accepted(entry: Entry) -> str:
+    """Accepted values of a setting in words, such as "a number > 0 and ≤ 1"."""
+    if "accepts" in entry:
+        return entry["accepts"]
+    if "enum" in entry or "const" in entry:
+        return " or ".join(map(str, entry.get("enum", [entry.get("const")])))
+    if "anyOf" in entry:
+        return ", or ".join(accepted(each) for each in entry["anyOf"])
+    if entry["type"] == "array":
+        fewest, most = entry.get("minItems", 0), entry.get("maxItems")
+        count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
+        items = f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items" if most != 1 else "1 item"
+        return f"a list of {items}, each {accepted(entry.get('items') or entry['prefixItems'][0])}"
+    if "maxLength" in entry:
+        return f"{_TYPES[entry['type']]} of {entry['minLength']} to {entry['maxLength']} characters"
+    signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+    limits = " and ".join(f"{sign} {number(entry[limit])}" for limit, sign in signs.items() if limit in entry)
+    return f"{_TYPES[entry['type']]} {limits}".strip()
+
+
+def number(value: float) -> str:
+    """A number in few characters: no needless zeros, exponents for large and small ones."""
+    return f"{value:.10g}"
+
+
+def check_of(root: type[BaseModel], key: str) -> TypeAdapter[Any]:
+    """Check of one setting, by its dotted key."""
+    annotation: Any = root
+    metadata: list[Any] = []
+    for part in key.split("."):
+        cls = _without_none(annotation)
+        if part == "NAME":
+            annotation, metadata = get_args(cls)[1], []
+        else:
+            annotation, metadata = cls.model_fields[part].annotation, cls.model_fields[part].metadata
+    checked: Any = Annotated[annotation, *metadata]
+    return TypeAdapter(checked, config=Settings.model_config)
+
+
+def _without_none(annotation: Any) -> Any:
+    """The type of a setting that may be left out."""
+    return next((each for each in get_args(annotation) if type(None) in get_args(annotation)), annotation)
+
+
+def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
+    """Value of a setting, from its text or texts on the command line.
+
+    Raises
+    ------
+    NeededError
+        If it is not accepted; the message says what is needed instead.
+    """
+    entry = entry_of(root, key)
+    items = entry.get("items", entry) if isinstance(given, list) else entry
+    read = [scalar(text, items) for text in given] if isinstance(given, list) else scalar(given, items)
+    try:
+        return check_of(root, key).validate_python(read, context={"units": True})
+    except ValidationError as error:
+        found = error.errors(include_url=False)[0]
+        cause = found.get("ctx", {}).get("error")
+        words = items if found["loc"] else entry
+        raise NeededError(str(cause) if isinstance(cause, ValueError) else accepted(words)) from None
+
+
+def scalar(text: str, entry: Entry) -> Any:
+    """A number where an entry is one and the text can be read as one, else the text."""
+    kinds = [each.get("type") for each in entry.get("anyOf", [entry])]
+    for kind, read in (("integer", int), ("number", float)):
+        if kind in kinds:
+            with suppress(ValueError):
+                return read(text)
+    return text
+
+
+def problems(root: type[BaseModel], error: ValidationError) -> Iterator[Problem]:
+    """A problem for each part of an error of `pydantic`, each key once."""
+    known = set()
+    for each in error.errors(include_url=False):
+        for problem in _problems_of(root, each):
+            if problem not in known:
+                known.add(problem)
+                yield problem
+
+
+def _problems_of(root: type[BaseModel], error: Any) -> Iterator[Problem]:
+    """Problems in one error, in words of the entry to which it belongs."""
+    entry, path = described(root), []
+    for part in error["loc"]:
+        below = entry.get("properties", {}).get(part) if isinstance(entry, Mapping) else None
+        if below is None and isinstance(part, int):
+            below = entry.get("items") or entry.get("prefixItems", [None])[0]
+        elif below is None and isinstance(entry.get("additionalProperties"), Mapping) and part != "[key]":
+            below = entry["additionalProperties"]
+        if below is None:
+            if error["type"] == "extra_forbidden":
+                path.append(_part(part))
+            elif part == "[key]":
+                yield Problem(".".join([*path[:-1], shown(error["input"])]), f": {entry['names']} is needed")
+                return
+            break
+        entry, path = below, [*path, _part(part)]
+    key, cause = ".".join(path), error.get("ctx", {}).get("error")
+    if isinstance(cause, (ContradictionError, SettingsError)):
+        yield from (Problem(".".join(filter(None, [key, inner])), text) for inner, text in cause.found)
+    elif error["type"] == "extra_forbidden":
+        yield Problem(key, _unknown(str(error["loc"][-1]), ".".join(path[:-1]), entry))
+    elif error["type"] == "missing":
+        yield Problem(key, f": missing; {accepted(entry)} is needed")
+    else:
+        needed = str(cause) if isinstance(cause, ValueError) else accepted(entry)
+        if error["type"] == "too_long" and isinstance(error["input"], (list, tuple)):
+            needed = f"a list of at most {error['ctx']['max_length']} values"
+        yield Problem(key, f" = {shown(error['input'])}: {needed} is needed")
+
+
+def _unknown(word: str, group: str, entry: Entry) -> str:
+    """Message on an unknown key, after the key."""
+    if word in entry.get("renamed", {}):
+        return f": is called {'.'.join(filter(None, [group, entry['renamed'][word]]))} now"
+    if word in entry.get("removed", {}):
+        return f": does not exist any more; {entry['removed'][word]}"
+    near = did_you_mean(word, entry["properties"])
+    return f": unknown key{near or '; known here are ' + ', '.join(entry['properties'])}"
+
+
+def _part(name: Any) -> str:
+    """One part of a dotted key, as a message shows it."""
+    return str(name) if len(str(name)) <= _LONGEST_KEY and str(name).isprintable() else shown(name)
