@@ -11,9 +11,9 @@ from .elasticity.layer import Layer as Layer
 from .elasticity.layer_fields import layer_fields as layer_fields
 from .elasticity.loaded_solid import LoadedSolid as LoadedSolid
 from .elasticity.two_bodies import TwoBodies as TwoBodies
-from .engineering.case import Body as Body
+from .engineering.case import Case as Case
 from .engineering.continuum import continuum as continuum
-from .engineering.load_curve import load_curve as load_curve
+from .engineering.questions.load_curve import load_curve as load_curve
 from .engineering.moving import MovingContact as MovingContact
 from .engineering.output import write_answer as write_answer
 from .engineering.run import run as run
@@ -43,7 +43,9 @@ from .surface.heights import with_heights as with_heights
 from .surface.heights import with_moments as with_moments
 from .surface.reading.height_map import HeightMap as HeightMap
 from .surface.reading.height_map import MapError as MapError
-from .surface.reading.height_map import MapOptions as MapOptions
+from .settings.body import Body as Body
+from .settings.map import MapOptions as MapOptions
+from .settings.materials import material as material
 from .surface.reading.map_file import read_map as read_map
 from .surface.roughness import roughness_parameters as roughness_parameters
 from .surface.roughness import spectrum as spectrum

@@ -1,11 +1,7 @@
 from .answer import Answer as Answer
 from .body_stress import BodyAnswer as BodyAnswer
-from .case import Body as Body
 from .case import Case as Case
-from .case import HertzPlace as HertzPlace
-from .case import Load as Load
-from .face import CounterMap as CounterMap
-from .output import save_case as save_case
+from .case_file import save_case as save_case
 from .output import write_answer as write_answer
 from .run import answer_of as answer_of
 from .run import run as run

@@ -10,22 +10,19 @@ import numpy as np
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
-from asperity.elasticity.two_bodies import sliding_coupling
-from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
+from asperity.engineering.answer import LIMITS, Answer, limit_of
 from asperity.engineering.body_stress import BodyAnswer
-from asperity.engineering.case import HARDNESS_OVER_YIELD, suggested_hardness
+from asperity.engineering.case import same_material
+from asperity.engineering.press import suggested_hardness
+from asperity.engineering.question import HARDNESS_OVER_YIELD, RESOLUTION_CHANGE, Advice, per_cent
+from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
 from asperity.surface.reading.formats import PROFILE
 from asperity.surface.roughness import sampling_error
 
-WARNING, NOTE = "warning", "note"
-
 UNLIKELY_STRAIN = 0.02
 """Von Mises stress over Young's modulus above which hardly any material stays elastic; the yield stress of
 hardened steel is 0.01 of its modulus (M. F. Ashby, Materials Selection, 2011, figure 4.5)."""
-
-RESOLUTION_CHANGE = 0.1
-"""Change on doubling the pixels from which a number is called limited by the grid."""
 
 FEW_PIXELS_PER_WAVE = 8
 """Pixels on the shortest wave that resolve the stress under it; the preset "paper" uses as many."""
@@ -76,12 +73,6 @@ NEGLIGIBLE = 1e-6
 ACCEPTED_VIOLATION = 1e-3
 """Relative violation of the conditions of contact above which a warning is given."""
 
-NEGLECTED_COUPLING = 0.1
-"""Relative change of a displacement by friction, or between sticking nodes, that is worth a warning."""
-
-FEW_SHIFTS = 0.1
-"""Change of the worst cycles with half of the shifts above which these are too few."""
-
 NOT_SEPARATE = 0.1
 """Change of the Hertz pressure over the map above which the map is too large for a uniform pressure."""
 
@@ -102,26 +93,21 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
         where = f" of the {name} body" if len(shown) > 1 else ""
         for material, body in answer.bodies[name].materials.items():
             of_material = f" of the {material}{where}" if material else where
-            # The hardness that a yield stress suggests is that of the surface.
-            part = _on_body(body, answer.case.hardness or (0.0 if material == "base" else None))
+            part = _on_body(body)
             found += [(warns, key, values | {"where": of_material}) for warns, key, values in part]
-        cycles = answer.bodies[name].cycles
-        if cycles is not None and "few_shifts_error" in cycles.attrs:
-            values = {"size": cycles.attrs["few_shifts_error"], "count": answer.case.shifts, "where": where}
-            found.append((values["size"] > FEW_SHIFTS, "few_shifts", values))
-    if any(part.cycles is not None and "dang_van" in part.cycles for part in answer.bodies.values()):
-        found.append((False, "fatigue", {}))
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
+    of_questions = [each for question in answer.case.questions.values() for each in question.advice(answer)]
     made: dict[str, Advice] = {}
-    bodies = [part.body for part in answer.bodies.values()]
-    alike = bodies[0] == bodies[-1] and not bodies[0].coating
-    for warns, key, values in sorted(found, key=lambda advice: not advice[0]):
+    bodies = list(answer.case.bodies.values())
+    alike = same_material(bodies[0], bodies[-1]) and not bodies[0].coating
+    for warns, key, values in found:
         text, known = texts[key], {"answer": answer, "numbers": answer.numbers, **values}
         words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}
-        advice = Advice(WARNING if warns else NOTE, **words, size=values.get("size", 0.0))
+        advice = Advice(warns, **words, size=values.get("size", 0.0))
         # Advice on two bodies of the same material is given once.
         made.setdefault(key if alike and "where" in values else advice.text, advice)
-    return tuple(made.values())
+    made |= {each.text: each for each in of_questions}
+    return tuple(sorted(made.values(), key=lambda advice: not advice.warns))
 
 
 class _Units(Formatter):
@@ -129,7 +115,7 @@ class _Units(Formatter):
 
     def format_field(self, value: Any, format_spec: str) -> Any:
         if format_spec == "%":
-            return f"{100 * value:.{2 if value < 0.1 else 0}{'g' if value < 0.1 else 'f'}} %"
+            return per_cent(value)
         return shown_si(value, format_spec, 3) if format_spec in ("m", "Pa") else format(value, format_spec)
 
 
@@ -138,29 +124,29 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
     numbers, case, face = answer.numbers, answer.case, answer.face
     if not numbers.contact_nodes:
         yield True, "no_contact", {}
-    young = min(body.body.layer.young for body in answer.bodies.values())
+    young = min(body.layer.young for body in answer.bodies.values())
     if numbers.pressure_on_spike:
         yield True, "pressure_on_spike", {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
     if numbers.largest_pressure > young:
         yield True, "beyond_modulus", {"young": young}
-    suggested = suggested_hardness(case)
+    suggested = suggested_hardness(answer.pressed)
     if suggested is not None and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
-    if case.hardness and answer.plastic is not None and answer.plastic.plastic_area:
+    if answer.pressed.hardness and answer.plastic is not None and answer.plastic.plastic_area:
         yield False, "clipped_pressure", {"size": 0.0, "meaning": PLASTIC_CONTACT}
-    edge = (max if case.options.format == PROFILE else min)(face.grid.length)
+    edge = (max if case.map.format == PROFILE else min)(face.grid.length)
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}
-    if (smooth := case.hertz_contact) is not None and case.hertz is not None:
+    if (smooth := case.hertz_contact) is not None and isinstance(case.load, Hertz):
         ends = []
         for middle, width, edge_of_map in zip(
-            case.hertz.at, (smooth.half_width_y, smooth.half_width_x), face.map_length, strict=True
+            case.load.at, (smooth.half_width_y, smooth.half_width_x), face.map_length, strict=True
         ):
             if width < math.inf:
                 ends.append(middle * width + np.linspace(-0.5, 0.5, 21) * edge_of_map)
             else:
                 ends.append(np.zeros(1))
-        pressure = smooth.pressure(ends[0][:, None], ends[1]) / (smooth.largest_pressure * case.hertz.share)
+        pressure = smooth.pressure(ends[0][:, None], ends[1]) / (smooth.largest_pressure * case.load.share)
         size = float(np.abs(pressure - 1).max())
         values = {"size": size, "ratio": smooth.narrow / max(face.map_length), "width": 2 * smooth.narrow}
         yield size > NOT_SEPARATE, "scales", values
@@ -169,20 +155,10 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}
     if not numbers.violation <= ACCEPTED_VIOLATION:
         yield True, "inaccurate", {}
-    if answer.slip is not None and answer.slip.deviation > 0:
-        yield answer.slip.deviation > NEGLECTED_COUPLING, "uneven_sticking", {"size": answer.slip.deviation}
-    if case.friction:
-        wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
-        change = case.friction * sliding_coupling(case.solid, 2 * np.pi / wave)
-        most = int(change.argmax())
-        key = "friction_in_short_waves" if most == 0 else "neglected_friction"
-        values = {"wave": wave[most], "size": float(change[most]), "shortest": wave[0], "least": change[0]}
-        if change[most] > 0:  # it is 0 between equal bodies
-            yield change[most] > NEGLECTED_COUPLING, key, values
 
 
-def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:
-    """Advice on implausible constants, and on stress above yield or above the strength of any material."""
+def _on_body(part: BodyAnswer) -> Iterator[Found]:
+    """Advice on implausible constants, and on stress above the strength of any material."""
     body, stress = part.body, part.largest_von_mises
     young, ratio, limit = body.young, body.poisson, body.yield_stress
     values: dict[str, Any] = {"young": young, "ratio": ratio, "limit": limit, "stress": stress}
@@ -201,15 +177,6 @@ def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:
         share = stress / young
         values |= {"share": share, "limit": UNLIKELY_STRAIN, "size": share / UNLIKELY_STRAIN - 1}
         yield True, "surely_yielding", values
-    if limit is not None and stress > limit:
-        depths = ""
-        if part.depths_above_yield is not None:
-            first, last = (shown_si(depth, "m", 3) for depth in part.depths_above_yield)
-            first = first if part.depths_above_yield[0] else "the surface"
-            depths = f"; depths from {first} to {last} are affected"
-        values |= {"times": stress / limit, "hardness": HARDNESS_OVER_YIELD * limit, "depths": depths}
-        key = "yielding" if hardness is None else "yielding_under_hardness"
-        yield True, key, values | {"size": stress / limit - 1}
 
 
 def _on_pixels(answer: Answer) -> Iterator[Found]:
@@ -224,14 +191,6 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         yield False, "no_estimate", {"reason": reason}
     else:
         yield False, "vanishing_pixels", {}
-    if answer.coarse:
-        fine = {row.name: row.value for row in answer.rows}
-        ratios = {name: fine[name] / value if value else math.inf for name, value in answer.coarse.items()}
-        most = max(ratios.values(), key=lambda ratio: abs(ratio - 1))
-        changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
-        size = abs(most - 1)
-        found = {"changes": changed, "most": most, "size": size}
-        yield size > RESOLUTION_CHANGE, "interface_pixels", found
     known = {}
     for name in LIMITS:
         values = limit_of(limits, name)
@@ -284,7 +243,7 @@ def _on_map(answer: Answer) -> Iterator[Found]:
     for share, key in ((record.altered_fraction, "windowed"), (record.filled_fraction, "filled")):
         if share > ALTERED_SHARE:
             yield False, key, {"size": share}
-    if answer.case.options.radius is None:
+    if answer.case.map.radius is None:
         # A mirrored map has a quarter of the independent waves of its cell.
         yield False, "sample", {"size": face.images * sampling_error(face.height, face.grid)}
 
@@ -294,8 +253,8 @@ def _on_neighbours(answer: Answer) -> Iterator[Found]:
     if answer.neighbours is None:
         return
     span, alone = answer.neighbours
-    if answer.case.options.form == "cylinder":
-        yield False, "line_contact", {"axis": answer.case.options.cylinder_axis}
+    if answer.case.map.form == "cylinder":
+        yield False, "line_contact", {"axis": answer.case.map.cylinder_axis}
     for part in answer.bodies.values():
         ratio, stress = part.body.poisson, part.largest_von_mises
         lateral = ratio / (1 - ratio) * answer.numbers.nominal_pressure

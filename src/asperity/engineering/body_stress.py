@@ -1,30 +1,32 @@
-"""Stress in one body of a case: peaks, profiles, extreme values, volume above yield, and their grid error.
+"""Stress in one body of a case: peaks, profiles, extreme values, and their grid error.
 
 All but the error come from one stream of planes; the planes close to the highest pressures are kept
 for pictures.
 """
 
-from collections.abc import Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.contact.slip import PartialSlip
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
-from asperity.engineering.case import Body, Case
-from asperity.engineering.continuum import HalfGrid, continuum_on_grids
-from asperity.engineering.moving import MovingContact
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.continuum import continuum_on_grids
 from asperity.fourier.grid import Grid
+from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
-from asperity.stress.cycles.criteria import Criteria
-from asperity.stress.cycles.stress_cycles import Cycles, stress_cycles
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
+
+if TYPE_CHECKING:
+    from asperity.engineering.answer import Answer
 
 BOXES = 4
 """Number of close-ups around the highest pressures; the largest stress is rarely outside them."""
@@ -182,6 +184,8 @@ class BodyAnswer:
     Parameters
     ----------
     body : Body
+    layer : Layer
+        The body as the solver takes it.
     stress : dataset
         As of `analyse_stress`.
     limits : dataset
@@ -190,18 +194,9 @@ class BodyAnswer:
         Field → its extreme value: the largest of ``von_mises``, ``largest_shear`` (Tresca) and
         ``principal_1`` (tension), the smallest of ``principal_3`` and ``hydrostatic`` (compression), and that
         of the largest magnitude of any other field.
-    volume_above_yield : float or None
-        Volume under the map whose von Mises stress is above yield; None without a yield stress.
-    depths_above_yield : (first, last) or None
-        Depths between which there are such points, interpolated between planes.
-    fraction_above_yield : float or None
-        That volume over the volume from the surface to the last of these depths.
     planes : dict
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
-    cycles : dataset or None
-        As of `asperity.stress_cycles`, below the coating if there is one; None without fatigue
-        limits and without motion.
     interface : dict
         Component → its extreme values at the interface, in the coating and in the base: of ``xx`` the largest
         magnitudes, of ``zz`` the most tensile values; ``shear`` is the largest √(σ_xz² + σ_yz²). None without
@@ -209,33 +204,28 @@ class BodyAnswer:
     """
 
     body: Body
+    layer: Layer
     stress: xr.Dataset
     limits: xr.Dataset
     largest: dict[str, Extreme]
-    volume_above_yield: float | None
-    depths_above_yield: tuple[float, float] | None
-    fraction_above_yield: float | None
     planes: dict[str, tuple[float, Grid, Array]]
     close_ups: Sequence[CloseUp]
-    cycles: xr.Dataset | None = None
     interface: Mapping[str, list[float]] | None = None
 
     @property
-    def materials(self) -> "dict[str, BodyAnswer]":
+    def materials(self) -> dict[str, BodyAnswer]:
         """The coating and the base as bodies of their own, with the largest von Mises stress of each.
 
-        Volume and depths above yield are those of the base; without a coating the body alone.
+        Without a coating the body alone.
         """
-        body, interface = self.body, self.body.layer.interface
-        if interface is None or body.coating_young is None or body.coating_poisson is None:
+        coating, interface = self.body.coating, self.layer.interface
+        if coating is None or interface is None:
             return {"": self}
-        coating = Body(body.coating_young, body.coating_poisson, body.coating_yield)
+        constants = {name: getattr(coating, name) for name in ("young", "poisson", "yield_stress")}
         inside = largest_von_mises_between(self.stress, 0.0, interface)
         below = largest_von_mises_between(self.stress, np.nextafter(interface, np.inf), np.inf)
         return {
-            "coating": replace(
-                self, body=coating, largest=self.largest | {"von_mises": inside}, depths_above_yield=None
-            ),
+            "coating": replace(self, body=Body(**constants), largest=self.largest | {"von_mises": inside}),
             "base": replace(self, largest=self.largest | {"von_mises": below}),
         }
 
@@ -268,90 +258,57 @@ class BodyAnswer:
 
 
 def body_answer(
-    pressed: Contact | PartialSlip,
-    half: HalfGrid,
-    case: Case,
+    loaded: LoadedSolid,
+    on_half: LoadedSolid,
+    answer: Answer,
     name: str,
-    face: TreatedMap,
     near: Sequence[CloseUp],
+    watches: Sequence[Callable[[LinearPlane], None]],
     progress: Progress,
-    moving: MovingContact | None = None,
 ) -> BodyAnswer:
     """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio.
 
     Parameters
     ----------
-    pressed : Contact or PartialSlip
-    half : HalfGrid
-    case : Case
-        Peaks of its fields are found in addition to the default ones.
+    loaded, on_half : LoadedSolid
+        The body under the contact, and under that on half of the nodes.
+    answer : Answer
+        With its contact; peaks of the fields of its case are found in addition to the default ones.
     name : "lower" or "upper"
-    face : TreatedMap
     near : sequence of CloseUp
         Are filled with the fields of the case.
+    watches : sequence of callables
+        Called with each plane of the stress.
     progress : callable
-    moving : MovingContact, optional
-        Gives the cycles, if the faces move against each other.
     """
-    body, layer = case.bodies[name], case.bodies[name].layer
-    watch = _Extremes(case.fields, layer, body.yield_stress)
-    contact = pressed.contact if isinstance(pressed, PartialSlip) else pressed
-    loaded = pressed.in_body(name) if pressed is not contact else case.loaded_body(contact, name)
-    sliding, cycles = case.sliding_of(name), None
-    limits = {each: getattr(body, each) for each in ("fatigue_torsion", "fatigue_bending", "yield_stress")}
-    limits["residual_stress"] = body.residual_stress or 0.0
-    if body.fatigue_torsion is not None and moving is None:
-        criteria = Criteria(**limits)
-        cycles = Cycles(loaded, criteria, sliding["sliding_direction"], layer.poisson)
+    case, face, layer = answer.case, answer.face, loaded.layer
+    extremes = _Extremes(case.fields, layer)
 
     def observe(plane: LinearPlane) -> None:
-        watch.add(plane)
-        if cycles is not None and plane.depth > (layer.interface or -1.0):
-            cycles.add(plane)
+        extremes.add(plane)
+        for watch in watches:
+            watch(plane)
         for each in near:
-            each.add(plane, case.fields, layer.poisson, contact.boundary == "periodic")
+            each.add(plane, case.fields, layer.poisson, face.boundary == "periodic")
 
     stress = analyse_stress(
         loaded,
         quantities=list(dict.fromkeys((*SOUGHT, *case.fields))),
         tolerance=STRESS_TOLERANCE,
-        progress=lambda done, total: progress(0.7 * done, total),
+        progress=lambda done, total: progress(0.9 * done, total),
         observe=observe,
-        **sliding,
+        **case.sliding_of(name),
     )
     main = stress.sel(quantity=list(ESTIMATED))
-    estimated = continuum_on_grids(contact, half, main, name, case.loaded_body)
-    progress(0.8, 1.0)
-    volume, depths, fraction = None, None, None
-    if body.yield_stress is not None:
-        planes = stress["plane_depth"].values
-        volume = float(np.trapezoid(watch.above, planes)) * face.map_area
-        in_body = np.where(planes > (layer.interface or -1.0), stress["largest_von_mises"].values.ravel(), 0)
-        depths = _depths_above(body.yield_stress, in_body, planes)
-        if depths is not None:
-            fraction = volume / (face.map_area * depths[1]) if depths[1] else 0.0
+    limits = continuum_on_grids(answer.contact, answer.half, main, name, on_half)
     largest = {}
-    for name_of_field, at_nodes in watch.found.items():
+    for name_of_field, at_nodes in extremes.found.items():
         found = _between_nodes(name_of_field, at_nodes, stress)
         y, x = map(float, face.on_map(found.y, found.x))
         largest[name_of_field] = found._replace(y=y, x=x)
-    found_cycles = None if cycles is None else cycles.dataset()
-    if moving is not None:
-        found_cycles = stress_cycles(moving.in_body(name), **limits, tolerance=STRESS_TOLERANCE)
-        progress(1.0, 1.0)
-    return BodyAnswer(
-        body,
-        stress,
-        estimated,
-        largest,
-        volume,
-        depths,
-        fraction,
-        watch.planes,
-        near,
-        found_cycles,
-        watch.interface or None,
-    )
+    progress(1.0, 1.0)
+    body, interface = case.bodies[name], extremes.interface or None
+    return BodyAnswer(body, layer, stress, limits, largest, extremes.planes, near, interface)
 
 
 def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> Extreme:
@@ -361,20 +318,6 @@ def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> 
     values = np.append(stress["largest_von_mises"].values.ravel(), found["peak_value"].values)
     best = np.where((first <= depths) & (depths <= last), values, -1.0).argmax()
     return Extreme(float(values[best]), float(depths[best]), np.nan, np.nan)
-
-
-def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
-    """Depths between which a stress is above a limit, from its largest value in each plane."""
-    above = np.flatnonzero(largest > limit)
-    if not above.size:
-        return None
-
-    def crossing(plane: int, beyond: int) -> float:
-        if not 0 <= beyond < depths.size:
-            return float(depths[plane])
-        return float(np.interp(limit, largest[[beyond, plane]], depths[[beyond, plane]]))
-
-    return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)
 
 
 def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
@@ -391,7 +334,7 @@ def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
 
 
 class _Extremes:
-    """Extreme values of fields, and the share of each plane above a limit, from a stream of planes.
+    """Extreme values of fields from a stream of planes.
 
     Attributes
     ----------
@@ -399,27 +342,21 @@ class _Extremes:
         Field → its extreme value so far, and its place in the cell.
     planes : dict
         Field to be drawn → depth, grid and values of the plane of its extreme value so far.
-    above : list of float
-        Share of each plane whose von Mises stress is above the limit; 0 in a coating.
     interface : dict
         As of `BodyAnswer`.
     """
 
-    def __init__(self, drawn: Sequence[str], layer: Layer, limit: float | None) -> None:
+    def __init__(self, drawn: Sequence[str], layer: Layer) -> None:
         self.interface: dict[str, list[float]] = {}
         self.found: dict[str, Extreme] = {}
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
-        self.above: list[float] = []
         self._sizes: dict[str, float] = {}
         self._fields, self._drawn = list(dict.fromkeys((*DIRECTION, *drawn))), drawn
-        self._poisson, self._limit, self._face = layer.poisson, limit, layer.interface or -1.0
+        self._poisson, self._face = layer.poisson, layer.interface or -1.0
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
         invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
-        if self._limit is not None:
-            is_above = (invariants["von_mises"] > self._limit) & (plane.depth > self._face)
-            self.above.append(float(np.mean(is_above)))
         if self._face <= plane.depth <= np.nextafter(self._face, np.inf):
             xx, zz, xz, yz = (plane.field(name, self._poisson) for name in ("xx", "zz", "xz", "yz"))
             found = xx.flat[np.abs(xx).argmax()], zz.max(), np.hypot(xz, yz).max()

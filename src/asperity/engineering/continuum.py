@@ -6,14 +6,12 @@ The formulas are in `asperity.stress.statistics.extrapolation`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import xarray as xr
 
 from asperity.contact import Contact
 from asperity.contact.half_grid import HALF_TOLERANCE, solve_on_half
-from asperity.contact.slip import PartialSlip, partial_slip
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.analysis import analyse_stress
@@ -32,14 +30,11 @@ class HalfGrid:
         Share of the squared gradient of the surface that these nodes do not resolve.
     reason : str
         Reason why the grid allows no estimate; empty if it does.
-    slip : PartialSlip or None
-        The contact under a tangential force.
     """
 
     contact: Contact
     lost: float
     reason: str
-    slip: PartialSlip | None = None
 
 
 def continuum(
@@ -109,8 +104,8 @@ def continuum(
     return found
 
 
-def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGrid:
-    """The contact on half of the nodes, under the same load, and under its tangential force."""
+def solved_on_half(contact: Contact) -> HalfGrid:
+    """The contact on half of the nodes, under the same load."""
     reason = "the boundary is free, and the estimate is made for periodic cells"
     if contact.boundary != "free":
         reason = reason_against(contact.pressure, contact.height)
@@ -122,12 +117,7 @@ def solved_on_half(contact: Contact, slip: PartialSlip | None = None) -> HalfGri
         force=contact.force,
         hardness=contact.hardness if math.isfinite(contact.hardness) else None,
     )
-    if slip is None:
-        return HalfGrid(half, lost, reason)
-    force = min(slip.tangential_force, slip.friction * half.force)
-    direction = slip.sliding_direction
-    on_half = partial_slip(half, slip.friction, tangential_force=force, sliding_direction=direction)
-    return HalfGrid(half, lost, reason, on_half)
+    return HalfGrid(half, lost, reason)
 
 
 def continuum_on_grids(
@@ -135,16 +125,16 @@ def continuum_on_grids(
     half: HalfGrid,
     stress: xr.Dataset | None,
     body: str,
-    loaded: Callable[[Contact, str], LoadedSolid] = Contact.in_body,
+    loaded: LoadedSolid | None = None,
 ) -> xr.Dataset:
-    """The result of `continuum`, given the contact on half of the nodes, and a body as it was loaded."""
+    """The result of `continuum`, given the contact on half of the nodes, and the body as that loads it."""
     coarse = None
     if stress is not None:
         planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface
         # Depths over the spacing are the same on both grids; in a thin coating planes lie closer.
         spacing = planes[1] / min(contact.grid.spacing) if interface is None else 0.5
         coarse = analyse_stress(
-            loaded(half.contact, body) if half.slip is None else half.slip.in_body(body),
+            loaded or half.contact.in_body(body),
             depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interface),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],

@@ -1,8 +1,7 @@
 """The rough face that is pressed: one map, or the composite roughness of two, read, treated and measured."""
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,10 +9,10 @@ import numpy as np
 
 from asperity.core.errors import one_line
 from asperity.core.system import sha256_of
-from asperity.core.types import Array, FilePath
-from asperity.core.units import to_si
+from asperity.core.types import Array
+from asperity.settings.map import CounterMap, Map
 from asperity.surface.description import MapMeasures, map_warnings
-from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError
 from asperity.surface.reading.map_file import open_map, open_shared_map
 from asperity.surface.treatment.face_to_face import face_to_face
 from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
@@ -21,36 +20,10 @@ from asperity.surface.treatment.treatment import TreatedMap, missing_options, tr
 LONGEST_NAME = 60
 """Most characters of the name of a map in titles."""
 
-Source = FilePath | HeightMap
-"""File of a map, or a map in metres."""
-
 SPIKE_REACH = 1.5
 """Pixels beside a spike that belong to it, after the map is levelled and resampled."""
 
 ASSUMED = f"orientation: the file does not say which way is up; taken as {PEAKS_UP}, as instruments show them"
-
-
-@dataclass(frozen=True)
-class CounterMap:
-    """A map of the upper body, and how it is laid on that of the lower one.
-
-    Parameters
-    ----------
-    source : path or HeightMap
-        File of a map, or a map in metres, with its peaks upward as measured.
-    options : MapOptions, optional
-        What is known of the file, and how trend, spikes and points without data are treated; by default as
-        for the other map.
-    turned_about : "y" or "x"
-        Axis about which the map is turned over, to face down.
-    shift : (y, x)
-        Position in m of the middle of this map over that of the other one.
-    """
-
-    source: Source
-    options: MapOptions | None = None
-    turned_about: str = "y"
-    shift: tuple[float, float] = (0.0, 0.0)
 
 
 class ReadFile(NamedTuple):
@@ -78,8 +51,6 @@ class RoughFace(NamedTuple):
         Distance from its place up to which a spike reaches.
     files : tuple of ReadFile
         The files that were read.
-    options : MapOptions, optional
-        Options that the file of the map needs, with the channel that was read.
     upper : array, optional
         The lower face of the upper body, if both are rough: its part of the composite roughness.
     """
@@ -89,40 +60,13 @@ class RoughFace(NamedTuple):
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[ReadFile, ...] = ()
-    options: MapOptions | None = None
     upper: Array | None = None
 
 
-def is_hertz(settings: Mapping[str, Any]) -> bool:
-    """True if the radius in settings of ``asperity run`` is that of a Hertz contact, not of the map."""
-    return not settings.keys().isdisjoint(("hertz_pressure", "radius_y", "at"))
-
-
-def options_of(settings: Mapping[str, Any]) -> MapOptions:
-    """Options of the map in settings of ``asperity run``."""
-    given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
-    if is_hertz(settings):
-        given = {
-            name: value for name, value in given.items() if name not in ("radius", "form", "cylinder_axis")
-        }
-    return MapOptions(**given | ({"periodic": "none"} if settings.get("boundary") == "free" else {}))
-
-
-def counter_map_of(settings: Mapping[str, Any]) -> CounterMap | None:
-    """The map of the upper body in settings of ``asperity run``."""
-    if "counter_map" not in settings:
-        return None
-    y, x = (to_si(text, "length", "counter_shift") for text in settings.get("counter_shift", ("0 m", "0 m")))
-    about = settings.get("counter_turned_about", "y")
-    return CounterMap(settings["counter_map"], turned_about=about, shift=(y, x))
-
-
-def read_face(
-    source: Source, options: MapOptions, counter: CounterMap | None = None, shared: bool = False
-) -> RoughFace:
+def read_face(options: Map, counter: CounterMap | None = None, shared: bool = False) -> RoughFace:
     """Read a map and prepare it, with the map of the counter body if that is rough too.
 
-    The file overrides options that are shared with other maps, as those of the counter map are by default.
+    The file overrides options that are shared with other maps.
 
     Raises
     ------
@@ -130,22 +74,20 @@ def read_face(
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
-    name, surface, doubts, spikes, options = _read(source, options, shared)
-    files = _read_file(source)
+    name, surface, doubts, spikes, options = _read(options, shared)
+    files = _read_file(options.file)
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
         reach = SPIKE_REACH * y, SPIKE_REACH * x
-        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
-    counter_name, counter_surface, counter_doubts, _, own = _read(
-        counter.source, counter.options or options, counter.options is None
-    )
-    files += _read_file(counter.source)
+        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files)
+    counter_name, counter_surface, counter_doubts, _, own = _read(counter, True)
+    files += _read_file(counter.file)
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
-    later = replace(_completed(options, pair.map), despike=None, scan_lines=None)
-    treated, upper = treat_map(pair.map, later), treat_map(pair.upper, replace(later, radius=None)).height
+    later = _completed(options, pair.map).replaced(despike=None, scan_lines=None)
+    treated, upper = treat_map(pair.map, later), treat_map(pair.upper, later.replaced(radius=None)).height
     record = replace(treated.treatment, filled_fraction=filled + counter_filled)
     lines = [
         *(f"map: {line}" for line in done),
@@ -155,20 +97,19 @@ def read_face(
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper)
+    return RoughFace(face, of_both, spikes[:0], files=files, upper=upper)
 
 
-def _read_file(source: Source) -> tuple[ReadFile, ...]:
+def _read_file(source: Any) -> tuple[ReadFile, ...]:
     """The file of a map; empty for a map that is given as an array."""
     if isinstance(source, HeightMap):
         return ()
     return (ReadFile(os.path.abspath(source), os.path.getsize(source), sha256_of(source)),)
 
 
-def _read(
-    source: Source, options: MapOptions, shared: bool
-) -> tuple[str, HeightMap, tuple[str, ...], Array, MapOptions]:
+def _read(options: Map, shared: bool) -> tuple[str, HeightMap, tuple[str, ...], Array, Map]:
     """Name and heights of a map, its doubts, places of spikes, and options; checks that none is missing."""
+    source = options.file
     if isinstance(source, HeightMap):
         name, surface = source.name or "map", replace(source, unit=source.unit or "m")
     else:
@@ -176,7 +117,7 @@ def _read(
         problems = missing_options(found, _completed(options))
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
-        name, surface, options = Path(source).stem, found.map, found.options
+        name, surface, options = Path(source).stem, found.map, found.options  # type: ignore[assignment]
     measured = MapMeasures(surface)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:
@@ -188,7 +129,7 @@ def _read(
     return name, surface, tuple(doubts), spikes * surface.spacing, options
 
 
-def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:
+def _completed(options: Map, surface: HeightMap | None = None) -> Map:
     """The options; by default points are filled, and a map that is not declared periodic is mirrored.
 
     `points` counts the points of the map, also if it is mirrored.
@@ -197,13 +138,13 @@ def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOpti
     points = options.points
     if points is not None and periodic == "mirrored":
         points *= 2
-    return replace(options, periodic=periodic, undefined="harmonic", points=points)
+    return options.replaced(periodic=periodic, undefined="harmonic", points=points)
 
 
-def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:
+def _levelled(surface: HeightMap, options: Map) -> tuple[HeightMap, float, list[str]]:
     """A map without spikes, missing points and trend; the share that was filled, and what was done."""
     later: dict[str, Any] = dict.fromkeys(("wavelength_short", "points", "radius", "s_filter", "l_filter"))
-    bounded = replace(_completed(options, surface), periodic="none", **later)
+    bounded = _completed(options, surface).replaced(periodic="none", **later)
     treated = treat_map(surface, bounded)
     height = -treated.height if surface.orientation == PEAKS_UP else treated.height
     done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]

@@ -64,13 +64,12 @@ def names_of(case: "Case | None") -> list[str]:
     names += ["height.png", "pressure.png", "report.html"]
     if case is None:
         return names
-    names += ["curve.csv", "curve.png"] if case.load.path else []
     names += ["plastic_depth.png"] if case.hardness else []
-    for body, constants in case.different_bodies.items():
+    for question in case.questions.values():
+        names += question.files(case)
+    for body in case.different_bodies:
         suffix = f"_{body}" if len(case.different_bodies) > 1 else ""
         names += [f"stress{suffix}.nc"]
-        names += [f"cycles{suffix}.nc"] if constants.fatigue_torsion or case.shifts else []
-        names += [f"cycles{suffix}.png", "fatigue.csv"] if constants.fatigue_torsion else []
         for field in case.fields:
             end = ("" if field == "von_mises" else f"_{field}") + suffix
             names += [f"{view}{end}.png" for view in ("plane", "section", "peaks")]

@@ -16,22 +16,25 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import xarray as xr
-import yaml
+from markupsafe import Markup
 
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.answer import REPEATS, Answer, Row, body_title, case_in_words, without_repeats
-from asperity.engineering.case import Body, Case
+from asperity.engineering.answer import REPEATS, Answer, body_title, case_in_words, without_repeats
+from asperity.engineering.case import Case, same_material, solid_of
+from asperity.engineering.case_file import case_text
 from asperity.engineering.contact_numbers import certificate_in_words
-from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
-from asperity.engineering.pictures import Picture, pictures, suffix_of
+from asperity.engineering.pictures import pictures
+from asperity.engineering.question import Picture, Row
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
 from asperity.results.variables import SI_UNITS
+from asperity.settings.materials import material
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
 
@@ -94,7 +97,7 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
             move_complete(folder)
             with replacing(folder, kept=set()) as unfinished:
                 _write_results(answer, unfinished)
-                if not isinstance(answer.case.source, HeightMap):
+                if not isinstance(answer.case.map.file, HeightMap):
                     write_text(
                         unfinished / CASE_FILE, case_text(answer.case, folder, files=answer.rough.files)
                     )
@@ -116,20 +119,18 @@ def _write_results(answer: Answer, folder: Path) -> None:
     dataset.write(surface_of(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
     dataset.write(contact_dataset(answer), folder / "contact.nc", f"Contact with {surface}", settings)
     for body in answer.case.different_bodies:
-        suffix = suffix_of(answer, body)
+        suffix = answer.suffix_of(body)
         title = f"Stress under {surface}{suffix.replace('_', ', ')}"
         dataset.write(stress_dataset(answer, body), folder / f"stress{suffix}.nc", title, settings)
-        if (cycles := answer.bodies[body].cycles) is not None:
-            title = f"Cycles of the stress in {body} body under {surface} that moves"
-            cycles = cycles.assign_attrs(unit_system=SI_UNITS, body=body)
-            dataset.write(cycles, folder / f"cycles{suffix}.nc", title, settings)
-    tables = {"peaks": answer.peaks(), "spots": answer.spots, "gaps": answer.gaps()}
-    if answer.curve is not None:
-        tables["curve"] = answer.curve.frame()
-    if answer.cycle is not None:
-        tables["cycle"] = answer.cycle
-    if not (fatigue := answer.fatigue()).empty:
-        tables["fatigue"] = fatigue
+    tables: dict[str, pd.DataFrame] = {
+        "peaks": answer.peaks(),
+        "spots": answer.spots,
+        "gaps": answer.gaps(),
+    }
+    for question in answer.case.questions.values():
+        tables |= question.tables(answer)
+        for name, data, title in question.datasets(answer):
+            dataset.write(data.assign_attrs(unit_system=SI_UNITS), folder / f"{name}.nc", title, settings)
     for name, table in tables.items():
         write_table(table, f"answer_{name}", folder / f"{name}.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
@@ -141,7 +142,8 @@ def _write_report(answer: Answer, folder: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     groups: dict[str, list[tuple[Picture, str]]] = {}
-    same = len(answer.case.different_bodies) > 1 and answer.case.lower == answer.case.upper
+    bodies = list(answer.case.different_bodies.values())
+    same = len(bodies) > 1 and same_material(*bodies)
     for picture in pictures(answer):
         path = folder / f"{picture.name}.png"
         # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
@@ -162,6 +164,9 @@ def _write_report(answer: Answer, folder: Path) -> None:
         title=f"{answer.face.name}: contact and stress",
         answer=answer,
         case=case_in_words(answer.case),
+        of_table=constants_of_table(answer.case),
+        questions=reports_of_questions(answer),
+        assumptions=[question.assumption(answer) for question in answer.case.questions.values()],
         certificate=certificate_in_words(answer.contact.certificate),
         headline=headline(
             rows, len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
@@ -193,80 +198,39 @@ def headline(rows: Sequence[Row], several: bool) -> list[tuple[str, str, str]]:
     return found
 
 
+def reports_of_questions(answer: Answer) -> list[Markup]:
+    """The parts of the report that questions have a template for."""
+    return [
+        Markup(rendered("asperity.engineering.questions", question.TEMPLATE, found=answer.found[name]))
+        for name, question in answer.case.questions.items()
+        if question.TEMPLATE
+    ]
+
+
+def constants_of_table(case: Case) -> list[str]:
+    """Which constants of a case come from the table of materials, a line for each body."""
+    lines = []
+    for name, body in case.groups_of_bodies.items():
+        for part, group in ((name, body), (f"{name}.coating", body.coating)):
+            if group is not None and group.of_table and group.material is not None:
+                constants = material(group.material).constants
+                values = [f"{each} {constants[each].value} ({constants[each].source})" for each in group.of_table]
+                lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
+    return lines
+
+
 def settings_of(answer: Answer) -> dict[str, Any]:
     """Settings from which the answer can be made again, and the solids as results describe them."""
     case = answer.case
+    upper = None if case.counter_body is None else asdict(solid_of(case.counter_body))
     solids = {
         "name": answer.face.name,
-        "layer": {"height": case.lower.height, "poisson": case.lower.poisson} | _coating(case.lower),
-        "upper": None if case.upper is None else asdict(case.upper) | _coating(case.upper),
+        "layer": asdict(solid_of(case.body)),
+        "upper": upper,
         "friction": case.friction,
         "sliding_direction": case.sliding_direction,
     }
-    return case.settings() | solids
-
-
-def _coating(body: Body) -> dict[str, Any]:
-    """A coated body as a layer with a base; nothing without a coating."""
-    return {} if body.coating is None else asdict(body.layer)
-
-
-def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
-    """Write a case as the YAML file that ``asperity run`` takes in place of a map.
-
-    Names of files in it are relative to its folder, or absolute as they were given.
-
-    Parameters
-    ----------
-    case : Case
-        With a map from a file.
-    path : Path
-    out : Path, optional
-        Folder of the answer.
-    files : sequence of ReadFile, optional
-        Files of the maps as they were read, in their order: with their checksums ``asperity run`` refuses the
-        case once they have changed.
-
-    Raises
-    ------
-    ValueError
-        If the path is that of a map of the case.
-    """
-    sources = [case.source, *([case.counter_map.source] if case.counter_map else [])]
-    for source in (each for each in sources if not isinstance(each, HeightMap) and path.exists()):
-        if path.samefile(source):
-            raise ValueError(f"path = {path}: the map of the case, another name is needed")
-    write_text(path, case_text(case, path.parent, out, files))
-
-
-def case_text(case: Case, folder: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> str:
-    """The content of a case file in a folder; see `save_case`."""
-    settings = case.settings() | ({} if out is None else {"out": os.fspath(out)})
-    sources = {"map": case.source} | ({"counter_map": case.counter_map.source} if case.counter_map else {})
-    named = [name for name, source in sources.items() if not isinstance(source, HeightMap)]
-    settings |= {f"{name}_sha256": file.sha256 for name, file in zip(named, files, strict=False)}
-    for name in {"map", "counter_map", "out"} & settings.keys():
-        if not os.path.isabs(settings[name]):
-            settings[name] = Path(os.path.relpath(settings[name], folder)).as_posix()
-    return yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
-
-
-def pool_text(cases: Sequence[tuple[Case, Sequence[ReadFile]]], folder: Path, area: str | None) -> str:
-    """The content of the case file of pooled maps, with the checksums of all their files."""
-    each = [yaml.safe_load(case_text(case, folder, files=files)) for case, files in cases]
-    names = ("map", "map_sha256", "counter_map", "counter_map_sha256")
-    lists = {name: [one[name] for one in each] for name in names if name in each[0]}
-    settings = each[0] | lists | {"pooled": True} | ({} if area is None else {"area": area})
-    return yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
-
-
-def holds_answer(folder: Path, case: Case, files: Sequence[ReadFile]) -> bool:
-    """True if a folder has the complete answer of a case, with maps of the same checksums in any folder."""
-    if "report.html" not in names_in(folder):
-        return False
-    texts = (folder / CASE_FILE).read_text(encoding="utf-8"), case_text(case, folder, files=files)
-    there, here = ({**yaml.safe_load(text), "map": "", "counter_map": ""} for text in texts)
-    return there == here
+    return case.written() | solids
 
 
 def surface_of(answer: Answer) -> xr.Dataset:
@@ -286,13 +250,12 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
         f"spot_{str(name).rsplit('_', 1)[0]}": ("spot", values.to_numpy())
         for name, values in answer.spots.items()
     }
-    slip = {}
-    if answer.slip is not None:
-        fields = {"sticking_pressure": answer.slip.sticking.pressure, "slip": answer.slip.slip}
-        slip = {name: (("y", "x"), values) for name, values in fields.items()}
+    fields = {}
+    for question in answer.case.questions.values():
+        fields |= {name: (("y", "x"), values) for name, values in question.fields(answer).items()}
     return (
         answer.contact.to_dataset()
-        .assign(spots | slip)
+        .assign(spots | fields)
         .assign_attrs(
             settings=json.dumps(settings_of(answer), sort_keys=True),
             force=answer.numbers.force,
@@ -304,18 +267,18 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
 def stress_dataset(answer: Answer, name: str) -> xr.Dataset:
     """The stress in one body, with attributes that describe it as in the files of the study."""
     part = answer.bodies[name]
-    body = part.body
+    layer = part.layer
     attributes: dict[str, Any] = {
         "unit_system": SI_UNITS,
         "body": name,
-        "solid": body.layer.description,
+        "solid": layer.description,
         "solid_reason": "asked for",
         "solid_bound": 0.0,
         "uniform_mode": "laterally confined",
-        "poisson_contact": body.layer.poisson,
-        "young": body.layer.young,
+        "poisson_contact": layer.poisson,
+        "young": layer.young,
         "gradient_rms_contact": answer.numbers.gradient_rms_contact,
     }
-    if body.yield_stress is not None:
-        attributes |= {"yield_stress": body.yield_stress, "volume_above_yield": part.volume_above_yield}
+    for question in answer.case.questions.values():
+        attributes |= question.attributes(answer, name)
     return part.stress.assign_attrs(attributes)

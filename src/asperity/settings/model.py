@@ -14,7 +14,16 @@ from contextlib import suppress
 from functools import cache
 from typing import Annotated, Any, NamedTuple, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, TypeAdapter, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    Strict,
+    TypeAdapter,
+    ValidationError,
+    WithJsonSchema,
+)
 
 from asperity.core.errors import InputError, did_you_mean, shown
 
@@ -137,8 +146,8 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
 
     def written(self) -> dict[str, Any]:
-        """The settings that are given and not at their default, as a file holds them, with their units."""
-        return self.model_dump(mode="json", exclude_defaults=True)
+        """The settings that are given, as a file holds them, with their units."""
+        return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
 
 
 def setting(
@@ -348,3 +357,15 @@ def _unknown(word: str, group: str, entry: Entry) -> str:
 def _part(name: Any) -> str:
     """One part of a dotted key, as a message shows it."""
     return str(name) if len(str(name)) <= _LONGEST_KEY and str(name).isprintable() else shown(name)
+
+
+def one_of(known: Iterable[str]) -> Any:
+    """The type of a text that is one of the known words, for words that another module lists."""
+    words = tuple(known)
+
+    def check(value: Any) -> Any:
+        if value not in words:
+            raise NeededError(" or ".join(words))
+        return value
+
+    return Annotated[str, PlainValidator(check), WithJsonSchema({"type": "string", "enum": list(words)})]

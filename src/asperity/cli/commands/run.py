@@ -5,87 +5,81 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from asperity.cli.parser import COMMANDS, arguments, converted, flag, with_flags
-from asperity.core.errors import ConfigError, InputError, did_you_mean, fail, one_line, shown
+from asperity.cli.parser import COMMANDS
+from asperity.core.errors import ConfigError, InputError, fail, one_line, shown
 from asperity.core.packages import require
-from asperity.study.config.check import needed_instead
-from asperity.study.config.reader import CASE_SUFFIXES, CHECKSUMS, PATHS, load, names_of_maps, pool_of
-from asperity.study.config.schema import accepted, setting
+from asperity.settings.model import Problem, SettingsError, entry_of, scalar
+from asperity.settings.reader import parse
 
 WRONG_USAGE = 2
 """Exit status for refused arguments, the same as argparse's."""
 
-OPTIONS = {
-    entry["setting"].rpartition(".")[2]: entry["setting"]
-    for group in COMMANDS["run"]["groups"]
-    for entry in arguments(group).values()
-    if "setting" in entry
-}
-"""Name of a setting that is an option → its dotted key."""
-
-POOLING = ("pooled", "resume", "only")
-"""Options of pooled maps."""
+FLAGS: dict[str, str] = {key: name for group in COMMANDS["run"]["groups"] for name, key in group["case"].items()}
+"""Dotted key of a setting of a case → its flag."""
 
 
 class Job(NamedTuple):
-    """A case read from options and files.
-
-    Case, rough face, output folder, problems, maps that are read, and area of a prediction.
-    """
+    """A case read from options and files: case, rough face, folder of the answer, problems, and maps that are read."""
 
     case: Any
     rough: Any
     out: Path
     problems: list[str]
     read: list[str]
-    area: str | None
 
 
 def run(options: argparse.Namespace) -> None:
     """Compute the answers, print them, and write results, pictures and reports; compare or pool several."""
+    _check_names(options)
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    from asperity.engineering.folder import COMPARISON, SAMPLE, locked
+    from asperity.engineering.case_file import MAP_FILES, SUFFIXES, at, load_case, names_of_maps
 
-    pool = pool_of(options.map)
-    maps, options.pooled = pool.get("map", options.map), options.pooled or pool.get("pooled", False)
-    counters = getattr(options, OPTIONS["counter_map"]) or [None]
-    files = {"--out": options.out, "--save": options.save, "--config": options.config}
-    empty = [name for name, path in files.items() if path == ""] + ["MAP"] * ("" in options.map)
-    empty += ["--counter-map"] * ("" in counters)
-    if empty:
-        sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
+    contents = [load_case(path) if Path(path).suffix in SUFFIXES else None for path in options.map]
+    pool = contents[0] if len(contents) == 1 else None
+    listed = at(pool, MAP_FILES[0]) if pool else None
+    maps = listed if isinstance(listed, list) else options.map
+    options.pooled = options.pooled or bool(pool and "sample" in pool)
+    counters = options.counter_map or [None]
     if len(counters) > 1 and not (options.pooled and len(counters) == len(maps)):
         words = f"one for each MAP is needed, with --pooled: {len(maps)}"
         sys.exit(fail(f"--counter-map: {len(counters)} files are given; one, or {words}", WRONG_USAGE))
     folder = None
     if len(maps) > 1 or options.pooled:
-        folder = Path(options.out or pool.get("out") or ("pooled" if options.pooled else "comparison"))
+        given = options.out or (pool or {}).get("out")
+        folder = Path(given or ("pooled" if options.pooled else "comparison"))
     names, jobs = names_of_maps(maps), {}
     for number, name in enumerate(names):
         if not options.only or options.only == name:
-            one = argparse.Namespace(**vars(options))
-            setattr(one, OPTIONS["counter_map"], counters[number % len(counters)])
-            path = options.map[0] if pool else maps[number]
-            jobs[name] = _job(one, path, None if folder is None else folder / name, number)
+            path = options.map[0] if listed else options.map[number]
+            counter = counters[number % len(counters)]
+            jobs[name] = _job(options, path, counter, None if folder is None else folder / name, number)
     problems = [problem for job in jobs.values() for problem in job.problems]
-    if options.only and options.only not in names:
-        problems.append(f"--only {options.only}: one of {', '.join(names)} is needed")
-    elif folder is not None and not options.only:
-        problems += _problems_of(folder, {}, SAMPLE if options.pooled else COMPARISON)
-        if len(set(names)) < len(names):
-            problems.append("MAP: files of different names, or in folders of different names, are needed")
-        if options.pooled and not problems:
-            problems += _problems_of_pool(jobs)
+    problems += _problems_of_several(options, folder, names, jobs)
     if options.save:
         problems += _problems_of_save(options, [*jobs.values()])
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
     if options.check:
         return
+    _compute(options, folder, jobs)
+
+
+def _check_names(options: argparse.Namespace) -> None:
+    """End with a line for a name that is empty, and for options that need another one."""
+    files = {"--out": options.out, "--save": options.save, "--case": options.case}
+    empty = [name for name, path in files.items() if path == ""] + ["MAP"] * ("" in options.map)
+    empty += ["--counter-map"] * ("" in (options.counter_map or []))
+    if empty:
+        sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
+
+
+def _compute(options: argparse.Namespace, folder: Path | None, jobs: Mapping[str, Job]) -> None:
+    """Compute and write the answers of all jobs, and what is made of several."""
+    from asperity.engineering.folder import locked
+
     with ExitStack() as stack:
         of_all = [folder] if folder and not options.only else []
         for path in dict.fromkeys([*of_all, *(job.out for job in jobs.values())]):
@@ -105,7 +99,7 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 
     The means are made from the tables in the folders: they do not depend on the process that wrote these.
     """
-    from asperity.engineering.output import holds_answer
+    from asperity.engineering.case_file import holds_answer
     from asperity.engineering.several_answers import read_sample, write_sample
 
     for job in jobs.values():
@@ -117,32 +111,19 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
         first, *_ = jobs.values()
         sample = read_sample(folder, list(jobs), first.case)
         cases = [(job.case, job.rough.files) for job in jobs.values()]
-        print(write_sample(sample, folder, cases, first.area))
-
-
-def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
-    """Reasons why maps cannot be pooled."""
-    from asperity.core.units import to_si
-    from asperity.engineering.sample import check_alike, check_area
-
-    faces = {name: job.rough.face for name, job in jobs.items()}
-    areas = {job.area for job in jobs.values() if job.area}
-    try:
-        check_alike(faces)
-        for area in areas:
-            check_area(to_si(area, "area"), sum(face.map_area for face in faces.values()))
-    except ValueError as error:
-        yield with_flags(str(error), "run")
+        print(write_sample(sample, folder, cases))
 
 
 def _answered(job: Job, save: str | None) -> Any:
     """The answer of a case, printed and written."""
-    from asperity.engineering import answer_of, save_case, write_answer
-    from asperity.study.progress_and_log import ProgressBar
+    from asperity.core.progress import ProgressBar
+    from asperity.engineering.case_file import save_case
+    from asperity.engineering.output import write_answer
+    from asperity.engineering.run import answer_of
 
     if save and not _is_written(save, job.out):
         save_case(job.case, Path(save), job.out, job.rough.files)
-    with ProgressBar(one_line(f"run {job.case.source}")) as progress:
+    with ProgressBar(one_line(f"run {job.case.map.file}")) as progress:
         answer = answer_of(job.case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
     files = write_answer(answer, job.out)
@@ -160,8 +141,37 @@ def _is_written(save: str, out: Path) -> bool:
     return Path(save).resolve() == (out / CASE_FILE).resolve()
 
 
+def _problems_of_several(
+    options: argparse.Namespace, folder: Path | None, names: Sequence[str], jobs: Mapping[str, Job]
+) -> Iterator[str]:
+    """Reasons why the answers of several maps cannot be written, or maps cannot be pooled."""
+    from asperity.engineering.folder import COMPARISON, SAMPLE
+    from asperity.engineering.sample import check_alike, check_area
+
+    if not options.pooled:
+        yield from (f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:]))
+    if options.only and options.only not in names:
+        yield f"--only {options.only}: one of {', '.join(names)} is needed"
+    if folder is None or options.only:
+        return
+    yield from _problems_of(folder, [], SAMPLE if options.pooled else COMPARISON)
+    if len(set(names)) < len(names):
+        yield "MAP: files of different names, or in folders of different names, are needed"
+    if options.pooled and not any(job.problems for job in jobs.values()):
+        faces = {name: job.rough.face for name, job in jobs.items()}
+        try:
+            check_alike(faces)
+            for job in jobs.values():
+                if job.case.sample is not None and job.case.sample.area is not None:
+                    check_area(job.case.sample.area, sum(face.map_area for face in faces.values()))
+        except ValueError as error:
+            yield str(error)
+
+
 def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Iterator[str]:
     """Reasons why a case cannot be saved."""
+    from asperity.engineering.case_file import CHECKSUMS, SUFFIXES, load_case
+    from asperity.engineering.folder import names_in
     from asperity.results.atomic import write_problem
 
     save = Path(options.save)
@@ -171,174 +181,115 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Itera
         return
     elif problem := write_problem(save):
         yield f"--save {save}: {problem}"
-    elif save.suffix not in CASE_SUFFIXES:
-        yield f"--save {save}: a name that ends in {' or '.join(CASE_SUFFIXES)} is needed"
+    elif save.suffix not in SUFFIXES:
+        yield f"--save {save}: a name that ends in {' or '.join(SUFFIXES)} is needed"
     elif save.exists():
-        read = [options.map[0], options.config, *jobs[0].read]
-        values: dict[str, Any] = {}
-        refused: dict[str, str] = {}
+        read = [options.map[0], options.case, *jobs[0].read]
         try:
-            _add_file(save, "", values, refused)
-        except ConfigError as error:
-            refused[""] = str(error)
+            own = CHECKSUMS in load_case(save)  # as `--save` writes it
+        except ConfigError:
+            own = False
         if any(save.samefile(path) for path in read if path and Path(path).exists()):
             yield f"--save {save}: is read too, another name is needed"
-        elif refused or "map" not in values:
-            yield f"--save {save}: is not a case file, another name is needed"
+        elif save.name in names_in(save.parent):
+            yield f"--save {save}: belongs to the answer in its folder, another name is needed"
+        elif not own:
+            yield f"--save {save}: asperity has not written this file, another name is needed"
 
 
-def _job(options: argparse.Namespace, path: str, folder: Path | None, number: int = 0) -> Job:
-    """The case of one map; `number` selects the map in a case file of several.
-
-    The answer goes into `folder`. A refused option is not also reported as missing.
-    """
-    values, refused = _values(options, path, number)
-    out = folder or Path(values.get("out") or f"{Path(values.get('map', path)).stem}_run")
-    values.pop("out", None)
-    checksums = {name: values.pop(name) for name in CHECKSUMS if name in values}
-    read = [values[name] for name in PATHS[:2] if name in values]
-    known = {**values, **refused, **{name: True for name in POOLING if getattr(options, name)}}
-    problems = [*refused.values(), *_contradictions(options, values, known)]
-    missing = [
-        f"{flag(name) if name != 'map' else ''} {values[name]}: no such file".strip()
-        for name in PATHS[:2]
-        if name in values and not os.path.exists(values[name])
-    ]
-    if missing:  # reported without the packages that the calculation needs
-        return Job(None, None, out, [*problems, *_problems_of(out, values), *missing], read, None)
+def _job(
+    options: argparse.Namespace, path: str, counter: str | None, folder: Path | None, number: int = 0
+) -> Job:
+    """The case of one map; `number` selects the map in a case file of several. The answer goes into `folder`."""
     from asperity.engineering.case import Case
-    from asperity.engineering.face import counter_map_of, options_of, read_face
+    from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, SUFFIXES, at, case_of_map, load_case, put
+    from asperity.engineering.face import read_face
     from asperity.engineering.folder import names_of
-    from asperity.engineering.run import check_cell
-    from asperity.surface.reading.height_map import MapError
+    from asperity.engineering.run import problems_on_map
+
+    is_case = Path(path).suffix in SUFFIXES
+    file = path if is_case else options.case
+    content = case_of_map(load_case(file), number) if file else {}
+    if not is_case:
+        put(content, MAP_FILES[0], path)
+    problems, given = [], {}
+    for key, text in _given(options, counter, problems):
+        if key in map(".".join, MAP_FILES):
+            content.get(CHECKSUMS, {}).pop("map" if key == "map.file" else "counter_map", None)
+        put(content, key.split("."), text)
+        given[key] = text
+    out = folder or Path(options.out or content.get(OUT) or f"{Path(at(content, MAP_FILES[0]) or path).stem}_run")
+    content.pop(OUT, None)
+    checksums = content.pop(CHECKSUMS, {})
+    if options.pooled:
+        content.setdefault("sample", {})
+    read = [each for keys in MAP_FILES if isinstance(each := at(content, keys), str)]
+    missing = [f"{each}: no such file" for each in read if not os.path.exists(each)]
+
+    def name_of(key: str) -> str:
+        """A key as the user gave it: a flag, or a key of the file."""
+        in_file = file and at(content, key.split(".")) is not None and key not in given
+        if key in FLAGS and not in_file:
+            return FLAGS[key]
+        return f"{file}: {key}" if in_file or (file and key not in given) else key
+
+    def named(problem: Problem) -> str:
+        return f"{name_of(problem.key)}{problem.text}"
 
     case, rough = None, None
-    if not problems:
-        try:
-            case = Case.of(values)
-        except ValueError as error:
-            problems.append(with_flags(str(error), "run"))
-    problems += _problems_of(out, values, None if case is None else names_of(case))
-    if "map" in values:
-        try:
-            several = folder is not None
-            rough = read_face(values["map"], options_of(values), counter_map_of(values), shared=several)
-            case = case and replace(case, options=rough.options or case.options)
-            if case:
-                check_cell(case, rough)
-        except InputError as error:
-            texts = [text for text in error.problems if not text.startswith(tuple(refused))]
-            problems += MapError(error.source, texts).renamed(flag).lines
-        except ValueError as error:
-            problems.append(with_flags(str(error), "run"))
-    found = dict(zip(read, rough.files if rough else (), strict=False))
-    for key, checksum in checksums.items():
-        file = values[CHECKSUMS[key]]
-        if file in found and found[file].sha256 != checksum:
-            problems.append(
-                f"{path}: {key}: {one_line(file)} has changed since; delete the key to run it as it is now"
-            )
-    return Job(case, rough, out, problems, read, values.get("area"))
-
-
-def _values(
-    options: argparse.Namespace, given_map: str, number: int = 0
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """Accepted values of all settings by name, and messages on refused ones.
-
-    Options override the file of ``--config``, which overrides a case file given in place of a map.
-    """
-    values: dict[str, Any] = {}
-    refused: dict[str, str] = {}
-    is_case = Path(given_map).suffix in CASE_SUFFIXES
-    for path, name in ((given_map if is_case else None, ""), (options.config, "--config ")):
-        if path:
-            _add_file(Path(path), name, values, refused, number)
-    values |= {} if is_case else {"map": given_map}
-    values |= {} if options.out is None else {"out": options.out}
-    if is_case and "map" not in values:
-        refused["map"] = f"{given_map}: map: missing; the name of a height map is needed"
-    for name, key in OPTIONS.items():
-        given, entry = getattr(options, key), setting(key)
-        if given is None:
-            continue
-        values.pop(name, None)
-        values.pop(f"{name}_sha256", None)
-        try:
-            values[name] = converted(entry, given)
-        except argparse.ArgumentTypeError as error:
-            refused[name] = f"{flag(name)} {error}"
-    return values, refused
-
-
-def _add_file(
-    path: Path, option: str, values: dict[str, Any], refused: dict[str, str], number: int = 0
-) -> None:
-    """Add settings of a case file or of section ``engineering`` of a configuration, for one of its maps."""
     try:
-        content = load(path)
+        case = Case.read(content)
+    except SettingsError as error:
+        problems += map(named, error.found)
     except ConfigError as error:
-        raise ConfigError(f"{option}{error}") from error
-    section = content.get("engineering", content)
-    if not isinstance(section, Mapping):
-        raise ConfigError(f"{option}{path}: engineering = {shown(section)}: a group of keys is needed")
-    for name in section.keys() & set(CHECKSUMS.values()):
-        values.pop(f"{name}_sha256", None)
-    for name, given in section.items():
-        value = given[number] if isinstance(given, list) and name in (*PATHS, *CHECKSUMS) else given
-        key, text = f"{option}{path}: {name}", {"type": "string", "minLength": 1, "accepts": "a file name"}
-        if name == "pooled":
+        problems.append(str(error))
+    problems += _problems_of(out, read, None if case is None else names_of(case))
+    if case is not None and not missing:
+        try:
+            rough = read_face(case.map, case.counter_map, shared=folder is not None)
+            problems += map(named, problems_on_map(case, rough))
+        except SettingsError as error:
+            problems += map(named, error.found)
+        except InputError as error:
+            problems += error.renamed(lambda name: name_of(f"map.{name}")).lines  # type: ignore[attr-defined]
+        except ValueError as error:
+            problems.append(str(error))
+    for name, each in zip(("map", "counter_map"), rough.files if rough else (), strict=False):
+        if checksums.get(name, each.sha256) != each.sha256:
+            problems.append(
+                f"{file}: {CHECKSUMS}.{name}: {one_line(each.path)} has changed since; delete the key to run it as it "
+                "is now"
+            )
+    return Job(case, rough, out, [*problems, *missing], read)
+
+
+def _given(
+    options: argparse.Namespace, counter: str | None, problems: list[str]
+) -> Iterator[tuple[str, Any]]:
+    """Dotted key and value of each setting on the command line; problems are added to the list."""
+    from asperity.engineering.case import Case
+
+    for text in options.set or ():
+        key, equals, value = text.partition("=")
+        if not equals or not key:
+            problems.append(f"--set {shown(text)}: KEY=VALUE is needed, such as body.hardness=\"7 GPa\"")
             continue
-        if name in CHECKSUMS:
-            values[name] = value
-        elif name not in (*OPTIONS, *PATHS):
-            near = did_you_mean(str(name), (*OPTIONS, *PATHS))
-            refused[key] = (
-                f"{key}: unknown key{near or '; those of a case file are the options of asperity run'}"
-            )
-        elif needed := needed_instead(value, text if name in PATHS else setting(OPTIONS[name])):
-            refused[name] = f"{key} = {shown(value)}: {needed} is needed"
-        else:
-            values[name] = str(path.parent / value) if name in PATHS else value
+        try:
+            yield key.strip(), parse(f"value: {value.strip() or '{}'}", f"--set {key}")["value"]
+        except ConfigError as error:
+            problems.append(str(error))
+    for key, name in FLAGS.items():
+        given = counter if name == "--counter-map" else getattr(options, name[2:].replace("-", "_"))
+        if given is not None:
+            entry = entry_of(Case, key)
+            yield key, [scalar(each, entry) for each in given] if isinstance(given, list) else scalar(given, entry)
 
 
-def _contradictions(
-    options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
-) -> Iterator[str]:
-    """Settings that are missing or exclude each other; `known` holds all given ones, also refused ones."""
-    for name in ("young", "poisson"):
-        if name not in known:
-            yield f"{flag(name)}: missing; {accepted(setting(f'engineering.{name}'))} is needed"
-    quantities = COMMANDS["run"]["loads"]
-    loads = [flag(name) for name in quantities if name in known]
-    if len(loads) != 1:
-        given = " and ".join(loads) or "none"
-        yield f"{', '.join(map(flag, quantities))}: exactly one of them is needed, {given} given"
-    if options.rigid and "counter_young" in known:
-        yield f"--rigid: not accepted together with {flag('counter_young')}"
-    for name, needed in COMMANDS["run"]["needs"].items():
-        if name in known and needed not in known:
-            yield f"{flag(name)}: needs {flag(needed)}"
-    if "cylinder_axis" in known and values.get("form") != "cylinder":
-        yield "--cylinder-axis: needs --form cylinder"
-    excluded = {f"{body}coating": [f"{body}layer_height", f"{body}bottom"] for body in ("", "counter_")}
-    pairs = [(flag(name), others) for name, others in excluded.items() if name in known]
-    if values.get("boundary") == "free":
-        pairs.append(
-            (
-                "--boundary free",
-                ["periodic", "layer_height", "counter_layer_height", "coating", "counter_coating"],
-            )
-        )
-    for option, others in pairs:
-        yield from (f"{option}: not accepted together with {flag(name)}" for name in others if name in known)
-
-
-def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] | None = None) -> Iterator[str]:
+def _problems_of(out: Path, read: Sequence[str], names: Sequence[str] | None = None) -> Iterator[str]:
     """Reasons why the answer, or files of some names, cannot be written into a folder."""
     from asperity.engineering.folder import folder_problem
 
     if problem := folder_problem(out, names):
         yield f"--out {out}: {problem}"
-    elif out.resolve() in [Path(values[name]).resolve().parent for name in PATHS[:2] if name in values]:
+    elif out.resolve() in [Path(each).resolve().parent for each in read]:
         yield f"--out {out}: holds the map; another folder is needed"

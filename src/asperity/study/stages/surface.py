@@ -1,7 +1,6 @@
 """Stage surface: a random or measured rough surface, its roughness parameters and its spectrum."""
 
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from asperity.surface.roughness import spectrum, surface_dataset
 from asperity.surface.self_affine import self_affine, target_spectrum
 from asperity.surface.treatment.treatment import cell_edge, make_periodic, treat_map, usable_map
 
-_MAP_OPTIONS = {field.name for field in fields(MapOptions)}
+_MAP_OPTIONS = MapOptions.model_fields.keys()
 
 
 def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:

@@ -4,7 +4,6 @@ The options must not contradict the file. Everything that is wrong or missing is
 """
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -150,7 +149,7 @@ class MapFile:
         self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
         several = len(self.channels) > 1 and options.channel is None
-        self.options = replace(options, channel=content.channel) if several else options
+        self.options = options.replaced(channel=content.channel) if several else options
 
     def _height_factor(self, content: FileContent, options: MapOptions) -> float:
         """Factor that the caller applies to the heights; the file's own is applied by its reader."""

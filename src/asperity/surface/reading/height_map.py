@@ -11,38 +11,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, fields
-from functools import partial
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.core.arguments import choice, finite_array, magnitude, number, pair, real_array, whole_number
+from asperity.core.arguments import choice, finite_array, real_array
 from asperity.core.errors import InputError, shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import shown_si, to_si
 from asperity.fourier.grid import Grid
-from asperity.surface.form import AXES
+from asperity.settings.map import MapOptions
 
 PEAKS_UP, LOWER_FACE = "peaks up", "lower face"
 ORIENTATIONS = (PEAKS_UP, LOWER_FACE)
 """Meaning of the heights of a map: peaks upward as measured, or the lower face of an indenter."""
-
-DETRENDS = ("none", "tilt", "curvature")
-"""Trends that can be removed, of the degrees 0, 1 and 2."""
-
-PERIODICITIES = ("declared", "mirrored", "windowed", "none")
-"""Ways in which a map is made periodic; with ``none`` it is not, for a contact with a free boundary."""
-
-LINES = ("median", "matched")
-"""Ways in which scan lines are levelled."""
-
-FORMS = ("sphere", "cylinder")
-"""Forms that can be added to the roughness."""
-
-MOST_POINTS = 2**16
-"""Most nodes on the longer edge of a map that is resampled: 34 GB."""
 
 ORIENTATION_NEEDED = (
     f"orientation: the file does not state which way is up; set it to {PEAKS_UP!r} (a map of an instrument) "
@@ -73,144 +56,9 @@ class MapError(InputError):
 
     def renamed(self, name_of: Callable[[str], str]) -> MapError:
         """The error with the names that the fields of `MapOptions` have in another interface."""
-        options = "|".join(field.name for field in fields(MapOptions))
+        options = "|".join(MapOptions.model_fields)
         name = re.compile(rf"^({options})(?=: | = )")
         return MapError(self.source, [name.sub(lambda found: name_of(found[0]), p) for p in self.problems])
-
-
-@dataclass(frozen=True)
-class MapOptions:
-    """Properties of a height map that its file does not state, and options of its treatment.
-
-    Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
-    as ``"8 um"``.
-
-    Parameters
-    ----------
-    physical_size : (length_y, length_x), optional
-        Edges of the map, for files that do not contain them; numbers are in the unit of the heights in the
-        file.
-    height_factor : float, optional
-        Factor from the numbers in the file to heights, for files that do not contain it.
-    unit : str, optional
-        Unit of the heights, and of edges given as numbers, for files that do not contain it.
-    channel : str or int, optional
-        Name or number of the channel; by default the one whose name says that it holds heights.
-    missing : float, optional
-        Number in the file, or height in its unit, that marks points without data.
-    orientation : "peaks up" or "lower face", optional
-        Meaning of the heights, for files that do not say it.
-    format : str, optional
-        Format as ``docs/formats.md`` names it. Needed for formats without a signature (``hgt``), as which
-        any file could be read, and for a line scan (``profile``); other formats are recognised.
-    max_memory : float
-        Largest size of the unpacked file in GiB.
-    detrend : "none", "tilt" or "curvature"
-        Trend that is removed by least squares: the mean, the mean plane, or a polynomial of degree two.
-    periodic : "declared", "mirrored", "windowed" or "none", optional
-        Declared: the map is taken as one period. Mirrored: the map and its mirror images at two edges form a
-        cell of twice the edges. Windowed: the map is multiplied with a Tukey window (F. J. Harris, Proc. IEEE
-        66 (1978) 51, doi 10.1109/PROC.1978.10837), which falls to zero over a tenth at each end of an edge.
-        None: the map is not made periodic, for ``boundary="free"``. By default only a map that its file
-        states to be periodic is accepted; `asperity.engineering.run` mirrors others.
-    undefined : "harmonic", optional
-        Points without data are filled by a harmonic function. By default a map with such points is refused;
-        `asperity.engineering.run` fills them.
-    scan_lines : "median" or "matched", optional
-        Offsets between scan lines along x are removed, by the median of each line or of its differences from
-        the line before; see `asperity.surface.treatment.levelling.level_lines`.
-    s_filter, l_filter : float or str, optional
-        Nesting indices of areal Gaussian filters (ISO 16610-61): shorter waves are attenuated by the
-        S-filter, longer ones by the L-filter, which is the longer of the two.
-    despike : float, optional
-        Spikes beyond this number of robust standard deviations from the local median, at least 3, are
-        replaced by a harmonic function; see `asperity.surface.treatment.levelling.find_spikes`. By default
-        no point is replaced.
-    wavelength_short : float or str, optional
-        Waves shorter than this are removed, from two nodes to the longer edge.
-    points : int, optional
-        Number of nodes on the longer edge of the map, at least 2, or of the cell if it is mirrored, then an
-        even number. By default that of the map.
-    radius : float or str, optional
-        Radius of a sphere or cylinder whose form is added to the roughness, its lowest point or line in the
-        middle of the map.
-    form : "sphere" or "cylinder"
-        Form to which the radius belongs.
-    cylinder_axis : "y" or "x"
-        Direction of the axis of a cylinder.
-
-    Examples
-    --------
-    For an array of numpy, which contains neither size nor unit nor orientation:
-
-    >>> asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up").unit
-    'nm'
-    >>> asp.MapOptions(periodic="mirrored", despike=8, wavelength_short="16 um").detrend
-    'tilt'
-    """
-
-    physical_size: tuple[float | str, float | str] | None = None
-    height_factor: float | None = None
-    unit: str | None = None
-    channel: str | int | None = None
-    missing: float | None = None
-    orientation: str | None = None
-    format: str | None = None
-    max_memory: float = 2.0
-    detrend: str = "tilt"
-    periodic: str | None = None
-    undefined: str | None = None
-    scan_lines: str | None = None
-    s_filter: float | str | None = None
-    l_filter: float | str | None = None
-    despike: float | None = None
-    wavelength_short: float | str | None = None
-    points: int | None = None
-    radius: float | str | None = None
-    form: str = "sphere"
-    cylinder_axis: str = "y"
-
-    def __post_init__(self) -> None:
-        words = {
-            "orientation": ORIENTATIONS,
-            "detrend": DETRENDS,
-            "periodic": PERIODICITIES,
-            "undefined": ("harmonic",),
-            "form": FORMS,
-            "scan_lines": LINES,
-            "cylinder_axis": AXES,
-        }
-        checks: dict[str, Callable[[str, Any], Any]] = {
-            **{name: partial(choice, known=known) for name, known in words.items()},
-            **dict.fromkeys(("wavelength_short", "radius", "s_filter", "l_filter"), _length),
-            "physical_size": _edges,
-            **dict.fromkeys(("height_factor", "max_memory"), magnitude),
-            "despike": partial(number, accepted="a number ≥ 3", accepts=lambda n: n >= 3),
-            "missing": partial(number, accepted="a finite number", accepts=lambda _: True),
-            "points": partial(
-                whole_number,
-                accepted=f"a whole number from 2 to {MOST_POINTS}",
-                accepts=lambda n: 2 <= n <= MOST_POINTS,
-            ),
-        }
-        problems, optional = [], {entry.name for entry in fields(self) if entry.default is None}
-        for name, check in checks.items():
-            if (value := getattr(self, name)) is not None or name not in optional:
-                try:
-                    check(name, value)
-                except (TypeError, ValueError) as error:
-                    problems.append(str(error))
-        if problems:
-            raise MapError("", problems)
-
-
-def _length(name: str, value: Any) -> None:
-    magnitude(name, to_si(value, "length", name) if isinstance(value, str) else value)
-
-
-def _edges(name: str, value: Any) -> None:
-    for edge in pair(name, value, "a pair of lengths > 0 (y, x)"):
-        _length(name, edge)
 
 
 @dataclass(frozen=True, repr=False)

@@ -15,7 +15,6 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -95,7 +94,7 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
     >>> surface.height.shape, [round(edge, 9) for edge in surface.length], surface.periodic
     ((40, 60), [8e-05, 0.00012], False)
     """
-    found = open_map(path, replace(options or MapOptions(), **given))
+    found = open_map(path, (options or MapOptions()).replaced(**given))
     if found.problems:
         raise MapError(os.fspath(path), found.problems)
     return found.map
@@ -133,7 +132,7 @@ def open_shared_map(path: FilePath, options: MapOptions) -> MapFile:
     if not said:
         return found or open_map(path, options)  # which raises its error
     left_out: dict[str, Any] = dict.fromkeys(said)
-    return open_shared_map(path, replace(options, **left_out))
+    return open_shared_map(path, options.replaced(**left_out))
 
 
 def path_problem(path: FilePath) -> str:

@@ -203,7 +203,7 @@ def prepare_map(path: FilePath, options: MapOptions | None = None, **given: Any)
     >>> made.height.shape, [round(edge, 9) for edge in made.grid.length]
     ((40, 40), [8e-05, 8e-05])
     """
-    options = replace(options or MapOptions(), **given)
+    options = (options or MapOptions()).replaced(**given)
     return treat_map(usable_map(path, options), options)
 
 
@@ -248,7 +248,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     >>> made.height.shape, bool(np.isfinite(made.height).all())
     ((80, 80), True)
     """
-    options = replace(options or MapOptions(), **given)
+    options = (options or MapOptions()).replaced(**given)
     if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
     images = 2 if options.periodic == "mirrored" else 1
@@ -377,7 +377,7 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     >>> made.height.shape, made.grid.length  # four mirror images; the longer edge is 1
     ((80, 120), (0.6666666666666667, 1.0))
     """
-    options = replace(options or MapOptions(), **given)
+    options = (options or MapOptions()).replaced(**given)
     if options.periodic == "none":
         known = ", ".join(PERIODICITIES[:-1])
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
@@ -388,7 +388,7 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     for name, length in lengths.items():
         if isinstance(length, str):
             lengths[name] = surface.in_map_unit(name, length) / edge
-    options = replace(options, **lengths)
+    options = options.replaced(**lengths)
     scale = 1 / edge
     scaled = replace(
         surface,

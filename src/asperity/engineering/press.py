@@ -1,0 +1,90 @@
+"""The contact of a case: its bodies pressed together by its load."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asperity.contact import Contact, solve
+from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
+from asperity.core.types import Progress
+from asperity.core.units import shown_si
+from asperity.engineering.case import LARGEST_LOAD, Case
+from asperity.engineering.question import HARDNESS_OVER_YIELD
+from asperity.settings.load import Hertz
+from asperity.settings.model import Problem, SettingsError
+from asperity.surface.treatment.treatment import TreatedMap
+
+SMALLEST_APPROACH = 1e-7
+"""Least approach over the range of heights; their rounding is 1e-16 of it."""
+
+def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:
+    """The contact of a case.
+
+    Raises
+    ------
+    SettingsError
+        If the load is out of range for the map.
+    ConvergenceError
+        If the contact does not converge.
+    """
+    return solve(
+        face.height,
+        case.solid,
+        face.grid.length,
+        hardness=case.hardness,
+        boundary=face.boundary,
+        progress=progress,
+        **_imposed(face, case),
+    )
+
+
+def _imposed(face: TreatedMap, case: Case) -> dict[str, Any]:
+    """The load as an argument of `asperity.solve`."""
+    load, lowest = case.load, float(face.height.min())
+    if isinstance(load, Hertz):
+        return {"mean_pressure": case.cell_pressure}
+    if load.kind == "force":
+        mean_pressure = load.value / face.map_area
+        if wrong := [*case.problems_of_pressure(mean_pressure)]:
+            raise SettingsError("", [Problem(*each) for each in wrong])
+        return {"mean_pressure": mean_pressure}
+    if load.kind != "approach":
+        return {load.kind: load.value}
+    least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.length)
+    accepted = ""
+    if not least < load.value < furthest:
+        accepted = (
+            f"a length from {shown_si(least, 'm')}, which is {SMALLEST_APPROACH:g} of the range of heights, to "
+            f"{shown_si(furthest, 'm')} is needed"
+        )
+    elif load.value >= (most := approach_of_full_contact(face.height, case.solid, face.boundary) - lowest):
+        accepted = f"less than {shown_si(most, 'm')} is needed, {FULL_CONTACT}"
+    if accepted:
+        raise SettingsError("", [Problem("load.approach", f" = {shown_si(load.value, 'm')}: {accepted}")])
+    return {"approach": lowest + load.value}
+
+
+def suggested_hardness(case: Case) -> float | None:
+    """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
+    limits = [
+        body.yield_stress if body.coating is None else body.coating.yield_stress
+        for body in case.bodies.values()
+    ]
+    known = [limit for limit in limits if limit is not None]
+    return HARDNESS_OVER_YIELD * min(known) if known and case.hardness is None else None
+
+
+def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact | None:
+    """The contact of a case under its hardness, or under the one that its yield stresses suggest.
+
+    None without a hardness, if the elastic pressure stays below the suggested one, or if the load exceeds it.
+    """
+    if case.hardness is not None:
+        return contact
+    hardness = suggested_hardness(case)
+    if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
+        return None
+    under = case.under(mean_pressure=contact.mean_pressure)
+    return press(face, under.replaced(body=case.body.replaced(hardness=hardness)))

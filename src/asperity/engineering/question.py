@@ -1,0 +1,234 @@
+"""A question about a case: what it may do in each stage of an answer, and how its part is shown.
+
+`asperity.engineering.run` carries out the stages, and asks every question of the case in each of them. A
+question is one file in `asperity.engineering.questions`, which imports what it computes with only where it
+computes: a question that is not asked costs nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from asperity.core.markup import with_error
+from asperity.core.units import scaled_unit
+from asperity.settings.model import Settings
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from asperity.contact import Contact
+    from asperity.core.types import Progress
+    from asperity.elasticity.loaded_solid import LoadedSolid
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+    from asperity.engineering.face import RoughFace
+    from asperity.stress.planes.stream import LinearPlane
+
+
+IN_FULL_CONTACT = "infinite, as the bodies touch everywhere"
+"""Text in place of an infinite stiffness or conductance."""
+
+IN_PER_CENT = (
+    *("real contact", "plastic real contact", "share above yield"),
+    *("area at the hardness", "load at the hardness"),
+)
+"""Dimensionless numbers that are shown in per cent."""
+
+RESOLUTION_CHANGE = 0.1
+"""Change on doubling the pixels from which a number is called limited by the grid."""
+
+
+HARDNESS_OVER_YIELD = 3.0
+"""Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
+
+
+class Row(NamedTuple):
+    """One line of the answer: group, name, value in SI, its unit, and all numbers for a reader.
+
+    The estimate for vanishing pixels and its error are NaN where there is none.
+    """
+
+    group: str
+    name: str
+    value: float
+    unit: str
+    shown: str
+    estimate: float = float("nan")
+    error: float = float("nan")
+
+    @property
+    def with_error(self) -> str:
+        """The estimate and its error as text; empty where there is none."""
+        if not self.error > 0:
+            return ""
+        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(self.estimate, self.unit)
+        if self.name in IN_PER_CENT:
+            factor, symbol = 0.01, "%"
+        return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
+
+    def by(self, error: float, source: str = "the pixels") -> Row:
+        """The row with the error of its value, if that is known, and what it is the error of."""
+        if not (math.isfinite(self.value) and error > 0):
+            return self
+        row = self._replace(estimate=self.value, error=error)
+        return row._replace(shown=f"{self.shown}; {row.with_error[row.with_error.index('±') :]} by {source}")
+
+
+class Advice(NamedTuple):
+    """A warning or a note.
+
+    Attributes
+    ----------
+    warns : bool
+        True if a number of the answer must not be used without a check; a note adds information.
+    subject : str
+        Short heading.
+    text : str
+        One or two sentences.
+    short : str
+        The uncertainty of the answer in a few words; empty if there is none.
+    size : float
+        Relative size of that uncertainty.
+    """
+
+    warns: bool
+    subject: str
+    text: str
+    short: str = ""
+    size: float = 0.0
+
+    @property
+    def level(self) -> str:
+        """``"warning"`` or ``"note"``."""
+        return "warning" if self.warns else "note"
+
+
+class Picture(NamedTuple):
+    """A picture: the name of its file without the ending, its caption, the figure, and the body it shows.
+
+    The body is empty for pictures of the contact.
+    """
+
+    name: str
+    caption: str
+    figure: Figure
+    body: str = ""
+
+
+class Question(Settings):
+    """A group of settings of a case that asks a question. Every method does nothing by default."""
+
+    TEMPLATE: ClassVar[str] = ""
+    """Template of its part of the report beside its module, which gets its result as `found`."""
+
+    @classmethod
+    def is_implied(cls, case: Case) -> bool:
+        """True if a case asks the question without its group."""
+        return False
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """Settings that exclude each other or are missing: dotted key, and the message after it."""
+        return iter(())
+
+    def files(self, case: Case) -> list[str]:
+        """Names of the files of its part of an answer."""
+        return []
+
+    def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:
+        """Case and surface that are pressed, and the result of this stage."""
+        return case, rough, None
+
+    def of_contact(self, answer: Answer) -> Any:
+        """Result that follows from the contact; `Answer.found` keeps it."""
+        return None
+
+    def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
+        """Settings that do not go with the map: dotted key, and the message after it."""
+        return iter(())
+
+    def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid | None:
+        """A body as a contact loads it under this question; None if that is the contact's pressure alone.
+
+        The contact is that of the answer, or the one on half of its nodes.
+        """
+        return None
+
+    def watch(self, answer: Answer, body: str, loaded: LoadedSolid) -> Callable[[LinearPlane], None] | None:
+        """A function that is called with each plane of the stress in a body."""
+        return None
+
+    def of_body(self, answer: Answer, body: str, progress: Progress) -> None:
+        """Add what follows from the stress in a body to the result."""
+
+    def after_stress(self, answer: Answer, progress: Progress) -> Any:
+        """Result that needs the whole answer."""
+        return None
+
+    def rows(self, answer: Answer) -> Iterator[Row]:
+        """Lines of the answer about the contact."""
+        return iter(())
+
+    def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
+        """Lines of the answer about a body."""
+        return iter(())
+
+    def advice(self, answer: Answer) -> Iterator[Advice]:
+        """Warnings and notes."""
+        return iter(())
+
+    def assumption(self, answer: Answer) -> str:
+        """What is assumed, in a sentence."""
+        return ""
+
+    def peaks(self, answer: Answer, body: str) -> pd.DataFrame | None:
+        """Rows of its own in the table of peaks."""
+        return None
+
+    def tables(self, answer: Answer) -> Mapping[str, pd.DataFrame]:
+        """Name of a file without its ending → the table in it."""
+        return {}
+
+    def datasets(self, answer: Answer) -> Iterator[tuple[str, xr.Dataset, str]]:
+        """Name of a file, the dataset in it, and its title."""
+        return iter(())
+
+    def attributes(self, answer: Answer, body: str) -> Mapping[str, Any]:
+        """Numbers of a body for the result of its stress."""
+        return {}
+
+    def fields(self, answer: Answer) -> Mapping[str, Any]:
+        """Fields on the nodes of the cell, for the result of the contact and its pictures."""
+        return {}
+
+    def pictures(self, answer: Answer) -> Iterator[Picture]:
+        """Pictures of the contact."""
+        return iter(())
+
+    def pictures_of_body(self, answer: Answer, body: str) -> Iterator[Picture]:
+        """Pictures of a body."""
+        return iter(())
+
+
+def per_cent(share: float) -> str:
+    """A share as text in per cent."""
+    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+
+
+def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, float]) -> Advice:
+    """Change of numbers with the pixels, from a solution with pixels twice as large."""
+    pairs = {name: (fine[name], value) for name, value in coarse.items() if name in fine}
+    ratios = {name: a / b if b else (math.inf if a else 1.0) for name, (a, b) in pairs.items()}
+    most = max(ratios.values(), key=lambda ratio: abs(ratio - 1))
+    changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
+    size = abs(most - 1)
+    return Advice(
+        size > RESOLUTION_CHANGE,
+        "pixels of the interface",
+        f"halving the pixels changed {changed} (from a second solution with pixels twice as large).",
+        f"pixels: halving them changes {what} by a factor of {most:.3g}",
+        size,
+    )

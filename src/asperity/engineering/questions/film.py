@@ -1,0 +1,144 @@
+"""Mixed lubrication: a film carries a part of the load, and the asperities the rest.
+
+The film carries the smooth part of the pressure, of which it takes the share s: a uniform pressure s p̄ on
+the map, or the share s of the Hertz pressure around it. The asperities carry (1 − s) p̄ as a dry contact. The
+stress is that of both: at s = 0 that of the dry contact, at s → 1 that of the smooth bodies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal
+
+from asperity.core.units import shown_si
+from asperity.engineering.question import Advice, Question, Row, per_cent
+from asperity.settings.load import Hertz
+from asperity.settings.model import Number, setting
+
+if TYPE_CHECKING:
+    from asperity.contact import Contact
+    from asperity.core.types import Progress
+    from asperity.elasticity.loaded_solid import LoadedSolid
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+    from asperity.engineering.face import RoughFace
+
+GROUP = "film"
+
+SPREAD = 1.6
+"""Ratio of the largest to the smallest share of the asperities by published correlations at λ from 0.5 to 1."""
+
+SHARES_OF_ASPERITIES = {
+    "arana": lambda ratio: math.erfc(ratio),
+    "balan": lambda ratio: max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0,
+}
+"""Correlation → share of the load on asperities as a function of λ. arana: 1 − erf λ, A. Arana, J. Larranaga, I.
+Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi 10.1177/1350650118778655. balan: M. R. D. Balan, L. Houpert, A.
+Tufescu, S. Cretu, Lubricants 3 (2015) 222, Eq. A2, doi 10.3390/lubricants3020222, up to its zero at 2.012."""
+
+
+class Film(Question):
+    """Mixed lubrication: the share of the load that a film carries.
+
+    λ is the central film thickness of the smooth contact over the composite rms roughness.
+    """
+
+    load_share: Number | None = setting(
+        None,
+        "Share of the load that the film carries; the asperities carry the rest.",
+        default_text="that of lambda_ratio",
+        ge=0,
+        lt=1,
+        example=0.7,
+    )
+    lambda_ratio: Number | None = setting(
+        None,
+        "Central film thickness of the smooth contact over the composite rms roughness of both faces; the share "
+        "follows by `correlation`.",
+        default_text="load_share is given",
+        ge=0,
+        le=2,
+        example=1.0,
+    )
+    correlation: Literal["arana", "balan"] = setting(
+        "arana",
+        "Correlation of the share with λ: `arana` (1 − erf λ on asperities, doi 10.1177/1350650118778655) or `balan` "
+        "(doi 10.3390/lubricants3020222).",
+    )
+
+    @property
+    def share(self) -> float:
+        """Share of the load that the film carries."""
+        if self.load_share is not None:
+            return self.load_share
+        assert self.lambda_ratio is not None
+        return 1 - SHARES_OF_ASPERITIES[self.correlation](self.lambda_ratio)
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """What a film needs, and what it does not go with."""
+        if (self.load_share is None) == (self.lambda_ratio is None):
+            yield "film", ": exactly one of load_share and lambda_ratio is needed"
+        elif not self.share < 1:
+            yield "film.lambda_ratio", f" = {self.lambda_ratio:g}: the film carries all of the load by this correlation"
+        if case.load.kind in ("approach", "area_fraction"):
+            yield f"load.{case.load.kind}", ": a pressure or force is needed with a film, which carries a part of it"
+        if case.load_curve is not None:
+            yield "load_curve", ": not accepted with film"
+        if case.map.periodic == "none":
+            yield "map.periodic", " = none: not accepted with film"
+        for name, body in case.groups_of_bodies.items():
+            for key in ("layer", "coating"):
+                if getattr(body, key) is not None:
+                    yield f"{name}.{key}", ": half-spaces are needed with film"
+
+    def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:
+        """The case in which the asperities carry their share of the load."""
+        carried, load = 1 - self.share, case.load
+        if isinstance(load, Hertz):
+            part = {"mean_pressure": carried * case.cell_pressure}
+            part |= {name: getattr(load, name) for name in ("radius_x", "radius_y", "at")}
+        else:
+            part = {load.kind: carried * load.value}
+        return case.replaced(load=part), rough, self.share
+
+    def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid | None:
+        """A body under the pressure of the asperities and that of the film."""
+        share = self.share
+        if not share:
+            return None
+        loaded = answer.case.loaded_body(contact, body, 1 - share)
+        smooth, film = loaded.background, share / (1 - share) * contact.mean_pressure * loaded.layer.uniform_stress()
+        return replace(loaded, background=lambda depth: film if smooth is None else smooth(depth) + film)
+
+    def rows(self, answer: Answer) -> Iterator[Row]:
+        """Share of the film, and the pressures of film and asperities."""
+        share, carried = self.share, answer.contact.mean_pressure
+        words = per_cent(share)
+        if self.lambda_ratio is not None:
+            words += f", by the correlation {self.correlation} at λ = {self.lambda_ratio:g}"
+        yield Row(GROUP, "load carried by the film", share, "1", words)
+        film = share / (1 - share) * carried
+        yield Row(GROUP, "mean pressure of the film", film, "Pa", shown_si(film, "Pa"))
+        yield Row(GROUP, "mean pressure carried by asperities", carried, "Pa", shown_si(carried, "Pa"))
+
+    def advice(self, answer: Answer) -> Iterator[Advice]:
+        """How far correlations of the share agree."""
+        if self.lambda_ratio is not None:
+            low, high = (1 - self.share) / SPREAD, min(1.0, (1 - self.share) * SPREAD)
+            yield Advice(
+                False,
+                "share of the film",
+                f"published correlations of the share with λ differ by a factor of {SPREAD:g}: the asperities carry "
+                f"{per_cent(low)} to {per_cent(high)} of the load at λ = {self.lambda_ratio:g}.",
+                f"film: the load on asperities is known to a factor of {SPREAD:g}",
+                SPREAD - 1,
+            )
+
+    def assumption(self, answer: Answer) -> str:
+        """What the film does."""
+        return (
+            f"A film carries {per_cent(self.share)} of the load as the smooth part of the pressure, without a shear "
+            "traction; numbers of the contact are those of the asperities under the rest."
+        )

@@ -1,0 +1,232 @@
+"""Partial slip: a tangential force below the limit of friction, under which part of the contact sticks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from asperity.engineering.question import (
+    IN_FULL_CONTACT,
+    Advice,
+    Picture,
+    Question,
+    Row,
+    advice_on_pixels,
+    per_cent,
+)
+from asperity.settings.model import setting
+from asperity.settings.quantities import Force, Length
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from asperity.contact import Contact
+    from asperity.contact.slip import PartialSlip as Slip
+    from asperity.elasticity.loaded_solid import LoadedSolid
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+    from asperity.engineering.face import RoughFace
+
+GROUP = "partial slip"
+
+COMPARED = ("tangential displacement", "sticking part of the contact", "energy lost in a cycle ± force")
+"""Numbers that are also computed on pixels twice as large."""
+
+CYCLE_STEPS = 6
+"""Steps of first loading in the cycle: chords enclose 97 % of the energy, and cost five more contacts."""
+
+UNEVEN = 0.1
+"""Uneven displacement of nodes that stick, over the tangential displacement, that is worth a warning."""
+
+CYCLE_CAPTION = (
+    "Tangential force against tangential displacement in a cycle between the force and its opposite, after "
+    "the first loading (dashed). The loop encloses the energy that a cycle loses."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SlipResult:
+    """The contact under the tangential load, on the nodes and on half of them, and a cycle of it."""
+
+    slip: Slip
+    on_half: Slip
+    cycle: pd.DataFrame
+
+
+class PartialSlip(Question):
+    """Partial slip under a tangential force or displacement, instead of full sliding; see `asperity.partial_slip`."""
+
+    tangential_force: Force | None = setting(
+        None,
+        "Tangential force on the map, at most friction times load. Below that limit part of the contact sticks.",
+        default_text="a displacement is given",
+        example="50 mN",
+    )
+    tangential_displacement: Length | None = setting(
+        None,
+        "Tangential displacement of the bodies instead of a force, on half-spaces.",
+        default_text="a force is given",
+        example="20 nm",
+    )
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """What partial slip does not go with, and a force above friction times load."""
+        if (self.tangential_force is None) == (self.tangential_displacement is None):
+            yield "partial_slip", ": exactly one of tangential_force and tangential_displacement is needed"
+        if not case.friction:
+            yield "partial_slip", ": needs sliding.friction, above 0"
+        for name in ("hertz", "load_curve", "cycles", "film"):
+            if name in case.questions or (name == "hertz" and case.hertz_contact is not None):
+                words = {"hertz": "a map in a Hertz contact", "cycles": "stress cycles (fatigue limits, shifts)"}
+                yield "partial_slip", f": not accepted with {words.get(name, name)}"
+        if case.hardness:
+            yield "partial_slip", ": an elastic contact is needed, without hardness"
+        if self.tangential_displacement is not None and case.solid.uniform_compliance():
+            yield "partial_slip.tangential_displacement", ": half-spaces are needed, or a tangential_force on layers"
+        if case.load.kind == "force":
+            yield from self._above_limit(case, case.load.value)
+
+    def _above_limit(self, case: Case, load: float) -> Iterator[tuple[str, str]]:
+        """A tangential force above friction times a load on the map."""
+        from asperity.core.units import shown_si
+
+        limit = case.friction * load
+        if self.tangential_force is not None and self.tangential_force > limit * (1 + 1e-12):
+            yield (
+                "partial_slip.tangential_force",
+                f" = {shown_si(self.tangential_force, 'N')}: at most {shown_si(limit, 'N')} is needed, friction "
+                "times load, at which the bodies slide",
+            )
+
+    def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
+        """A tangential force above the limit, which depends on the area of the map under a pressure."""
+        if case.load.kind == "mean_pressure":
+            yield from self._above_limit(case, case.load.value * rough.face.map_area)
+
+    def of_contact(self, answer: Answer) -> SlipResult:
+        """The contact under the tangential load."""
+        import pandas as pd
+
+        from asperity.contact.slip import partial_slip
+        from asperity.settings.model import Problem, SettingsError
+
+        case, contact, area = answer.case, answer.contact, answer.face.map_area
+        imposed = {"tangential_displacement": self.tangential_displacement}
+        if self.tangential_force is not None:
+            if wrong := [*self._above_limit(case, contact.mean_pressure * area)]:
+                raise SettingsError("", [Problem(*each) for each in wrong])
+            force = self.tangential_force * contact.grid.area / area
+            imposed = {"tangential_force": min(force, case.friction * contact.force)}
+        slip = partial_slip(contact, case.friction, sliding_direction=case.sliding_direction, **imposed)
+        half = answer.half.contact
+        force = min(slip.tangential_force, slip.friction * half.force)
+        on_half = partial_slip(
+            half, slip.friction, tangential_force=force, sliding_direction=slip.sliding_direction
+        )
+        cycle = slip.cycle(CYCLE_STEPS)
+        share = area / contact.grid.area
+        table = {
+            "tangential_force_N": cycle["tangential_force"].values * share,
+            "tangential_displacement_m": cycle["tangential_displacement"].values,
+        }
+        return SlipResult(slip, on_half, pd.DataFrame(table))
+
+    def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid:
+        """A body under pressure and tangential load."""
+        found: SlipResult = answer.of(self)
+        return (found.slip if contact is answer.contact else found.on_half).in_body(body)
+
+    def rows(self, answer: Answer) -> Iterator[Row]:
+        """Force, displacement, sticking part, stiffness, slip and lost energy."""
+        return _rows(answer.of(self).slip, answer.face.map_area)
+
+    def advice(self, answer: Answer) -> Iterator[Advice]:
+        """Errors of the superposition and of the pixels."""
+        found: SlipResult = answer.of(self)
+        size = found.slip.deviation
+        if size > 0:
+            yield Advice(
+                size > UNEVEN,
+                "superposition of partial slip",
+                "the superposition of partial slip neglects that the displacement under a shear traction depends on "
+                "the direction of its waves: nodes that stick are displaced unevenly, by "
+                f"{per_cent(size)} (rms) of the tangential displacement.",
+                f"partial slip: sticking nodes are displaced unevenly by {per_cent(size)}",
+                size,
+            )
+        both = [
+            {row.name: row.value for row in _rows(slip, answer.face.map_area) if row.name in COMPARED}
+            for slip in (found.slip, found.on_half)
+        ]
+        yield advice_on_pixels("slip", *both)
+
+    def assumption(self, answer: Answer) -> str:
+        """What partial slip assumes."""
+        return (
+            "The tangential force has grown once from zero; the faces stick where the shear traction is below "
+            "friction times pressure, and the pressure is computed without friction."
+        )
+
+    def files(self, case: Case) -> list[str]:
+        """The cycle, and maps of slip and traction."""
+        return ["cycle.csv", "cycle.png", "shear_traction.png", "slip.png"]
+
+    def tables(self, answer: Answer) -> Mapping[str, pd.DataFrame]:
+        """Force and displacement in a cycle between the tangential force and its opposite."""
+        return {"cycle": answer.of(self).cycle}
+
+    def fields(self, answer: Answer) -> Mapping[str, Any]:
+        """Pressure of the part that sticks, and slip."""
+        slip = answer.of(self).slip
+        return {"sticking_pressure": slip.sticking.pressure, "slip": slip.slip}
+
+    def pictures(self, answer: Answer) -> Iterator[Picture]:
+        """Maps of traction and slip, and the loop of force and displacement."""
+        from asperity.engineering.pictures import map_of_contact
+        from asperity.views.maps import SHEAR_TRACTION, SLIP
+
+        slip = answer.of(self).slip
+        caption = "Shear traction by the tangential force"
+        yield map_of_contact(answer, "shear_traction", slip.traction, SHEAR_TRACTION, caption)
+        caption = "Slip of the faces under the tangential force, white within the outlines where they stick"
+        yield map_of_contact(answer, "slip", slip.slip, SLIP, caption)
+        yield Picture("cycle", CYCLE_CAPTION, _loop(answer.of(self).cycle))
+
+
+def _rows(slip: Slip, map_area: float) -> Iterator[Row]:
+    """Numbers of partial slip on a map."""
+    import numpy as np
+
+    from asperity.core.units import shown_si
+
+    def row(name: str, value: float, unit: str, shown: str = "") -> Row:
+        return Row(GROUP, name, value, unit, shown or shown_si(value, unit))
+
+    on_map = map_area / slip.contact.grid.area
+    force, limit = slip.tangential_force * on_map, slip.friction * slip.contact.force * on_map
+    share = f"{100 * force / limit:.4g} % of friction times load"
+    yield row("tangential force", force, "N", f"{shown_si(force, 'N')}, {share}")
+    yield row("tangential displacement", slip.displacement, "m")
+    sticking = slip.sticking_area
+    yield row(COMPARED[1], sticking, "1", f"{100 * sticking:.4g} % of it, the rest slips")
+    for name, value in (("first", slip.initial_stiffness), ("last", slip.stiffness)):
+        number = f"{shown_si(value * 1e-6, 'Pa')}/µm" if np.isfinite(value) else IN_FULL_CONTACT
+        yield row(f"{name} tangential stiffness", value, "Pa/m", number)
+    yield row("largest slip", float(slip.slip.max()), "m")
+    yield row(COMPARED[2], slip.lost_energy * on_map, "J")
+
+
+def _loop(cycle: pd.DataFrame) -> Any:
+    """Loop of tangential force and displacement; first loading is half of the way back, reversed."""
+    from asperity.core.units import scaled_unit
+    from asperity.views.panels import canvas
+
+    factors, symbols = zip(*map(scaled_unit, cycle.abs().max(), ("N", "m")), strict=True)
+    force, displacement = (cycle.to_numpy() / factors).T
+    back = slice(force.size // 2 + 1)
+    with canvas([0.8], None) as (figure, (axis,)):
+        axis.plot(displacement, force, "-o", ms=3)
+        axis.plot((displacement[0] - displacement[back]) / 2, (force[0] - force[back]) / 2, "--")
+        axis.set(xlabel=f"tangential displacement ({symbols[1]})", ylabel=f"tangential force ({symbols[0]})")
+    return figure

@@ -1,0 +1,118 @@
+"""Run-in: first loads flatten the map at the hardness, and the answer is the elastic contact after them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from asperity.core.units import shown_si
+from asperity.engineering.question import Advice, Question, Row
+from asperity.settings.model import Whole, setting
+from asperity.settings.quantities import Pressure
+
+if TYPE_CHECKING:
+    from asperity.contact import Contact
+    from asperity.core.types import Progress
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+    from asperity.engineering.face import RoughFace
+
+GROUP = "run-in"
+
+UNCHANGED = 1e-6
+"""Plastic depth of another load, over the range of heights, below which it changes nothing; the contact is solved
+to about as much."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunInResult:
+    """The first contact, with its hardness, and the largest depth by which each load has flattened the map."""
+
+    first: Contact
+    depths: list[float]
+
+    @property
+    def another(self) -> float:
+        """Largest depth by which one more load would flatten the map, over that of the first."""
+        return self.depths[-1] / self.depths[0] if self.depths[0] else 0.0
+
+
+class RunIn(Question):
+    """Run-in by loads like that of the case.
+
+    Where the pressure reaches the hardness, a load flattens the map by the overlap of the bodies. The answer is
+    that of the elastic contact of the flattened map under the same load.
+    """
+
+    loads: Whole = setting(1, "Number of loads that flatten the map before the answer.", ge=1, le=20, example=1)
+    hardness: Pressure | None = setting(
+        None,
+        "Hardness at which the first loads flatten the map.",
+        default_text="the smaller hardness of the bodies",
+        example="7 GPa",
+    )
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """A hardness that is missing or not above the load, and moving faces that are flattened one by one."""
+        hardness = self.hardness or case.hardness
+        if hardness is None:
+            yield "run_in.hardness", ": missing; a pressure above the mean pressure is needed"
+        elif case.load.kind in ("mean_pressure", "hertz_pressure") and not case.cell_pressure < hardness:
+            yield (
+                "run_in.hardness",
+                f" = {shown_si(hardness, 'Pa')}: more than the mean pressure {shown_si(case.cell_pressure, 'Pa')} is "
+                "needed",
+            )
+        if case.cycles is not None and case.cycles.shifts is not None and case.counter_map is not None:
+            yield "counter_body.map", ": not accepted with run_in and cycles.shifts, which press each face many times"
+
+    def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:
+        """The elastic case and the flattened map."""
+        from asperity.engineering.press import press
+
+        hardness, face = self.hardness or case.hardness, rough.face
+        plastic = case.replaced(body=case.body.replaced(hardness=hardness))
+        first, depths = None, []
+        for number in range(self.loads + 1):  # one more shows whether another load changes anything
+            contact = press(face, plastic)
+            depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
+            first, depths = first or contact, [*depths, depth]
+            if number < self.loads:
+                face = replace(face, height=contact.flattened_height())
+            progress(number + 1, self.loads + 1)
+        assert first is not None
+        done = f"flattened by {self.loads} load{'s' * (self.loads > 1)} at a hardness of {shown_si(hardness, 'Pa')}"
+        depth_shown = shown_si(depths[0], "m", 3)
+        face = replace(face, done=(*face.done, f"{done}, by up to {depth_shown} at the first"))
+        elastic = {
+            name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()
+        }
+        return case.replaced(**elastic), rough._replace(face=face), RunInResult(first, depths)
+
+    def rows(self, answer: Answer) -> Iterator[Row]:
+        """The contact before, how far the map was flattened, and what another load would do."""
+        found: RunInResult = answer.of(self)
+        first, area = found.first, found.first.area_fraction
+        yield Row(GROUP, "real contact of the first load", area, "1", f"{100 * area:.4g} %")
+        share = first.plastic_area
+        yield Row(GROUP, "area at the hardness of the first load", share, "1", f"{100 * share:.4g} %")
+        yield Row(GROUP, "largest flattening of the first load", found.depths[0], "m", shown_si(found.depths[0], "m"))
+        words = "none: it changes nothing"
+        if found.depths[-1] > UNCHANGED * answer.numbers.peak_to_valley:
+            words = f"{shown_si(found.depths[-1], 'm')}, {100 * found.another:.2g} % of the first"
+        yield Row(GROUP, "flattening by another load", found.depths[-1], "m", words)
+
+    def advice(self, answer: Answer) -> Iterator[Advice]:
+        """Whether the map is run in."""
+        found: RunInResult = answer.of(self)
+        if not found.depths[0]:
+            yield Advice(False, "run-in", "the first load stays below the hardness everywhere: it flattens nothing.")
+
+    def assumption(self, answer: Answer) -> str:
+        """What run-in assumes."""
+        return (
+            "Run-in flattens the surface where the pressure reaches the hardness, without residual stress, pile-up or "
+            "wear; numbers are those of the elastic contact of the flattened surface."
+        )

@@ -1,0 +1,21 @@
+"""Sample of maps: several maps of one surface are pooled to means with intervals."""
+
+from __future__ import annotations
+
+from asperity.engineering.question import Question
+from asperity.settings.model import setting
+from asperity.settings.quantities import Area
+
+
+class SampleOfMaps(Question):
+    """Several maps, from different places of one surface, are pooled; see `asperity.pooled`.
+
+    The group asks for means with 95 % intervals; `map.file` lists the maps.
+    """
+
+    area: Area | None = setting(
+        None,
+        "Nominal area on which the largest pressure and stresses are predicted, from the peaks of the maps.",
+        default_text="no prediction for a larger area",
+        example="10 mm2",
+    )

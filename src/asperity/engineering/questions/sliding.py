@@ -1,0 +1,109 @@
+"""Full sliding: a shear traction of friction times pressure, which enters the stress."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import PlainValidator, WithJsonSchema
+
+from asperity.engineering.question import Advice, Question
+from asperity.settings.model import NeededError, Number, setting
+
+if TYPE_CHECKING:
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+
+NEGLECTED_COUPLING = 0.1
+"""Relative change of a displacement by friction that is worth a warning."""
+
+MAX_FRICTION = 10.0
+"""Largest coefficient of friction."""
+
+
+def _direction(value: Any) -> str | float:
+    """Direction x or y, or an angle in degrees."""
+    if value in ("x", "y"):
+        return str(value)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise NeededError("x, y or an angle in degrees from x towards y") from None
+
+
+Direction = Annotated[
+    str | float,
+    PlainValidator(_direction),
+    WithJsonSchema({"type": ["number", "string"], "accepts": "x, y or an angle in degrees from x towards y"}),
+]
+
+
+class Sliding(Question):
+    """Full sliding of the bodies.
+
+    The shear traction is the coefficient of friction times the pressure. The pressure is that of the contact
+    without friction.
+    """
+
+    friction: Number = setting(
+        0.0,
+        "Coefficient of friction in full sliding. It enters the stress; the pressure is computed without friction. "
+        "Accepted for half-spaces, coated or not, and for layers with a bonded bottom.",
+        ge=0,
+        le=MAX_FRICTION,
+        example=0.1,
+    )
+    direction: Direction = setting(
+        "x",
+        "Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards y. "
+        "The traction on the body has this direction.",
+    )
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """Bodies that bear no shear."""
+        for name, body in case.groups_of_bodies.items():
+            if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
+                yield (
+                    "sliding.friction",
+                    f" = {self.friction:g}: 0 is needed with {name}.layer.bottom = frictionless, which bears no shear",
+                )
+
+    def advice(self, answer: Answer) -> Iterator[Advice]:
+        """Change of the displacement by friction, which the contact neglects."""
+        if not self.friction:
+            return
+        import numpy as np
+
+        from asperity.core.units import shown_si
+        from asperity.elasticity.two_bodies import sliding_coupling
+        from asperity.engineering.question import per_cent
+
+        face = answer.face
+        wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
+        change = self.friction * sliding_coupling(answer.case.solid, 2 * np.pi / wave)
+        most = int(change.argmax())
+        size, where = float(change[most]), shown_si(wave[most], "m", 3)
+        if not size > 0:  # between equal bodies
+            return
+        text = f"Friction would change waves of wavelength {where} by up to {per_cent(size)}, and those of "
+        text += f"{shown_si(wave[0], 'm', 3)} by up to {per_cent(change[0])}."
+        waves = f"waves of wavelength {where}"
+        if most == 0:
+            waves = "waves of every wavelength"
+            text = f"Friction would change {waves} by up to {per_cent(size)}."
+        yield Advice(
+            size > NEGLECTED_COUPLING,
+            "friction in the contact",
+            f"the contact is solved without friction. {text}",
+            f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}",
+            size,
+        )
+
+    def assumption(self, answer: Answer) -> str:
+        """What full sliding assumes."""
+        if not self.friction or "partial_slip" in answer.case.questions:
+            return ""
+        return (
+            "In full sliding the shear traction is the coefficient of friction times the pressure; the pressure is "
+            "computed without friction."
+        )

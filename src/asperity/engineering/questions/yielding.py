@@ -1,0 +1,170 @@
+"""Yield: the volume whose von Mises stress is above the yield stress, its depths, and peaks above it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from asperity.core.units import scaled_unit, shown_si
+from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
+
+if TYPE_CHECKING:
+    from asperity.core.types import Array, Progress
+    from asperity.elasticity.loaded_solid import LoadedSolid
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+    from asperity.stress.planes.stream import LinearPlane
+
+
+@dataclass(frozen=True)
+class Yielded:
+    """What of a body is above its yield stress, in SI units.
+
+    Parameters
+    ----------
+    volume : float
+        Volume under the map whose von Mises stress is above yield.
+    depths : (first, last) or None
+        Depths between which there are such points, interpolated between planes.
+    fraction : float
+        That volume over the volume from the surface to the last of these depths.
+    """
+
+    volume: float
+    depths: tuple[float, float] | None
+    fraction: float
+
+
+class Yielding(Question):
+    """Volume above the yield stress of the bodies; below its coating of a coated body."""
+
+    @classmethod
+    def is_implied(cls, case: Case) -> bool:
+        """True if a body or its material has a yield stress."""
+        return any(body.yield_stress is not None for body in case.groups_of_bodies.values())
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """Bodies without a yield stress."""
+        if not self.is_implied(case):
+            yield "yielding", ": a yield_stress of a body is needed"
+
+    def of_contact(self, answer: Answer) -> dict[str, Any]:
+        """Body → `Yielded`; filled as the bodies are analysed."""
+        return {}
+
+    def watch(self, answer: Answer, body: str, loaded: LoadedSolid) -> Callable[[LinearPlane], None] | None:
+        """The share of each plane that is above yield."""
+        limit, below = answer.case.bodies[body].yield_stress, loaded.layer.interface or -1.0
+        if limit is None:
+            return None
+        shares: list[float] = []
+        answer.of(self)[body] = shares
+
+        def add(plane: LinearPlane) -> None:
+            von_mises = plane.field("von_mises", loaded.layer.poisson)
+            shares.append(float(np.mean((von_mises > limit) & (plane.depth > below))))
+
+        return add
+
+    def of_body(self, answer: Answer, body: str, progress: Progress) -> None:
+        """Volume and depths from the shares of the planes."""
+        limit, found = answer.case.bodies[body].yield_stress, answer.of(self)
+        if limit is None:
+            return
+        stress, interface = answer.bodies[body].stress, answer.bodies[body].layer.interface
+        planes = stress["plane_depth"].values
+        volume = float(np.trapezoid(found[body], planes)) * answer.face.map_area
+        in_body = np.where(planes > (interface or -1.0), stress["largest_von_mises"].values.ravel(), 0)
+        depths = _depths_above(limit, in_body, planes)
+        fraction = volume / (answer.face.map_area * depths[1]) if depths and depths[1] else 0.0
+        found[body] = Yielded(volume, depths, fraction)
+
+    def attributes(self, answer: Answer, body: str) -> Mapping[str, Any]:
+        """Yield stress, and the volume above it."""
+        limit = answer.case.bodies[body].yield_stress
+        if limit is None:
+            return {}
+        return {"yield_stress": limit, "volume_above_yield": answer.of(self)[body].volume}
+
+    def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
+        """Volume, depths and peaks above yield."""
+        from asperity.engineering.answer import body_title
+
+        part, group, limit = answer.bodies[body], body_title(answer.case, body), answer.case.bodies[body].yield_stress
+        if limit is None:
+            return
+        found: Yielded = answer.of(self)[body]
+
+        def row(name: str, value: float, unit: str, shown: str = "") -> Row:
+            return Row(group, name, value, unit, shown or shown_si(value, unit))
+
+        yield row("yield stress", limit, "Pa")
+        if found.depths is None:
+            yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
+            yield row("volume above yield per area", 0.0, "m")
+        else:
+            first, last = found.depths
+            factor, symbol = scaled_unit([last], "m")
+            share = f"{100 * found.fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
+            between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
+            error, per_area = part.grid_error("volume_above_yield"), found.fraction * last
+            yield row("volume above yield", found.volume, "m^3", shown_si(found.volume, "m^3", 3))
+            yield row("volume above yield per area", per_area, "m").by(error * per_area)
+            yield row("share above yield", found.fraction, "1", share).by(error * found.fraction)
+            yield row("deepest point above yield", last, "m", between)
+        peaks = answer.peaks().query("body == @body and quantity == 'von_mises'")
+        below = peaks["depth_m"] > (part.layer.interface or -1.0)
+        density = int(((peaks["value_Pa"] > limit) & below).sum()) / answer.numbers.nominal_area
+        yield row("peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
+
+    def advice(self, answer: Answer) -> Iterator[Advice]:
+        """Stress above yield, of coating and base of each body."""
+        from asperity.engineering.case import same_material
+
+        shown, bodies = answer.case.different_bodies, list(answer.case.bodies.values())
+        alike = same_material(bodies[0], bodies[-1])
+        for name in [*shown][: 1 if alike else None]:
+            where = f" of the {name} body" if len(shown) > 1 else ""
+            found: Yielded | None = answer.of(self).get(name)
+            for material, part in answer.bodies[name].materials.items():
+                limit, stress = part.body.yield_stress, part.largest_von_mises
+                if limit is None or stress <= limit:
+                    continue
+                depths = ""
+                if found is not None and found.depths is not None and material != "coating":
+                    first, last = (shown_si(depth, "m", 3) for depth in found.depths)
+                    depths = f"; depths from {first if found.depths[0] else 'the surface'} to {last} are affected"
+                of = f" of the {material}{where}" if material else where
+                text = (
+                    f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {stress / limit:.3g} times the "
+                    f"yield stress of {shown_si(limit, 'Pa', 3)}"
+                )
+                # The hardness that a yield stress suggests is that of the surface.
+                if answer.pressed.hardness is None and material != "base":
+                    hardness = shown_si(HARDNESS_OVER_YIELD * limit, "Pa", 3)
+                    text += (
+                        f". This is an elastic result only: real material flows there{depths}. The pressure stays "
+                        f"below the hardness, about {hardness}, and the real contact grows; body.hardness limits the "
+                        "pressure"
+                    )
+                else:
+                    text += depths
+                short = f"elastic limit: the largest stress{of} is {stress / limit:.3g} times the yield stress"
+                yield Advice(True, "stress beyond yield", f"{text}.", short, stress / limit - 1)
+
+
+def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
+    """Depths between which a stress is above a limit, from its largest value in each plane."""
+    above = np.flatnonzero(largest > limit)
+    if not above.size:
+        return None
+
+    def crossing(plane: int, beyond: int) -> float:
+        if not 0 <= beyond < depths.size:
+            return float(depths[plane])
+        return float(np.interp(limit, largest[[beyond, plane]], depths[[beyond, plane]]))
+
+    return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)

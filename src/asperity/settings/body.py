@@ -1,0 +1,157 @@
+"""Settings of an elastic body: its material, and what covers it."""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from pydantic import PrivateAttr, model_validator
+
+from asperity.settings.map import CounterMap
+from asperity.settings.materials import material
+from asperity.settings.model import ContradictionError, Number, Settings, setting
+from asperity.settings.quantities import Hardness, Length, Pressure, Stress
+
+
+class OfMaterial(Settings):
+    """Settings that a material of the table fills where they are not given."""
+
+    material: str | None = setting(
+        None,
+        "Name of a material of the table; its constants hold where the group gives none.",
+        default_text="constants are given one by one",
+        accepts="the name of a material, as `asperity case --materials` lists them",
+        example="100Cr6",
+    )
+    young: Pressure = setting(
+        ..., "Young's modulus.", default_text="that of the material", example="210 GPa"
+    )
+    poisson: Number = setting(
+        ..., "Poisson's ratio.", default_text="that of the material", gt=-1, le=0.5, example=0.3
+    )
+    yield_stress: Pressure | None = setting(
+        None,
+        "Yield stress; the volume above it is reported.",
+        default_text="that of the material; without one yielding is not analysed",
+        example="1.5 GPa",
+    )
+    _of_table: tuple[str, ...] = PrivateAttr(())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _filled(cls, value: Any, made: Any) -> Any:
+        """The group with the constants of its material."""
+        if not isinstance(value, Mapping) or not isinstance(value.get("material"), str):
+            return made(value)
+        filled = {
+            name: constant.value
+            for name, constant in material(value["material"]).constants.items()
+            if name in cls.model_fields and value.get(name) is None
+            # The hardness of a coated body is not that of its material.
+            and not (name == "hardness" and value.get("coating") is not None)
+        }
+        found = made({**value, **filled})
+        found.model_fields_set.difference_update(filled)
+        found._of_table = tuple(filled)
+        return found
+
+    @property
+    def of_table(self) -> tuple[str, ...]:
+        """Names of the constants that come from the table of materials."""
+        return self._of_table
+
+
+class Coating(OfMaterial):
+    """A coating that is bonded to the body, a half-space."""
+
+    thickness: Length = setting(..., "Thickness of the coating.", example="2 um")
+
+
+class Layer(Settings):
+    """A body that is a layer on a rigid base."""
+
+    height: Length = setting(..., "Height of the layer.", example="5 um")
+    bottom: Literal["bonded", "frictionless"] = setting(
+        "bonded", "Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."
+    )
+
+
+class Body(OfMaterial):
+    """An elastic body, by default a half-space.
+
+    Numbers are in SI units; texts have their units.
+
+    Raises
+    ------
+    SettingsError
+        With everything that is not accepted.
+
+    Examples
+    --------
+    >>> steel = asp.Body(young="210 GPa", poisson=0.3, yield_stress=1.5e9)
+    >>> film = asp.Body(young=2e9, poisson=0.4, layer={"height": "5 um"})  # on a rigid base
+    >>> coated = asp.Body(material="100Cr6", coating={"thickness": "2 um", "young": 400e9, "poisson": 0.25})
+    """
+
+    hardness: Hardness | None = setting(
+        None,
+        "Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses of two "
+        "bodies the smaller one is used.",
+        default_text="that of the material, if the body has no coating; without one an elastic contact",
+        example="7 GPa",
+    )
+    conductivity: Number | None = setting(
+        None,
+        "Thermal conductivity; with that of the counter body, the contact conductance is reported.",
+        default_text="that of the material",
+        unit="W/(m K)",
+        gt=0,
+        le=1e5,
+        example=50.0,
+    )
+    resistivity: Number | None = setting(
+        None,
+        "Electrical resistivity; with that of the counter body, the contact conductance is reported.",
+        default_text="that of the material",
+        unit="Ω m",
+        gt=0,
+        le=1e20,
+        example=1e-7,
+    )
+    fatigue_torsion: Pressure | None = setting(
+        None,
+        "Fatigue limit in fully reversed torsion, 0.5 to 1 times that in bending.",
+        default_text="that of the material; without one no stress cycles are reported",
+        example="300 MPa",
+    )
+    fatigue_bending: Pressure | None = setting(
+        None,
+        "Fatigue limit in fully reversed bending.",
+        default_text="that of the material; without one no stress cycles are reported",
+        example="480 MPa",
+    )
+    residual_stress: Stress | None = setting(
+        None,
+        "Equal normal stresses along x and y in the unloaded body, compression negative. They are added to the "
+        "mean stress in the criterion of Dang Van.",
+        default_text="none",
+        example="-400 MPa",
+    )
+    coating: Coating | None = setting(
+        None,
+        "Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are those "
+        "below the coating.",
+        default_text="no coating",
+    )
+    layer: Layer | None = setting(None, "A layer on a rigid base.", default_text="a half-space")
+    map: CounterMap | None = setting(
+        None, "Height map of the counter body.", default_text="the counter body is flat"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> "Body":
+        if self.coating is not None and self.layer is not None:
+            raise ContradictionError(("coating", ": not accepted together with layer"))
+        if (self.fatigue_torsion is None) != (self.fatigue_bending is None):
+            name, other = "fatigue_torsion", "fatigue_bending"
+            name, other = (name, other) if self.fatigue_bending is None else (other, name)
+            raise ContradictionError((name, f": needs {other}"))
+        return self

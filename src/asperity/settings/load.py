@@ -1,0 +1,186 @@
+"""The load of a case: exactly one quantity is imposed, and each has a class of its own."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import PlainValidator, SerializeAsAny, ValidationError, ValidationInfo, WithJsonSchema, model_validator
+
+from asperity.core.errors import did_you_mean
+from asperity.settings.model import (
+    ContradictionError,
+    NeededError,
+    Number,
+    Settings,
+    SettingsError,
+    described,
+    problems,
+    setting,
+)
+from asperity.settings.quantities import Force as ForceInNewton
+from asperity.settings.quantities import Length, Pressure, Radius
+
+UNITS = {"mean_pressure": "Pa", "hertz_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
+"""Quantity that may be imposed → its unit."""
+
+
+class OneLoad(Settings):
+    """A load that one quantity imposes."""
+
+    @property
+    def kind(self) -> str:
+        """Name of the quantity that is imposed."""
+        return next(name for name in UNITS if getattr(self, name, None) is not None)
+
+    @property
+    def value(self) -> float:
+        """Its value in SI units."""
+        return float(getattr(self, self.kind))
+
+
+class MeanPressure(OneLoad):
+    """Load over the nominal area."""
+
+    mean_pressure: Pressure = setting(..., "Load over the nominal area.", example="50 MPa")
+
+
+class Force(OneLoad):
+    """Load on the area of the map."""
+
+    force: ForceInNewton = setting(
+        ..., "Load on the area of the map, or on the whole Hertz contact.", example="12 N"
+    )
+
+
+class Approach(OneLoad):
+    """Approach of the bodies since their first touch."""
+
+    approach: Length = setting(
+        ...,
+        "Approach of the bodies since their first touch (δ − min h, docs/glossary.md).",
+        example="200 nm",
+    )
+
+
+class AreaFraction(OneLoad):
+    """Real over nominal contact area."""
+
+    area_fraction: Number = setting(..., "Real over nominal contact area.", gt=0, le=1, example=0.05)
+
+
+class Hertz(OneLoad):
+    """Load of a Hertz contact of half-spaces, of which the map is a small part.
+
+    Raises
+    ------
+    SettingsError
+        If not exactly one load is given, or the place is outside of the contact.
+    """
+
+    hertz_pressure: Pressure | None = setting(
+        None,
+        "Largest pressure of a Hertz contact, of which the map is a small part.",
+        default_text="another quantity is imposed",
+        example="1.2 GPa",
+    )
+    force: ForceInNewton | None = setting(
+        None, "Force of the whole Hertz contact.", default_text="another quantity is imposed"
+    )
+    mean_pressure: Pressure | None = setting(
+        None, "Pressure of the Hertz contact at the place of the map.", default_text="another is imposed"
+    )
+    radius_x: Radius = setting(
+        ...,
+        "Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it the "
+        "map lies in a Hertz contact.",
+        default_text="no Hertz contact",
+        example="9 mm",
+    )
+    radius_y: Radius | None = setting(
+        None,
+        "Combined radius of curvature along y, or `inf` along the axis of a roller.",
+        default_text="that along x",
+        example="80 mm",
+    )
+    at: tuple[Number, Number] = setting(
+        (0.0, 0.0),
+        "Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the contact.",
+        accepts="two numbers (y, x) inside the contact, nearer than one half-width",
+        example=[0, 0.2],
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> "Hertz":
+        given = [name for name in UNITS if getattr(self, name, None) is not None]
+        if len(given) != 1:
+            raise ContradictionError(
+                (
+                    "hertz_pressure, force, mean_pressure",
+                    f": exactly one of them is needed in a Hertz contact, {' and '.join(given) or 'none'} given",
+                )
+            )
+        is_roller = math.inf in self.radii
+        if self.radii == (math.inf, math.inf):
+            raise ContradictionError(("radius_y", " = inf: at most one of the radii is infinite"))
+        y, x = self.at
+        if not self.share > 0 or (is_roller and (y if self.radii[1] == math.inf else x)):
+            where = " across the axis of the roller" if is_roller else ""
+            raise ContradictionError(
+                ("at", f" = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed")
+            )
+        if is_roller and self.force is not None:
+            text = ": the Hertz pressure is needed under a roller, whose length is not known"
+            raise ContradictionError(("force", text))
+        return self
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Radii along x and along y in m."""
+        return self.radius_x, self.radius_x if self.radius_y is None else self.radius_y
+
+    @property
+    def share(self) -> float:
+        """Pressure at the place over the largest pressure."""
+        return math.sqrt(max(0.0, 1 - self.at[0] ** 2 - self.at[1] ** 2))
+
+
+LOADS: tuple[type[OneLoad], ...] = (MeanPressure, Force, Approach, AreaFraction)
+
+
+def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
+    """The load of the class whose quantity is given."""
+    if isinstance(value, OneLoad):
+        return value
+    if not isinstance(value, Mapping):
+        raise NeededError(f"a group with one of {', '.join(UNITS)}")
+    known = {name for each in (Hertz, *LOADS) for name in each.model_fields}
+    if unknown := [name for name in value if name not in known]:
+        raise ContradictionError(*((str(name), f": unknown key{did_you_mean(str(name), known)}") for name in unknown))
+    cls: type[OneLoad] | None = Hertz if value.keys() & (Hertz.model_fields.keys() - UNITS.keys()) else None
+    given = [name for name in UNITS if name in value]
+    if cls is None and len(given) != 1:
+        text = f": exactly one of them is needed, {' and '.join(given) or 'none'} given"
+        raise ContradictionError((", ".join(UNITS), text))
+    if cls is None and given == ["hertz_pressure"]:
+        raise ContradictionError(("hertz_pressure", ": needs radius_x"))
+    cls = cls or next(each for each in LOADS if given[0] in each.model_fields)
+    try:
+        return cls.model_validate(value, context=info.context)
+    except ValidationError as error:
+        raise SettingsError("", problems(cls, error)) from None
+
+
+_DESCRIPTION = {
+    "type": "object",
+    "description": "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure.",
+    "accepts": f"a group with one of {', '.join(UNITS)}",
+    "additionalProperties": False,
+    "properties": {
+        name: entry
+        for cls in (Hertz, *LOADS)
+        for name, entry in described(cls)["properties"].items()
+    },
+}
+
+Load = Annotated[SerializeAsAny[OneLoad], PlainValidator(_chosen), WithJsonSchema(_DESCRIPTION)]
+"""A load of one of the classes of this module, or a mapping from which it is made."""
