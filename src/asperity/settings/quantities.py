@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic_core import CoreSchema, core_schema
 
-from asperity.settings.model import NeededError
+from asperity.settings.model import NeededError, accepted
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,39 @@ class Quantity:
         from asperity.core.units import DIMENSIONS, shown_si
 
         return "inf" if value == float("inf") else shown_si(value, DIMENSIONS[self.dimension].unit, 15)
+
+
+@dataclass(frozen=True)
+class Written:
+    """A number in a unit of its own, or text with a unit; both stay as they are written.
+
+    Parameters
+    ----------
+    dimension : str
+        A key of `asperity.core.units.DIMENSIONS`.
+    example : str
+        An accepted text.
+    """
+
+    dimension: str
+    example: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """A check of text by its dimension, of all other values as of the number."""
+
+        def checked(value: Any, check: Any, info: core_schema.ValidationInfo) -> Any:
+            if not isinstance(value, str):
+                return check(value)
+            Quantity(self.dimension)(value, info)
+            return value
+
+        return core_schema.with_info_wrap_validator_function(checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Description of both."""
+        numbers = handler(schema["schema"])
+        words = f"a {self.dimension} > 0 with its unit such as {self.example}, or {accepted(numbers)}"
+        return {"anyOf": [numbers, {"type": "string", "format": self.dimension}], "accepts": words}
 
 
 Length = Annotated[float, Quantity("length")]
