@@ -11,7 +11,7 @@ UPDATE ?=
 # Options of snakemake for the study that CONFIG and RESULTS name, by default the paper's.
 STUDY = $(if $(CONFIG),--configfile $(CONFIG)) $(if $(RESULTS),--config "results=$(RESULTS)")
 FILES = $(CONFIG) $(if $(RESULTS),--results "$(RESULTS)")
-FOLDER = $$(python -m asperity.study.config results $(FILES))
+FOLDER = $$(python -m asperity.settings results $(FILES))
 VENV := .venv
 LOCK := requirements.lock
 COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
@@ -24,7 +24,7 @@ help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
 study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONFIG=mine.yaml RESULTS=folder for a study of your own
-	$(if $(CONFIG),python -m asperity.study.config check $(FILES))
+	$(if $(CONFIG),python -m asperity.settings check $(FILES))
 	snakemake --cores $(CORES) $(STUDY)
 
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (a minute and a quarter)
@@ -35,7 +35,7 @@ theories: $(VENV)/ready ## Compare theories of rough contact with certified cont
 
 pages: study theories ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
 	python -m asperity.paper results
-	python -m asperity.study.config describe config/README.md
+	python -m asperity.settings describe config/README.md
 	python studies/height_distribution/height_distribution.py
 	python studies/nayak/nayak.py
 	python studies/master_curve/master_curve.py

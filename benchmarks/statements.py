@@ -16,8 +16,8 @@ from asperity.paper.__main__ import replace
 from asperity.paper.claims.numbers import Evidence
 from asperity.paper.claims.report import WORDS
 from asperity.paper.claims.verdicts import CLAIMS, decide
+from asperity.settings.study import read_study
 from asperity.stress.analysis import SOUGHT
-from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import stress_of_seed

@@ -29,7 +29,7 @@ from tqdm import tqdm
 import asperity as asp
 from asperity.core.markup import markdown
 from asperity.elasticity.layer import simplest_solid
-from asperity.study.config.schema import KEYS, PRESETS
+from asperity.settings.accuracy import KEYS, PRESETS
 from asperity.study.cost.plan import spacing_of
 from asperity.views.style import panels, save, style
 

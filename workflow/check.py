@@ -19,7 +19,7 @@ import xarray as xr
 
 from asperity.fourier import DEFAULT, ENGINES
 from asperity.results import dataset
-from asperity.study.config.reader import load
+from asperity.settings.reader import load
 
 CONFIG = "config/quick.yaml"
 REFERENCE = Path("tests/reference/quick.json")

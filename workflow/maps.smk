@@ -5,8 +5,8 @@ import subprocess
 import sys
 
 try:
-    from asperity.core.errors import ConfigError
-    from asperity.study.config.reader import names_of_maps, pool_of
+    from asperity.core.errors import InputError, one_line
+    from asperity.engineering.case_file import names_of_maps, pool_of
 except ImportError as error:
     sys.exit(f"maps: {error}")
 
@@ -14,8 +14,8 @@ if "case" not in config:
     sys.exit("maps: --config case=FILE is needed, a case file with a list of maps")
 try:
     POOL = pool_of([config["case"]])
-except ConfigError as error:
-    sys.exit(f"maps: {error}")
+except InputError as error:
+    sys.exit("\n".join(f"maps: {one_line(line)}" for line in error.lines))
 if not POOL.get("pooled"):
     sys.exit(f"maps: {config['case']}: `pooled: true` and a list of maps are needed")
 

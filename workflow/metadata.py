@@ -3,7 +3,7 @@
     python workflow/metadata.py [--address URL]
 
 workflow/envs/asperity.yaml has the requirements of pyproject.toml, workflow/schemas/config.schema.yaml
-the settings of the library's schema, workflow/README.md some of them and the rules of the quick study.
+the settings of the study, workflow/README.md some of them and the rules of the quick study.
 With --address the address of the repository, field Repository of pyproject.toml, is replaced there and
 wherever it is written.
 """
@@ -19,7 +19,9 @@ from typing import Any
 
 import yaml
 
-from asperity.study.config.schema import Entry, accepted, schema, setting
+from asperity.settings.configuration import Configuration
+from asperity.settings.describe import table
+from asperity.settings.model import OWN_KEYWORDS, described, entry_of
 
 ROOT = Path(__file__).parents[1]
 ADDRESSED = (
@@ -30,7 +32,6 @@ ADDRESSED = (
     "examples/try_asperity.ipynb",
     "paper/metadata.yaml",
 )
-OWN_KEYWORDS = {"unit", "left_out", "accepts", "renamed", "removed", "format", "$defs", "$schema"}
 SHOWN = """accuracy seeds results fft_engine figures studies surfaces.NAME.hurst surfaces.NAME.rms_height
 surfaces.NAME.wavelength_long surfaces.NAME.wavelength_short measured.NAME.file layer.poisson layer.height
 contact.area_fraction stress.poisson"""
@@ -63,20 +64,19 @@ dependencies:
 def config_schema() -> str:
     """JSON Schema of a configuration, with keywords of the standard only."""
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    text = yaml.safe_dump(head | standard(schema()), allow_unicode=True, sort_keys=False, width=120)
-    return (
-        f"# Made by `make metadata` from src/asperity/study/config/schema.yaml, read by the workflow.\n{text}"
-    )
+    whole = head | standard(described(Configuration))
+    text = yaml.safe_dump(whole, allow_unicode=True, sort_keys=False, width=120)
+    return f"# Made by `make metadata` from src/asperity/settings/configuration.py, for editors.\n{text}"
 
 
 def standard(entry: Any) -> Any:
-    """An entry of the schema without keywords of asperity; the unit is added to the description."""
+    """An entry without keywords of asperity; the unit is added to the description."""
     if isinstance(entry, list):
         return [standard(each) for each in entry]
     if not isinstance(entry, Mapping):
         return entry
     unit = f" Unit: {entry['unit']}." if isinstance(entry.get("unit"), str) else ""
-    kept: Entry = {key: value for key, value in entry.items() if key not in OWN_KEYWORDS}
+    kept = {key: value for key, value in entry.items() if key not in {*OWN_KEYWORDS, "format"}}
     made = {key: standard(value) for key, value in kept.items()}
     if "properties" in entry:
         made["properties"] = {name: standard(each) for name, each in entry["properties"].items()}
@@ -97,13 +97,7 @@ def diagram() -> str:
 
 def parameters() -> str:
     """Table of the settings that most studies give."""
-    rows = ["| key | accepts | unit | default | meaning |", "|---|---|---|---|---|"]
-    for key in SHOWN.split():
-        entry = setting(key)
-        value = f"`{entry['default']}`" if "default" in entry else entry.get("left_out", "")
-        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), value, entry["description"])
-        rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join([*rows, ""])
+    return table((key, entry_of(Configuration, key)) for key in SHOWN.split()) + "\n"
 
 
 def main() -> None:

@@ -29,8 +29,8 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, gradient
 from asperity.reference.hertz import Hertz
 from asperity.results.dataset import grid_of
+from asperity.settings.study import read_study
 from asperity.stress.statistics.covariance import half_length
-from asperity.study.config.study import read_study
 from asperity.study.small_studies import computed_once, rendered
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.statistics import seed_statistics

@@ -18,7 +18,7 @@ from asperity.core.packages import absent
 from asperity.engineering import Body, run
 from asperity.engineering.face import read_face
 from asperity.results import dataset
-from asperity.study.config.study import read_study
+from asperity.settings.study import read_study
 
 DATA = ROOT / "tests/data"
 OWN_MAP = (ROOT / "docs/own_map.md").read_text(encoding="utf-8")

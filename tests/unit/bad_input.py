@@ -10,7 +10,7 @@ from small_study import SURFACE
 
 from asperity.cli import main as cli
 from asperity.results import dataset
-from asperity.study.config import __main__ as config
+from asperity.settings import __main__ as config
 from asperity.study.stages.surface import make_surface
 
 ROOT = Path(__file__).parents[2]

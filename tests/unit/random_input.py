@@ -13,8 +13,8 @@ from bad_input import PAPER, answer
 from hypothesis import strategies as st
 
 from asperity.cli import main as cli
-from asperity.core.errors import ConfigError
-from asperity.study.config.check import check
+from asperity.core.errors import InputError
+from asperity.settings.check import check
 
 MAX_MESSAGE = 500
 """Characters of a message."""
@@ -101,7 +101,7 @@ def refusal(config):
     """Message for a configuration that is refused; empty if it is accepted."""
     try:
         check(config)
-    except ConfigError as error:
+    except InputError as error:
         return str(error)
     return ""
 

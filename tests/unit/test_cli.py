@@ -65,7 +65,7 @@ def test_help_does_not_wait_for_libraries(code, library):
     ("name", "command", "program"),
     [
         ("numba", "asperity --version", "asperity"),
-        ("yaml", "asperity.study.config check config/config.yaml", "config"),
+        ("yaml", "asperity.settings check config/config.yaml", "config"),
         ("matplotlib", "asperity plot 9 a.nc --out b.png", "asperity"),
         ("SurfaceTopography", f"asperity info {STEEL.with_suffix('.gwy')}", "asperity"),
     ],

@@ -11,9 +11,9 @@ from test_engineering import a_rough_map
 
 import asperity as asp
 from asperity.cli.main import main
-from asperity.core.errors import ConfigError
+from asperity.core.errors import InputError
 from asperity.engineering import Body, Case, run, write_answer
-from asperity.study.config.check import check
+from asperity.settings.check import check
 from asperity.study.stages.contact import solid
 from asperity.views.source import sources
 
@@ -121,5 +121,5 @@ def test_study_of_a_coating():
     assert found.stress["plane_depth"].values[-1] == 1.0
     written = found.contact.assign_attrs(settings=json.dumps({"layer": settings}))
     assert asp.LoadedSolid.from_dataset(written).layer == layer
-    with pytest.raises(ConfigError, match=r"^layer.bottom = 'frictionless': bonded is needed"):
+    with pytest.raises(InputError, match=r"^layer.bottom = 'frictionless': bonded is needed"):
         check({"surfaces": {"a": SURFACE}, "layer": settings | {"bottom": "frictionless"}})

@@ -8,21 +8,15 @@ import yaml
 from project import ROOT
 from random_input import places, refusal
 
-from asperity.study.config.__main__ import main, with_settings
-from asperity.study.config.check import check
-from asperity.study.config.reader import merged, parse
-from asperity.study.config.schema import (
-    PRESETS,
-    accuracy_of,
-    complete,
-    imposed_load,
-    schema,
-    settings,
-)
-from asperity.study.config.study import read_study
+from asperity.settings.__main__ import main
+from asperity.settings.accuracy import PRESETS, accuracy_of
+from asperity.settings.check import check, complete
+from asperity.settings.describe import with_settings
+from asperity.settings.reader import merged, parse
+from asperity.settings.sections import imposed_load
+from asperity.settings.study import read_study
 
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
-SETTINGS = dict(settings(schema()))
 
 
 @pytest.mark.parametrize("name", ["config.yaml", "mine.yaml", "quick.yaml", "../.test/config/config.yaml"])
@@ -76,7 +70,7 @@ def test_settings_that_are_left_out_get_their_defaults():
 
 
 def test_the_readme_has_the_settings_of_the_schema():
-    """``python -m asperity.study.config describe config/README.md`` writes them."""
+    """``python -m asperity.settings describe config/README.md`` writes them."""
     text = (ROOT / "config/README.md").read_text()
     assert with_settings(text) == text
 

@@ -14,12 +14,12 @@ from scipy import fft
 import asperity as asp
 from asperity.cli.main import main
 from asperity.core import packages
-from asperity.core.errors import ConfigError
+from asperity.core.errors import InputError
 from asperity.core.packages import MissingPackageError
 from asperity.fourier import ENGINES, current_engine
 from asperity.fourier.grid import Fourier, Grid
 from asperity.results import dataset
-from asperity.study.config.study import read_study
+from asperity.settings.study import read_study
 
 pyfftw = pytest.importorskip("pyfftw")
 
@@ -143,7 +143,7 @@ def test_missing_engine_names_the_package(monkeypatch, tmp_path, engine, package
         pass
     mine = tmp_path / "mine.yaml"
     mine.write_text("{based_on: config/config.yaml, fft_engine: " + engine + "}")
-    with pytest.raises(ConfigError, match=f"^fft_engine = '{engine}': {re.escape(missing)}$"):
+    with pytest.raises(InputError, match=f"^fft_engine = '{engine}': {re.escape(missing)}$"):
         read_study([mine])
 
 

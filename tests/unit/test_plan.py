@@ -13,8 +13,8 @@ import asperity as asp
 from asperity.cli.main import main
 from asperity.core.errors import PlanError
 from asperity.paper.figures import surfaces_with_load_area
-from asperity.study.config.check import check
-from asperity.study.config.schema import PRESETS
+from asperity.settings.accuracy import PRESETS
+from asperity.settings.check import check
 from asperity.study.cost.plan import (
     PlannedContact,
     Target,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from asperity.study.config.schema import PRESETS
+from asperity.settings.accuracy import PRESETS
 from asperity.study.cost.benchmark import fitted, job_costs
 from asperity.study.cost.model import coefficients, job_cost
 from asperity.study.cost.plan import PlannedContact, contact_cost

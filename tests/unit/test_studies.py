@@ -13,7 +13,7 @@ from project import ROOT
 from scipy.special import erf
 
 from asperity import Grid
-from asperity.study.config.study import read_study
+from asperity.settings.study import read_study
 
 
 def test_nayak_parameter_of_waves():

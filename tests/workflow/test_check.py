@@ -8,9 +8,9 @@ from project import ROOT, script
 
 from asperity.elasticity.layer import COMPONENTS
 from asperity.results import dataset
+from asperity.settings.study import read_study
 from asperity.stress.analysis import SOUGHT
 from asperity.stress.planes import periodic
-from asperity.study.config.study import read_study
 from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.study.stages.stress import stress_of_seed
 

@@ -11,8 +11,8 @@ from project import OWN, ROOT
 
 from asperity.paper import figures
 from asperity.results import dataset
+from asperity.settings.study import read_study
 from asperity.study import progress_and_log
-from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface

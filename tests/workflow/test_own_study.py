@@ -11,10 +11,10 @@ import pytest
 import yaml
 from project import OWN, ROOT, copy_project, hide, snakemake
 
-from asperity.core.errors import ConfigError
+from asperity.core.errors import InputError
 from asperity.core.packages import NEEDED
-from asperity.study.config.schema import contact_of, imposed_load
-from asperity.study.config.study import read_study
+from asperity.settings.sections import contact_of, imposed_load
+from asperity.settings.study import read_study
 
 SURFACE = {
     "label": "A",
@@ -120,7 +120,7 @@ REFUSED = [
 def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, given, line):
     path = tmp_path / "mine.yaml"
     path.write_text(yaml.safe_dump({"surfaces": TWO, **changes}), encoding="utf-8")
-    with pytest.raises(ConfigError) as found:
+    with pytest.raises(InputError) as found:
         read_study([path], given)
     assert line in str(found.value)
     assert "\n" not in str(found.value)
@@ -156,14 +156,14 @@ def test_a_study_is_based_on_another(tmp_path, monkeypatch):
     study = read_study(["three.yaml"])
     assert (list(study["surfaces"]), study["seeds"], study["results"]) == (["a", "b"], [5], "results/three")
     assert imposed_load(study["contact"]) == ("mean_pressure", 0.01)
-    with pytest.raises(ConfigError, match=r"^based_on = 'down.yaml': a file that is not based on itself"):
+    with pytest.raises(InputError, match=r"^based_on = 'down.yaml': a file that is not based on itself"):
         read_study(["up.yaml"])
 
 
 def test_file_with_an_unsuitable_name_names_its_folder(tmp_path):
     path = tmp_path / "my study.yaml"
     path.write_text(yaml.safe_dump({"surfaces": TWO}), encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"results: missing; 'my study.yaml' cannot name the folder"):
+    with pytest.raises(InputError, match=r"results: missing; 'my study.yaml' cannot name the folder"):
         read_study([path])
     assert read_study([path], {"results": "~//x/"})["results"].endswith("/x")
 

@@ -1,5 +1,5 @@
-from asperity.study.config.reader import load
-from asperity.study.config.study import PAPER
+from asperity.settings.reader import load
+from asperity.settings.study import PAPER
 from asperity.paper.claims.sources import CHOICES, DATASETS, surfaces_by_delta, roles
 
 # The statements are about the surfaces of the paper: a surface of another name has no role in them.

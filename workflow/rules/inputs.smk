@@ -2,8 +2,7 @@
 from pathlib import Path
 from asperity.paper.claims.sources import CHOICES
 from asperity.paper.figures import figures_of, surfaces_with_load_area, surfaces_with_ratios
-from asperity.study.config.check import maps_of
-from asperity.study.config.schema import contact_of
+from asperity.settings.sections import contact_of, maps_of
 
 STUDIES = config["studies"]
 MAPS = maps_of(config)

@@ -3,7 +3,8 @@ import math
 import os
 
 from asperity.study.cost.model import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
-from asperity.study.config.schema import default, imposed_load
+from asperity.settings.check import default
+from asperity.settings.sections import imposed_load
 
 
 def nodes(*names):

@@ -1,6 +1,7 @@
-"""The parser of the command line, made from `commands.yaml` and the schema of the settings."""
+"""The parser of the command line, made from `commands.yaml` and the settings."""
 
 import argparse
+import math
 import re
 import sys
 from collections import Counter
@@ -14,8 +15,9 @@ from asperity.core.data import packaged_yaml
 from asperity.core.errors import did_you_mean, fail, shown
 from asperity.core.version import __version__
 from asperity.paper.figures import known
-from asperity.study.config.check import needed_instead
-from asperity.study.config.schema import Entry, accepted, default, setting
+from asperity.settings.check import default
+from asperity.settings.configuration import Configuration
+from asperity.settings.model import NeededError, accepted, converted, entry_of
 from asperity.surface.reading.formats import formats_in_words
 
 COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
@@ -56,7 +58,9 @@ class Parser(argparse.ArgumentParser):
 
 def parse(words: Sequence[str] | None) -> argparse.Namespace:
     """The options of a command line; refuses repeated options, and suggests the nearest for unknown ones."""
-    found, unknown = make_parser().parse_known_args(words)
+    words = sys.argv[1:] if words is None else words
+    parser = make_parser(next((word for word in words if word in COMMANDS), ""))
+    found, unknown = parser.parse_known_args(words)
     entry = COMMANDS[found.command]
     known = {
         flag: given
@@ -64,7 +68,7 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
         for flag, given in arguments(each).items()
         if flag.startswith("--")
     }
-    given = Counter(word.partition("=")[0] for word in takewhile("--".__ne__, words or sys.argv[1:]))
+    given = Counter(word.partition("=")[0] for word in takewhile("--".__ne__, words))
     for flag, options in known.items():
         if given[flag] > 1 and options.get("action") != "append":
             sys.exit(fail(f"{flag}: given {given[flag]} times (see asperity {found.command} --help)", 2))
@@ -75,8 +79,14 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
     return found
 
 
-def make_parser() -> Parser:
-    """Parser of the command line; its result names the command as ``command``."""
+def make_parser(only: str | None = None) -> Parser:
+    """Parser of the command line; its result names the command as ``command``.
+
+    Parameters
+    ----------
+    only : str, optional
+        The command whose arguments are needed; by default those of all commands are made.
+    """
     parser = Parser(prog="asperity", description=DESCRIPTION, epilog=EPILOG)
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
@@ -90,6 +100,8 @@ def make_parser() -> Parser:
             usage=entry.get("usage"),
             epilog=formats_in_words() if entry.get("formats") else None,
         )
+        if only not in (None, name):
+            continue
         _add_arguments(command, entry, False)
         for group in entry.get("groups", ()):
             titled = command.add_argument_group(group["title"], group.get("description"))
@@ -114,6 +126,8 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], checks: bool) -> None:
     for flag, given in arguments(entry).items():
+        if given.get("setting", "").startswith("engineering."):  # of `run`
+            continue
         options = dict(given)
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
@@ -130,7 +144,7 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
 
 
 def _of_setting(key: str, default_text: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
-    """Keywords of `add_argument` for a setting, from the schema; its value is stored under its key.
+    """Keywords of `add_argument` for a setting of the study; its value is stored under its key.
 
     Parameters
     ----------
@@ -139,24 +153,25 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     default_text : str, optional
         Behaviour if the argument is left out, in place of the default of the setting.
     words : str, optional
-        Accepted values, in place of those of the schema.
+        Accepted values, in place of those of the setting.
     as_text : bool
         The command itself checks the value.
     """
-    entry = setting(key)
+    entry = entry_of(Configuration, key)
     items = entry.get("items", entry)
+    kind = items.get("anyOf", [items])[-1]
     value = None if default_text or as_text else default(key)
     if "enum" in items:
         placeholder = f"{{{','.join(items['enum'])}}}"
     else:
-        placeholder = _PLACEHOLDERS.get(items.get("format", "")) or _PLACEHOLDERS[items["type"]]
+        placeholder = _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS[kind["type"]]
     made: dict[str, Any] = {"dest": key, "default": value, "metavar": placeholder}
     is_list = "items" in entry
     if is_list:
         fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
         made["nargs"] = fixed or "+"
     if not as_text:
-        made |= {"action": _StoreList} if is_list else {"type": partial(converted, entry)}
+        made |= {"action": _StoreList} if is_list else {"type": partial(value_of, key)}
     facts = [] if "enum" in entry else [words or accepted(items)]
     if "unit" in entry and not words:
         facts.append(f"unit: {entry['unit']}")
@@ -167,35 +182,51 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
 
 
 class _StoreList(argparse.Action):
-    """Store a list of values that the schema accepts, each and as a whole."""
+    """Store a list of values that the setting accepts, each and as a whole."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
         try:
-            setattr(namespace, self.dest, converted(setting(self.dest), values))
+            setattr(namespace, self.dest, value_of(self.dest, values))
         except argparse.ArgumentTypeError as error:
             raise argparse.ArgumentError(self, str(error)) from error
 
 
-def converted(entry: Entry, given: str | list[str]) -> Any:
+def value_of(key: str, given: str | list[str]) -> Any:
     """Value of a setting, from the text or texts of an argument.
 
     Raises
     ------
     argparse.ArgumentTypeError
-        If the schema does not accept it.
+        If it is not accepted.
     """
-    if isinstance(given, list):
-        value = [converted(entry["items"], each) for each in given]
-        text = " ".join(given) if len(given) < MANY else f"{' '.join(given[:MANY])} ... ({len(given)} values)"
-    else:
-        kinds, value, text = entry.get("type", "string"), None, shown(given)
-        for kind in kinds if isinstance(kinds, list) else [kinds]:
-            with suppress(ValueError):
-                value = {"number": float, "integer": int, "string": str}[kind](given)
-                break
-    if needed := needed_instead(value, entry):
-        raise argparse.ArgumentTypeError(f"{text}: {needed} is needed")
-    return value
+    try:
+        return converted(Configuration, key, given)
+    except NeededError as error:
+        refused = error.given
+        if isinstance(refused, str):
+            text = shown(refused)
+        else:
+            more = f" ... ({len(refused)} values)" if len(refused) >= MANY else ""
+            text = " ".join(refused[:MANY]) + more
+        raise argparse.ArgumentTypeError(f"{text}: {error} is needed") from None
+
+
+def _number(text: str, above: float = -math.inf) -> float:
+    """A finite number."""
+    with suppress(ValueError):
+        if above < (value := float(text)) < math.inf:
+            return value
+    limit = "" if above == -math.inf else f" > {above:g}"
+    raise argparse.ArgumentTypeError(f"{shown(text)}: a number{limit} is needed")
+
+
+def _direction(text: str) -> str | float:
+    """An axis, or an angle in degrees."""
+    if text in ("x", "y"):
+        return text
+    with suppress(argparse.ArgumentTypeError):
+        return _number(text)
+    raise argparse.ArgumentTypeError(f"{shown(text)}: x, y or an angle in degrees from x towards y is needed")
 
 
 def _figure_number(text: str) -> int:
@@ -209,8 +240,10 @@ def _figure_number(text: str) -> int:
 
 TYPES: dict[str, Callable[[str], Any]] = {
     "text": str,
-    "positive": partial(converted, {"type": "number", "exclusiveMinimum": 0}),
-    "seed": partial(converted, setting("seeds")["items"]),
+    "number": _number,
+    "positive": partial(_number, above=0),
+    "seed": lambda text: value_of("seeds", [text])[0],
+    "direction": _direction,
     "figure": _figure_number,
 }
 """Types of arguments by the names that `commands.yaml` uses."""
@@ -224,14 +257,6 @@ def section(options: argparse.Namespace, name: str) -> dict[str, Any]:
         for key, value in vars(options).items()
         if key.startswith(prefix) and value is not None
     }
-
-
-def sliding(options: argparse.Namespace) -> dict[str, Any]:
-    """Friction and direction of sliding that are given, as arguments of `asperity.plot_section`."""
-    given = section(options, "engineering")
-    if given.get("sliding_direction", "x") not in ("x", "y"):
-        given["sliding_direction"] = float(given["sliding_direction"])  # degrees
-    return given
 
 
 def with_flags(message: str, command: str) -> str:

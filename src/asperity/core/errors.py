@@ -62,13 +62,6 @@ class DatasetError(RuntimeError):
     """Raised for a result file that is missing, damaged, or was changed after it was written."""
 
 
-class ConfigError(ValueError):
-    """Raised for a configuration that is not accepted; the message is one line."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__(one_line(message))
-
-
 class InputError(ValueError):
     """Raised for input with one or several problems.
 

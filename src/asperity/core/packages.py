@@ -13,7 +13,7 @@ ENGINES = ("ducc0", "pyfftw", "scipy")
 """Engines of the Fourier transforms, by the names of their modules; the first is the default."""
 
 _MODULES = {
-    BASE: "ducc0 jinja2 jsonschema lazy_loader netCDF4 numba llvmlite numpy pandas pint psutil pydantic scipy "
+    BASE: "ducc0 jinja2 lazy_loader netCDF4 numba llvmlite numpy pandas pint psutil pydantic scipy "
     "tqdm xarray yaml",
     "plot": "matplotlib",
     "maps": "SurfaceTopography h5py olefile tifffile",

@@ -18,17 +18,24 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
+    GetPydanticSchema,
     PlainValidator,
     Strict,
     TypeAdapter,
     ValidationError,
     WithJsonSchema,
+    model_validator,
 )
+from pydantic._internal._model_construction import ModelMetaclass
+from pydantic_core import PydanticCustomError, core_schema
 
 from asperity.core.errors import InputError, did_you_mean, shown
 
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
+
+OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
+"""Keywords of an entry that are not those of the standard."""
 
 Number = Annotated[float, Strict()]
 """A number; text and truth values are refused."""
@@ -37,6 +44,21 @@ Whole = Annotated[int, Strict()]
 """A whole number that is written as one: 2048.0 is refused."""
 
 YesNo = Annotated[bool, Strict()]
+
+Text = Annotated[str, Strict()]
+
+
+def _distinct(items: list[Any]) -> list[Any]:
+    if len(set(items)) < len(items):
+        raise PydanticCustomError("distinct", "distinct items are needed")
+    return items
+
+
+DISTINCT = GetPydanticSchema(
+    lambda source, handler: core_schema.no_info_after_validator_function(_distinct, handler(source)),
+    lambda schema, handler: handler(schema) | {"uniqueItems": True},
+)
+"""Mark of a list that has no item twice, after the marks of its length."""
 
 _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
@@ -79,7 +101,17 @@ class SettingsError(InputError):
 
 
 class NeededError(ValueError):
-    """Raised by a check of one value; the message says what is needed instead."""
+    """Raised by a check of one value; the message says what is needed instead.
+
+    Attributes
+    ----------
+    given : str or list of str
+        Of `converted`: the text, or the item of a list, that is refused.
+    """
+
+    def __init__(self, needed: str, given: str | list[str] = "") -> None:
+        self.given = given
+        super().__init__(needed)
 
 
 class ContradictionError(ValueError):
@@ -96,7 +128,7 @@ class ContradictionError(ValueError):
         super().__init__("; ".join(map(str, self.found)))
 
 
-class _ProblemsOfAll(type(BaseModel)):  # type: ignore[misc]
+class _ProblemsOfAll(ModelMetaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
     def __call__(cls, **given: Any) -> Any:
@@ -116,6 +148,7 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
     """
 
     model_config = ConfigDict(
+        defer_build=True,
         extra="forbid",
         frozen=True,
         allow_inf_nan=False,
@@ -141,6 +174,16 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
         except ValidationError as error:
             raise SettingsError(source, problems(cls, error)) from None
 
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        """Key and rest of the message of settings of the group that exclude each other."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if found := tuple(self.contradictions()):
+            raise ContradictionError(*found)
+        return self
+
     def replaced(self, **changes: Any) -> Self:
         """The settings with other values of some of them."""
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
@@ -150,14 +193,33 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
         return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
 
 
+def _one_of(schema: dict[str, Any]) -> None:
+    """Add to the description of a group that one of its settings is accepted."""
+    *names, last = schema["properties"]
+    schema |= {"minProperties": 1, "maxProperties": 1, "accepts": f"one of {', '.join(names)} and {last}"}
+
+
+class OneOf(Settings):
+    """A group of which exactly one setting is given."""
+
+    model_config = ConfigDict(json_schema_extra=_one_of)
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            raise NeededError(accepted(described(type(self))))
+        return self
+
+
 def setting(
     default: Any,
-    text: str,
+    text: str | None = None,
     *,
     unit: str | None = None,
     default_text: str | None = None,
     accepts: str | None = None,
     example: Any = None,
+    names: str | None = None,
     **limits: Any,
 ) -> Any:
     """A field of a class of settings.
@@ -165,17 +227,19 @@ def setting(
     Parameters
     ----------
     default : any
-        ``...`` for a setting that has to be given, None with a `default_text` for one that may be left out.
+        ``...`` for a setting that has to be given, None with a `default_text` for one that may be left out,
+        and ``{}`` for a group of which each setting may be left out.
     text : str
-        Meaning of the setting.
-    unit, default_text, accepts, example : optional
+        Meaning of the setting; of a group by default the docstring of its class.
+    unit, default_text, accepts, example, names : optional
         Keywords of the description, see the head of this module.
     **limits
         Of `pydantic.Field`: ``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``, ``pattern``.
     """
-    own = {"unit": unit, "default_text": default_text, "accepts": accepts, "example": example}
+    own = {"unit": unit, "default_text": default_text, "accepts": accepts, "example": example, "names": names}
     extra = {name: value for name, value in own.items() if value is not None}
-    return Field(default, description=text, json_schema_extra=extra, validate_default=False, **limits)
+    filled = isinstance(default, dict)
+    return Field(default, description=text, json_schema_extra=extra, validate_default=filled, **limits)
 
 
 @cache
@@ -213,11 +277,23 @@ def _plain(entry: Any, known: Mapping[str, Any]) -> Any:
 
 def entry_of(root: type[BaseModel], key: str) -> Entry:
     """Description of one setting, by its dotted key; ``NAME`` stands for a name that the user chooses."""
-    entry = described(root)
-    for part in key.split("."):
-        known = entry.get("properties", {})
-        entry = known[part] if part in known else entry["additionalProperties"]
-    return entry
+    *groups, name = key.split(".")
+    try:
+        entry = described(_class_of(root, groups))  # without the other groups, whose description takes time
+        return entry["properties"].get(name) or entry["additionalProperties"]
+    except (AttributeError, KeyError):  # a group of one of several classes
+        entry = described(root)
+        for part in key.split("."):
+            entry = entry["properties"][part]
+        return entry
+
+
+def _class_of(root: Any, groups: Iterable[str]) -> Any:
+    """Class of a group, or of one item of a group, by the parts of its dotted key."""
+    for part in groups:
+        cls = _without_none(root)
+        root = get_args(cls)[1] if part == "NAME" else cls.model_fields[part].annotation
+    return _without_none(root)
 
 
 def entries(entry: Entry, prefix: str = "") -> Iterator[tuple[str, Entry]]:
@@ -256,15 +332,9 @@ def number(value: float) -> str:
 
 def check_of(root: type[BaseModel], key: str) -> TypeAdapter[Any]:
     """Check of one setting, by its dotted key."""
-    annotation: Any = root
-    metadata: list[Any] = []
-    for part in key.split("."):
-        cls = _without_none(annotation)
-        if part == "NAME":
-            annotation, metadata = get_args(cls)[1], []
-        else:
-            annotation, metadata = cls.model_fields[part].annotation, cls.model_fields[part].metadata
-    checked: Any = Annotated[annotation, *metadata]
+    *groups, name = key.split(".")
+    field = _class_of(root, groups).model_fields[name]
+    checked: Any = Annotated[field.annotation, *field.metadata]
     return TypeAdapter(checked, config=Settings.model_config)
 
 
@@ -287,10 +357,9 @@ def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
     try:
         return check_of(root, key).validate_python(read, context={"units": True})
     except ValidationError as error:
-        found = error.errors(include_url=False)[0]
-        cause = found.get("ctx", {}).get("error")
-        words = items if found["loc"] else entry
-        raise NeededError(str(cause) if isinstance(cause, ValueError) else accepted(words)) from None
+        found: Any = error.errors(include_url=False)[0]
+        words, refused = (items, given[found["loc"][0]]) if found["loc"] else (entry, given)
+        raise NeededError(_needed(found, words), refused) from None
 
 
 def scalar(text: str, entry: Entry) -> Any:
@@ -315,33 +384,44 @@ def problems(root: type[BaseModel], error: ValidationError) -> Iterator[Problem]
 
 def _problems_of(root: type[BaseModel], error: Any) -> Iterator[Problem]:
     """Problems in one error, in words of the entry to which it belongs."""
-    entry, path = described(root), []
-    for part in error["loc"]:
-        below = entry.get("properties", {}).get(part) if isinstance(entry, Mapping) else None
-        if below is None and isinstance(part, int):
-            below = entry.get("items") or entry.get("prefixItems", [None])[0]
-        elif below is None and isinstance(entry.get("additionalProperties"), Mapping) and part != "[key]":
-            below = entry["additionalProperties"]
-        if below is None:
-            if error["type"] == "extra_forbidden":
-                path.append(_part(part))
-            elif part == "[key]":
-                yield Problem(".".join([*path[:-1], shown(error["input"])]), f": {entry['names']} is needed")
-                return
+    unknown = error["type"] in ("extra_forbidden", "invalid_key")
+    entry, group, path = described(root), {}, []
+    for part in error["loc"][:-1] if unknown else error["loc"]:
+        if part == "[key]" and "names" in group:
+            yield Problem(".".join([*path[:-1], shown(error["input"])]), f": {group['names']} is needed")
+            return
+        if (below := _below(entry, part)) is None:
             break
-        entry, path = below, [*path, _part(part)]
+        group, entry, path = entry, below, [*path, _part(part)]
     key, cause = ".".join(path), error.get("ctx", {}).get("error")
     if isinstance(cause, (ContradictionError, SettingsError)):
         yield from (Problem(".".join(filter(None, [key, inner])), text) for inner, text in cause.found)
-    elif error["type"] == "extra_forbidden":
-        yield Problem(key, _unknown(str(error["loc"][-1]), ".".join(path[:-1]), entry))
+    elif unknown:
+        word = error["loc"][-1]
+        yield Problem(".".join([*path, _part(word)]), _unknown(str(word), key, entry))
     elif error["type"] == "missing":
         yield Problem(key, f": missing; {accepted(entry)} is needed")
     else:
-        needed = str(cause) if isinstance(cause, ValueError) else accepted(entry)
-        if error["type"] == "too_long" and isinstance(error["input"], (list, tuple)):
-            needed = f"a list of at most {error['ctx']['max_length']} values"
-        yield Problem(key, f" = {shown(error['input'])}: {needed} is needed")
+        yield Problem(key, f" = {shown(error['input'])}: {_needed(error, entry)} is needed")
+
+
+def _needed(error: Any, entry: Entry) -> str:
+    """Accepted values in words, as the error or the entry to which it belongs says."""
+    if isinstance(cause := error.get("ctx", {}).get("error"), ValueError):
+        return str(cause)
+    if error["type"] == "too_long" and isinstance(error["input"], (list, tuple)):
+        return f"a list of at most {error['ctx']['max_length']} values"
+    return accepted(entry)
+
+
+def _below(entry: Entry, part: Any) -> Entry | None:
+    """Description of a setting in a group, or of an item of a list; None if there is none of this name."""
+    if part in entry.get("properties", {}):
+        return entry["properties"][part]
+    if entry.get("type") == "array":
+        return entry.get("items") or entry["prefixItems"][0]
+    named = entry.get("additionalProperties")
+    return named if isinstance(named, Mapping) else None
 
 
 def _unknown(word: str, group: str, entry: Entry) -> str:
@@ -350,6 +430,8 @@ def _unknown(word: str, group: str, entry: Entry) -> str:
         return f": is called {'.'.join(filter(None, [group, entry['renamed'][word]]))} now"
     if word in entry.get("removed", {}):
         return f": does not exist any more; {entry['removed'][word]}"
+    if "names" in entry:
+        return f": {entry['names']} is needed"
     near = did_you_mean(word, entry["properties"])
     return f": unknown key{near or '; known here are ' + ', '.join(entry['properties'])}"
 

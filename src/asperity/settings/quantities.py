@@ -7,9 +7,10 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+from pydantic import Field
 from pydantic_core import CoreSchema, core_schema
 
-from asperity.settings.model import NeededError
+from asperity.settings.model import NeededError, Number, accepted
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,39 @@ class Quantity:
         return "inf" if math.isinf(value) else shown_si(value, DIMENSIONS[self.dimension].unit, 15)
 
 
+@dataclass(frozen=True)
+class Written:
+    """A number in a unit of its own, or text with a unit; both stay as they are written.
+
+    Parameters
+    ----------
+    dimension : str
+        A key of `asperity.core.units.DIMENSIONS`.
+    example : str
+        An accepted text.
+    """
+
+    dimension: str
+    example: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """A check of text by its dimension, of all other values as of the number."""
+
+        def checked(value: Any, check: Any, info: core_schema.ValidationInfo) -> Any:
+            if not isinstance(value, str):
+                return check(value)
+            Quantity(self.dimension)(value, info)
+            return value
+
+        return core_schema.with_info_wrap_validator_function(checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Description of both."""
+        numbers = handler(schema["schema"])
+        words = f"a {self.dimension} > 0 with its unit such as {self.example}, or {accepted(numbers)}"
+        return {"anyOf": [numbers, {"type": "string", "format": self.dimension}], "accepts": words}
+
+
 Length = Annotated[float, Quantity("length")]
 Position = Annotated[float, Quantity("length", positive=False)]
 Radius = Annotated[float, Quantity("length", infinite=True)]
@@ -82,30 +116,5 @@ Pressure = Annotated[float, Quantity("pressure")]
 Hardness = Annotated[float, Quantity("pressure", infinite=True)]
 Stress = Annotated[float, Quantity("pressure", positive=False)]
 Force = Annotated[float, Quantity("force")]
-
-
-@dataclass(frozen=True)
-class QuantityOrNumber(Quantity):
-    """A positive number, whose unit the setting states, or a text with a unit; both stay as they are."""
-
-    def __call__(self, value: Any, info: core_schema.ValidationInfo) -> Any:
-        """The value; `NeededError` if it is not accepted."""
-        if isinstance(value, str):
-            super().__call__(value, info)
-        elif isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
-            raise NeededError(self.needed(value))
-        return value
-
-    def needed(self, value: Any = "") -> str:
-        """Accepted values in words."""
-        return f"{super().needed(value)}, or a number > 0"
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        """Description of the quantity as text or number."""
-        return {"type": ["number", "string"], "format": self.dimension, "accepts": self.needed()}
-
-    def _written(self, value: Any) -> Any:
-        return value
-
-
-LengthOrNumber = Annotated[float | str, QuantityOrNumber("length")]
+LengthOrNumber = Annotated[Number, Field(gt=0), Written("length", "512 um")]
+"""A length with its unit, or a number whose unit the setting states; both stay as they are written."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from asperity.cli.files import check_out, is_si, length, positions, read_result, required, span
-from asperity.cli.parser import section, sliding
+from asperity.cli.parser import section
 from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
 from asperity.stress.planes.fields import FIELDS
@@ -110,7 +110,7 @@ def _export_box(
         spacing=length("--spacing", options.spacing, si) if options.spacing else None,
         poisson=section(options, "layer").get("poisson"),
         body=options.body,
-        **sliding(options),
+        **section(options, "sliding"),
     )
     shape = box.x.size, box.y.size, box.depth.size
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(shape))

@@ -15,8 +15,10 @@ from asperity.core.units import to_si
 from asperity.engineering.case import CONTROL_UNITS, LOAD_QUANTITIES
 from asperity.results.dataset import grid_of, settings_of, unit_system, write_result
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
-from asperity.study.config.check import check_section
-from asperity.study.config.schema import complete_map, default
+from asperity.settings.check import default
+from asperity.settings.configuration import Contact
+from asperity.settings.model import SettingsError
+from asperity.settings.sections import complete_map
 from asperity.study.progress_and_log import ProgressBar
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import read_surface
@@ -31,7 +33,7 @@ def run(options: argparse.Namespace) -> None:
     """Solve the contact, write it, and print its area, load and approach."""
     check_out([("--out", options.out)], [options.surface])
     layer, contact = section(options, "layer"), section(options, "contact")
-    young = options.young and to_si(options.young, "pressure", "--young")
+    young = options.young and _in_si("young", options.young, "pressure")
     given = {name: text for name in DIMENSIONS if (text := getattr(options, name, None)) is not None}
     names = [flag(name) for name in (*given, *contact) if name in CONTROL_UNITS]
     if len(names) > 1:
@@ -52,7 +54,10 @@ def run(options: argparse.Namespace) -> None:
             name, images = "mean_pressure", 4 if settings["surface"].get("periodic") == "mirrored" else 1
             load /= grid_of(surface).area / images * edge**2
         contact[name] = load
-    check_section("contact", contact, flag)
+    try:
+        Contact.read(contact)
+    except SettingsError as error:
+        raise error.renamed(flag) from None
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
@@ -116,9 +121,15 @@ def _load(name: str, text: str, unit: float | None, si: bool) -> float:
     if name != "force":
         with suppress(ValueError):
             return float(text)
-    value = to_si(text, DIMENSIONS[name], flag(name))
-    if not value > 0:
-        raise ValueError(f"{flag(name)} = {shown(text)}: more than 0 is needed")
+    value = _in_si(name, text, DIMENSIONS[name])
     if not (si and unit):
         raise ValueError(f"{flag(name)} = {shown(text)}: needs --young and a surface with a unit")
     return value / unit
+
+
+def _in_si(name: str, text: str, dimension: str) -> float:
+    """A positive quantity in SI, from its value as the user gives it."""
+    value = to_si(text, dimension, flag(name))
+    if not value > 0:
+        raise ValueError(f"{flag(name)} = {shown(text)}: more than 0 is needed")
+    return value

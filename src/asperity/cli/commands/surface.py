@@ -10,8 +10,10 @@ from asperity.core.errors import one_line, shown
 from asperity.core.units import shown_si, to_si
 from asperity.results.dataset import write_result
 from asperity.results.variables import in_si
-from asperity.study.config.check import TWO_NODES_SLACK, needed_instead
-from asperity.study.config.schema import PRESETS, default, setting
+from asperity.settings.accuracy import PRESETS
+from asperity.settings.check import default
+from asperity.settings.configuration import TWO_NODES_SLACK, Configuration
+from asperity.settings.model import NeededError, converted
 from asperity.study.stages.surface import make_surface
 from asperity.surface.reading.height_map import MapError
 
@@ -29,8 +31,10 @@ def run(options: argparse.Namespace) -> None:
     points = parameters.setdefault(
         "points", PRESETS[default("accuracy")].points(parameters["wavelength_short"])
     )
-    if needed := needed_instead(points, setting("surfaces.NAME.points")):
-        raise ValueError(f"--points = {points}, the default: {needed} is needed")
+    try:
+        converted(Configuration, "surfaces.NAME.points", str(points))
+    except NeededError as needed:
+        raise ValueError(f"--points = {points}, the default: {needed} is needed") from None
     if points * parameters["wavelength_short"] < 2 - TWO_NODES_SLACK:
         fewest = round(2 / parameters["wavelength_short"])
         raise ValueError(
@@ -110,7 +114,10 @@ def _in_cell_lengths(name: str, text: str, edge: float | None) -> float:
                 f"{flag(name)} = {shown(text)}: a number in cell lengths is needed, or a length with a unit "
                 "together with --length, the edge of the cell"
             ) from None
-    if needed := needed_instead(value, setting(f"surfaces.NAME.{name}")):
+    try:
+        return converted(Configuration, f"surfaces.NAME.{name}", repr(value))
+    except NeededError as needed:
         size = "" if edge is None else f", {value:.4g} of --length"
-        raise ValueError(f"{flag(name)} = {shown(text)}{size}: {needed}, in cell lengths, is needed")
-    return value
+        raise ValueError(
+            f"{flag(name)} = {shown(text)}{size}: {needed}, in cell lengths, is needed"
+        ) from None

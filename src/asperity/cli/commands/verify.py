@@ -13,10 +13,11 @@ from asperity.core.errors import DatasetError, fail, one_line
 from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.core.version import __version__
+from asperity.engineering.case_file import CHECKSUMS
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
 from asperity.engineering.folder import CASE_FILE, checksums_in
 from asperity.results import dataset
-from asperity.study.config.reader import CHECKSUMS, load
+from asperity.settings.reader import load
 
 
 class Check(NamedTuple):

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.cli.files import check_out, is_si, length, length_or_span, positions, read_result, span
-from asperity.cli.parser import flag, section, sliding
+from asperity.cli.parser import flag, section
 from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
@@ -76,7 +76,7 @@ def _draw(
 ) -> Figure:
     si = is_si(next(iter(results.values())))
     poisson = section(options, "layer").get("poisson")
-    friction = sliding(options)
+    friction = section(options, "sliding")
     if view in MAPS:
         _refuse(view, "section, plane and peaks", field=options.field, poisson=poisson)
     if view not in ("section", "plane"):

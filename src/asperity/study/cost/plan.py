@@ -22,19 +22,14 @@ import pandas as pd
 import yaml
 
 from asperity.core.arguments import choice
-from asperity.core.errors import ConfigError, PlanError, shown
-from asperity.study.config.check import check
-from asperity.study.config.reader import load, merged, parse
-from asperity.study.config.schema import (
-    PRESETS,
-    AccuracySettings,
-    accuracy_of,
-    contact_of,
-    imposed_load,
-    overlay,
-    schema,
-)
-from asperity.study.config.study import ALL_SURFACES, with_base, with_loads
+from asperity.core.errors import InputError, PlanError, shown
+from asperity.settings.accuracy import PRESETS, AccuracySettings, accuracy_of, overlay
+from asperity.settings.check import check
+from asperity.settings.configuration import Configuration
+from asperity.settings.model import described
+from asperity.settings.reader import load, merged, parse
+from asperity.settings.sections import contact_of, imposed_load
+from asperity.settings.study import ALL_SURFACES, with_base, with_loads
 from asperity.study.cost.model import job_cost, minutes, time_factor
 
 
@@ -76,21 +71,21 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
 
     Raises
     ------
-    ConfigError
+    InputError
         If a file or text is not YAML, or a setting is not accepted.
     """
     config: dict[str, Any] = {}
     for text in given:
         try:
             found = load(text) if os.path.isfile(text) else parse(text, shown(text))
-        except ConfigError as error:
+        except InputError as error:
             if os.path.isfile(text) or ":" in text:
                 raise
-            raise ConfigError(
-                f"{shown(text)}: a file, or keys and values such as '{{hurst: 0.8, ...}}', is needed"
-            ) from error
+            needed = "a file, or keys and values such as '{hurst: 0.8, ...}', is needed"
+            raise InputError(shown(text), [needed]) from error
         config = merged(config, found)
-    if not config.keys() & {*schema()["properties"], *schema()["renamed"]}:
+    known = described(Configuration)
+    if not config.keys() & {*known["properties"], *known["renamed"], *known["removed"]}:
         config = {"surfaces": {"surface": config}}
     config = with_base(config)
     surfaces = config.get("surfaces")
@@ -102,7 +97,7 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
         config = merged(config, {"contact": {"area_fraction": area_fraction}})
     whole = check(config)
     if not whole["surfaces"]:
-        raise ConfigError("surfaces: missing; a plan needs at least one random surface")
+        raise InputError("surfaces", ["missing; a plan needs at least one random surface"])
     whole.setdefault("studies", {ALL_SURFACES: list(whole["surfaces"])})
     return whole
 
@@ -118,7 +113,7 @@ def planned_contacts(
 
     Raises
     ------
-    ConfigError
+    InputError
         If another load than the area is imposed.
     """
     in_studies = {name for names in config["studies"].values() for name in names}
@@ -128,10 +123,8 @@ def planned_contacts(
         surface, contact = config["surfaces"][name], contact_of(config, name)
         kind, area = imposed_load(contact)
         if kind != "area_fraction":
-            raise ConfigError(
-                f"contact.{kind} = {area!r}: area_fraction is needed in its place, for which costs and "
-                "errors were measured"
-            )
+            needed = "area_fraction is needed in its place, for which costs and errors were measured"
+            raise InputError(f"contact.{kind} = {area!r}", [needed])
         found[name] = PlannedContact(
             hurst=surface["hurst"],
             wavelength_long=surface["wavelength_long"],

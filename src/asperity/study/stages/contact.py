@@ -13,8 +13,8 @@ from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.elasticity.layer import Layer, simplest_solid
 from asperity.results.dataset import grid_of, height_of
+from asperity.settings.sections import imposed_load
 from asperity.stress.statistics.extrapolation import reason_against
-from asperity.study.config.schema import imposed_load
 
 SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poisson_contact")
 """Global attributes of result files that describe the solid."""

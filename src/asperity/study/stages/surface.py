@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.fourier.grid import Fourier, Grid
-from asperity.study.config.check import AS_SAMPLE
+from asperity.settings.sections import AS_SAMPLE
 from asperity.surface.heights import johnson, with_heights, with_moments
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.roughness import spectrum, surface_dataset

@@ -7,15 +7,17 @@ none.
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from asperity.core.errors import ConfigError, shown
+from asperity.core.errors import InputError, shown
 from asperity.core.packages import absent, message
-from asperity.study.config.check import check, check_files
-from asperity.study.config.reader import load, merged
-from asperity.study.config.schema import LOAD_LABELS, schema, setting
+from asperity.settings.check import check
+from asperity.settings.configuration import Configuration
+from asperity.settings.model import Problem, SettingsError, accepted, entry_of
+from asperity.settings.reader import load, merged
+from asperity.settings.sections import LOAD_LABELS, maps_of
 
 PAPER = "config/config.yaml"
 """Configuration of the paper, relative to the folder of the project."""
@@ -40,8 +42,8 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
 
     Raises
     ------
-    ConfigError
-        If a file cannot be read, or a setting is not accepted.
+    InputError
+        If a file cannot be read, or settings are not accepted; it has a line for each of them.
     """
     given = dict(given or {})
     files = list(files) or [PAPER]
@@ -51,42 +53,53 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
         config = merged(config, layer)
     config = with_loads(with_base(config))
     config.pop("results", None)
-    if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
-        config["results"] = layers[-1]["results"]
-    elif "results" not in given:
-        config["results"] = f"results/{Path(files[-1]).stem}"
-        if not re.match(setting("results")["pattern"], config["results"]):
-            raise ConfigError(
-                f"results: missing; {shown(Path(files[-1]).name)} cannot name the folder, "
-                f"one such as results/mine is needed"
-            )
+    folder = layers[-1].get(
+        "results", f"results/{Path(files[-1]).stem}"
+    )  # those beneath are of other studies
+    if "results" in layers[-1]:
+        config["results"] = folder
     config = check(config)
+    if "studies" not in config:
+        config["studies"] = {ALL_SURFACES: [*config["surfaces"], *config["measured"]]}
+    config["results"] = given.get("results", folder)
+    if found := [Problem(*each) for each in _problems(config, files[-1], "results" in given)]:
+        raise SettingsError("", found)
+    if "results" in given:  # with slashes as in a Snakefile, also on Windows
+        config["results"] = Path(os.path.normpath(os.path.expanduser(config["results"]))).as_posix()
+    return config
+
+
+def _problems(config: Mapping[str, Any], path: str | Path, is_given: bool) -> Iterator[tuple[str, str]]:
+    """Key and rest of the message of what this machine or folder lacks for a complete configuration.
+
+    Parameters
+    ----------
+    config : mapping
+    path : path
+        The last of its files.
+    is_given : bool
+        True if the folder of results is given on the command line.
+    """
+    results, names = config["results"], config["studies"].get(ALL_SURFACES, ())
+    if is_given:
+        if not isinstance(results, str) or not _ANY_FOLDER.match(results):
+            needed = "a folder is needed, without braces, of at most 1000 characters"
+            yield "results", f" = {shown(results)}: {needed}"
+    elif not re.match(entry_of(Configuration, "results")["pattern"], results):
+        cannot = f"{shown(Path(path).name)} cannot name the folder"
+        yield "results", f": missing; {cannot}, one such as results/mine is needed"
+    elif results == "results" and os.path.realpath(path) != os.path.realpath(PAPER):
+        needed = f"{path} needs a folder below it, such as results/mine"
+        yield "results", f" = 'results': {needed}; this one holds the results of the paper"
     # Without NumPy the study is only planned here; its jobs run in another environment.
     if (missing := absent([config["fft_engine"]])) and not absent(["numpy"]):
-        raise ConfigError(f"fft_engine = {shown(config['fft_engine'])}: {message(missing)}")
-    if "results" in given:
-        folder = given["results"]
-        if not isinstance(folder, str) or not _ANY_FOLDER.match(folder):
-            raise ConfigError(
-                f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
-            )
-        # With slashes as in a Snakefile, also on Windows.
-        config["results"] = Path(os.path.normpath(os.path.expanduser(folder))).as_posix()
-    elif config["results"] == "results" and os.path.realpath(files[-1]) != os.path.realpath(PAPER):
-        raise ConfigError(
-            f"results = 'results': {files[-1]} needs a folder below it, such as results/mine; "
-            f"this one holds the results of the paper"
-        )
-    if "studies" not in config:
-        names = [*config.get("surfaces", {}), *config.get("measured", {})]
-        if len(names) > (most := _most_surfaces(ALL_SURFACES)):
-            raise ConfigError(
-                f"studies: missing; with {len(names)} surfaces, studies of at most {most} of them are "
-                f"needed, such as {{first: [{', '.join(names[:2])}]}}"
-            )
-        config["studies"] = {ALL_SURFACES: names}
-    check_files(config)
-    return config
+        yield "fft_engine", f" = {shown(config['fft_engine'])}: {message(missing)}"
+    if len(names) > (most := _most_surfaces(ALL_SURFACES)):
+        needed = f"studies of at most {most} of them are needed, such as {{first: [{', '.join(names[:2])}]}}"
+        yield "studies", f": missing; with {len(names)} surfaces, {needed}"
+    for key, entry in maps_of(config).items():
+        if not os.path.isfile(entry["file"]):
+            yield f"{key}.file", f" = {shown(entry['file'])}: no such file"
 
 
 def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str, Any]:
@@ -101,20 +114,21 @@ def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str,
 
     Raises
     ------
-    ConfigError
+    InputError
         If ``based_on`` names no configuration, or one of the files `above`.
     """
     config = dict(config)
     if (base := config.pop("based_on", None)) is None:
         return config
     if not isinstance(base, str):
-        raise ConfigError(f"based_on = {shown(base)}: {setting('based_on')['accepts']} is needed")
+        needed = accepted(entry_of(Configuration, "based_on"))
+        raise InputError("", [f"based_on = {shown(base)}: {needed} is needed"])
     if base in above:
-        raise ConfigError(f"based_on = {shown(base)}: a file that is not based on itself is needed")
+        raise InputError("", [f"based_on = {shown(base)}: a file that is not based on itself is needed"])
     try:
         beneath = load(base)
-    except ConfigError as error:
-        raise ConfigError(f"based_on = {shown(base)}: {error}") from error
+    except InputError as error:
+        raise InputError(f"based_on = {shown(base)}", error.lines) from error
     return merged(with_base(beneath, (*above, base)), config)
 
 
@@ -125,7 +139,7 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises
     ------
-    ConfigError
+    SettingsError
         If a load is not accepted, or a study has more copies than figures can show.
     """
     contact = config.get("contact")
@@ -134,8 +148,14 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
     if not kinds or not contact[kinds[0]]:
         return dict(config)
     kind, values = kinds[0], contact[kinds[0]]
+    found: dict[Problem, None] = {}
     for value in values:
-        check({**config, "contact": {**contact, kind: value}})
+        try:
+            check({**config, "contact": {**contact, kind: value}})
+        except SettingsError as error:
+            found |= dict.fromkeys(error.found)
+    if found:
+        raise SettingsError("", found)
     config = {**config, "contact": {**contact, kind: values[0]}}
     if kind == "area_fraction":
         config["contact"].setdefault("path_area_fractions", sorted({*values}))
@@ -161,14 +181,13 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
     }
     for study, names in config["studies"].items():
         if len(names) > (most := _most_surfaces(study)):
-            raise ConfigError(
-                f"contact.{kind} = {shown(values)}: study {study} would have {len(names)} surfaces, "
-                f"at most {most} are accepted; fewer loads or surfaces are needed"
-            )
+            needed = f"at most {most} are accepted; fewer loads or surfaces are needed"
+            text = f" = {shown(values)}: study {study} would have {len(names)} surfaces, {needed}"
+            raise SettingsError("", [Problem(f"contact.{kind}", text)])
     return config
 
 
 def _most_surfaces(study: str) -> int:
     """Largest number of surfaces of a study."""
-    studies = schema()["properties"]["studies"]
+    studies = entry_of(Configuration, "studies")
     return studies["properties"].get(study, studies["additionalProperties"])["maxItems"]

@@ -3,20 +3,19 @@
 Stricter than a usual YAML reader: no tags that make objects, no key given twice, limits on size, depth and
 content, so that a file from someone else does no harm. Plain scalars are those of the core schema of YAML 1.2
 (https://yaml.org/spec/1.2.2/#103-core-schema): PyYAML follows YAML 1.1, where ``010`` is 8, ``1:20`` is 80,
-``no`` is false and ``1e-6`` is text. The end of the module reads the maps of a case file of ``asperity run``.
+``no`` is false and ``1e-6`` is text.
 """
 
 import os
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from asperity.core.errors import ConfigError, shown
-from asperity.study.config.schema import LOAD_LABELS, without_load
+from asperity.core.errors import InputError, shown
+from asperity.settings.sections import LOAD_LABELS, without_load
 
 _MAX_FILE_SIZE = 2**17
 """Largest size of a file in bytes, which are read in three seconds; the paper's has four thousand."""
@@ -67,18 +66,18 @@ def load(path: str | Path) -> dict[str, Any]:
 
     Raises
     ------
-    ConfigError
+    InputError
         If the file is missing or too large, or its content is not accepted by `parse`.
     """
     if not os.path.isfile(path):
-        raise ConfigError(f"{path}: no such file")
+        raise InputError(str(path), ["no such file"])
     try:
         with open(path, "rb") as file:
             content = file.read(_MAX_FILE_SIZE + 1)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from error
+        raise InputError(str(path), [f"cannot be read ({error.strerror})"]) from error
     if len(content) > _MAX_FILE_SIZE:
-        raise ConfigError(f"{path}: a configuration of at most {_MAX_FILE_SIZE} bytes is needed")
+        raise InputError(str(path), [f"a configuration of at most {_MAX_FILE_SIZE} bytes is needed"])
     return parse(content, str(path))
 
 
@@ -93,7 +92,7 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
 
     Raises
     ------
-    ConfigError
+    InputError
         If the text is not YAML in UTF-8, is no mapping, gives a key twice, or is too large or too deep.
     """
     try:
@@ -105,13 +104,13 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
         where = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise ConfigError(f"{name}: YAML is needed; {error.problem or error.context}{where}") from error
+        raise InputError(name, [f"YAML is needed; {error.problem or error.context}{where}"]) from error
     except yaml.YAMLError as error:
-        raise ConfigError(f"{name}: YAML in UTF-8 is needed; {str(error).splitlines()[0]}") from error
+        raise InputError(name, [f"YAML in UTF-8 is needed; {str(error).splitlines()[0]}"]) from error
     except RecursionError as error:
-        raise ConfigError(f"{name}: at most {_MAX_DEPTH} levels are accepted") from error
+        raise InputError(name, [f"at most {_MAX_DEPTH} levels are accepted"]) from error
     except (ValueError, AttributeError) as error:  # also of a scalar that its tag does not fit
-        raise ConfigError(f"{name}: {str(error).split(';')[0]}") from error
+        raise InputError(name, [str(error).split(";")[0]]) from error
 
 
 def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
@@ -149,51 +148,3 @@ def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, A
         else:
             both[key] = merged(below, value)
     return both
-
-
-PATHS = ("map", "counter_map", "out")
-"""Settings that are names of files, relative to the folder of the case file that gives them."""
-
-CHECKSUMS = {f"{name}_sha256": name for name in PATHS[:2]}
-"""Key of a case file with the checksum of a map → setting that names the map."""
-
-CASE_SUFFIXES = (".yaml", ".yml")
-"""Ends of the names of case files."""
-
-
-def pool_of(paths: Sequence[str]) -> dict[str, Any]:
-    """Settings of a case file that names several maps, or pools them; empty for any other file.
-
-    Raises
-    ------
-    ConfigError
-        If the file cannot be read, or the lists that belong to its maps differ in length.
-    """
-    if len(paths) > 1 or Path(paths[0]).suffix not in CASE_SUFFIXES:
-        return {}
-    path, content = Path(paths[0]), load(Path(paths[0]))
-    pool = content.get("engineering", content)
-    if not isinstance(pool, Mapping) or not (isinstance(pool.get("map"), list) or "pooled" in pool):
-        return {}
-    named = pool.get("map")
-    maps: list[Any] = named if isinstance(named, list) else [named]
-    for name in (*PATHS[:2], *CHECKSUMS):
-        given = pool.get(name, maps)
-        if isinstance(given, list) and not (
-            0 < len(given) == len(maps) and all(isinstance(each, str) and each for each in given)
-        ):
-            raise ConfigError(f"{path}: {name} = {shown(given)}: a list of {len(maps)} names is needed")
-    if not isinstance(pool.get("pooled", False), bool):
-        raise ConfigError(f"{path}: pooled = {shown(pool['pooled'])}: true or false is needed")
-    found = {"map": [str(path.parent / each) for each in maps], "pooled": pool.get("pooled", False)}
-    return found | ({"out": str(path.parent / pool["out"])} if "out" in pool else {})
-
-
-def names_of_maps(paths: Sequence[str]) -> list[str]:
-    """Names of folders for several answers: those of the files; equal ones get the folder's name in front."""
-    stems = [Path(path).stem for path in paths]
-    count = Counter(stems)
-    return [
-        stem if count[stem] == 1 else f"{Path(path).resolve().parent.name}_{stem}"
-        for path, stem in zip(paths, stems, strict=True)
-    ]

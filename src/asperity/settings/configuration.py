@@ -1,0 +1,662 @@
+"""Settings of the study: a class for each section of its configuration.
+
+A setting that may be left out, without a constant as its default, is None then; an explicit null is refused.
+"""
+
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, ConfigDict, Field, Strict
+
+from asperity.core.errors import shown
+from asperity.core.packages import ENGINES, absent
+from asperity.settings.model import (
+    DISTINCT,
+    NeededError,
+    Number,
+    OneOf,
+    Settings,
+    Text,
+    Whole,
+    YesNo,
+    number,
+    setting,
+)
+from asperity.settings.quantities import LengthOrNumber, Written
+from asperity.settings.sections import LOAD_LABELS
+
+TWO_NODES_SLACK = 1e-9
+"""Amount by which a grid may miss two nodes on the shortest wavelength: 1/3 has no finite decimals."""
+
+NAME = r"^(?!(con|prn|aux|nul|com[0-9]|lpt[0-9])\Z)[a-z][a-z0-9_]{0,39}\Z"
+"""Pattern of names that the user chooses, without those of devices on Windows."""
+
+NAMES = "a name of at most 40 lower-case letters, digits and underscores that begins with a letter"
+
+_OTHER_LOAD = "another quantity is imposed"
+_OWN_STUDY = "Surfaces of a study of your own; `[]` for none, as with every study."
+_OTHER_HEIGHTS = "another distribution is given"
+
+
+def _label(text: str) -> str:
+    """A text, if a figure can show it; `NeededError` otherwise."""
+    if not text.isprintable():
+        raise NeededError("text that can be printed")
+    if text.count("$") % 2:
+        raise NeededError("mathematics between two dollar signs")
+    if "$" in text and not absent(["matplotlib"]):
+        from matplotlib.mathtext import MathTextParser  # takes time, and not every command has matplotlib
+
+        try:
+            MathTextParser("path").parse(text)
+        except ValueError:
+            raise NeededError("mathematics that matplotlib can draw") from None
+    return text
+
+
+Name = Annotated[str, Strict(), Field(pattern=NAME)]
+Label = Annotated[Text, Field(min_length=1, max_length=60), AfterValidator(_label)]
+Fraction = Annotated[Number, Field(gt=0, le=1)]
+Poisson = Annotated[Number, Field(gt=-1, le=0.5)]
+Seed = Annotated[Whole, Field(ge=0, le=2**32 - 1)]
+Wavelength = Annotated[Number, Field(ge=2 / 32768, le=1)]  # two grid spacings of the finest grid
+Nodes = Annotated[Whole, Field(ge=8, le=32768)]
+Solver = Literal["gfmd", "active_set"]
+LengthOrCells = Annotated[Number, Field(gt=0), Written("length", "8 um")]
+Names = Annotated[list[Text], Strict(), Field(min_length=0, max_length=4), DISTINCT]
+
+_AREA_FRACTION = (
+    "Real over nominal contact area at which the stress is analysed. One of `area_fraction`, `mean_pressure` "
+    "and `approach` is given."
+)
+_MEAN_PRESSURE: Any = setting(
+    None,
+    "Load over the nominal area, in place of `area_fraction`.",
+    unit="effective modulus",
+    default_text=_OTHER_LOAD,
+    gt=0,
+    le=1000,
+)
+_APPROACH: Any = setting(
+    None,
+    "Approach of the bodies since their first touch (δ − min h, docs/glossary.md), in place of "
+    "`area_fraction`.",
+    unit="cell length",
+    default_text=_OTHER_LOAD,
+)
+_LABEL: Any = setting(..., "Name of the surface in figures; mathematics stands between dollar signs.")
+_LOAD: Any = setting(None, default_text="that of section `contact`")
+
+
+class Load(OneOf):
+    """Load of this surface alone, given as one of the loads of section `contact`."""
+
+    area_fraction: Fraction = setting(None, _AREA_FRACTION, default_text=_OTHER_LOAD)
+    mean_pressure: Number = _MEAN_PRESSURE
+    approach: Fraction = _APPROACH
+
+
+class Johnson(Settings):
+    """Johnson's bounded transform of the Gaussian heights (Eq. 23 of the paper)."""
+
+    gamma: Number = setting(
+        ..., "γ, sign and size of the asymmetry. Positive values make blunt contacts.", ge=-10, le=10
+    )
+    delta: Annotated[Number, Field(gt=0, le=100)] = setting(
+        ..., "δ, shape; smaller values make the heights more skewed. The paper does not give its value."
+    )
+    zeta: Annotated[Number, Field(ge=-100, le=100)] = setting(
+        ..., "ζ, lower bound of the transformed heights before they are scaled back to `rms_height`."
+    )
+    lam: Number = setting(
+        ..., "λ, width of the interval of the transformed heights before they are scaled back.", gt=0, le=200
+    )
+
+
+class Moments(Settings):
+    """Skewness and kurtosis of a Johnson curve."""
+
+    skewness: Number = setting(
+        ..., "Skewness of the transformed heights. Positive values make blunt contacts.", ge=-5, le=5
+    )
+    kurtosis: Annotated[Number, Field(gt=1, le=100)] = setting(
+        ..., "Kurtosis of the transformed heights (3 for a Gaussian), larger than 1 + skewness²."
+    )
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        least = 1 + self.skewness**2
+        if self.kurtosis <= least:
+            needed = f"a number > {number(least)}, 1 + skewness², is needed"
+            yield "kurtosis", f" = {number(self.kurtosis)}: {needed}"
+
+
+class Plateau(Settings):
+    """Heights of a honed surface (ISO 13565-3): a Gaussian plateau, Gaussian valleys, and the material ratio
+    at which one passes into the other. Of the two roughnesses only the ratio counts.
+    """
+
+    rpq: Number = setting(..., "Root-mean-square roughness Rpq of the plateau.", gt=0, le=1000)
+    rvq: Annotated[Number, Field(gt=0, le=1000)] = setting(
+        ..., "Root-mean-square roughness Rvq of the valleys, in the unit of `rpq`."
+    )
+    rmq: Number = setting(..., "Material ratio Rmq in per cent.", gt=0, lt=100)
+
+
+class MapFile(Settings):
+    """Measured height map whose distribution of heights is used, after its tilt is subtracted."""
+
+    file: Text = setting(
+        ...,
+        "File of the height map, in a format of `docs/formats.md`. The map shows its peaks upward and is "
+        "pressed face down.",
+        pattern=r"^[^{}]{1,1000}\Z",  # Snakemake takes braces in the name of an input for wildcards
+        accepts="a file name without braces of at most 1000 characters",
+    )
+    channel: Text = setting(
+        None,
+        "Name or number of the channel of the file.",
+        default_text="the one whose name says that it holds heights",
+        pattern=r"^[^\n]{1,200}\Z",
+        accepts="a name of at most 200 characters",
+    )
+    missing: Number = setting(
+        None,
+        "Number in the file that stands for points without data, such as -9999.",
+        default_text="as the format of the file marks them",
+    )
+    unit: Text = setting(
+        None,
+        "Unit of the heights and of `physical_size`, such as um, for a file that does not state it.",
+        default_text="as in the file",
+        pattern=r"^[A-Za-zµμÅ]{1,20}\Z",
+        accepts="a unit of length such as nm, um, mm or m",
+    )
+    orientation: Literal["peaks up", "lower face"] = setting(
+        None,
+        "Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, "
+        "or `lower face` of an indenter, as the library uses it.",
+        default_text="as in the file",
+    )
+    format: Text = setting(
+        None,
+        "Format of the file, for a file whose format cannot be recognised by its first bytes, or that has "
+        "the extension of another format. `profile` reads a line scan as a map with the same heights for "
+        "all y. `asperity info --help` lists the formats.",
+        default_text="recognised from the file",
+        pattern=r"^[a-z0-9]{1,20}\Z",
+        accepts="the name of a format",
+    )
+    max_memory: Number = setting(
+        None, "Largest size that the file may have when unpacked.", default_text="2", unit="GiB", gt=0
+    )
+    physical_size: Annotated[list[LengthOrNumber], Strict(), Field(min_length=2, max_length=2)] = setting(
+        None,
+        "Edges (y, x) of the map. Numbers are in the unit of the heights.",
+        default_text="as in the file",
+    )
+    height_factor: Annotated[Number, Field(gt=0, le=1e12)] = setting(
+        None, "Factor from the numbers in the file to heights.", default_text="as in the file"
+    )
+
+
+class Heights(OneOf):
+    """Distribution of the heights. Spectrum, rms height and rms gradient remain those of the Gaussian
+    surface. Excludes `johnson` and `moments`, which change the spectrum.
+    """
+
+    moments: Moments = setting(None, default_text=_OTHER_HEIGHTS)
+    plateau: Plateau = setting(None, default_text=_OTHER_HEIGHTS)
+    map: MapFile = setting(None, default_text=_OTHER_HEIGHTS)
+
+
+class Surface(Settings):
+    """A random rough surface."""
+
+    label: Label = _LABEL
+    hurst: Annotated[Number, Field(ge=0, le=1)] = setting(..., "Hurst exponent.")
+    wavelength_long: Wavelength = setting(..., "Longest wavelength of the spectrum.", unit="cell length")
+    wavelength_short: Wavelength = setting(
+        ..., "Shortest wavelength of the spectrum; at least two grid spacings.", unit="cell length"
+    )
+    rms_height: Fraction = setting(..., "Root-mean-square height.", unit="cell length")
+    points: Nodes = setting(
+        None,
+        "Nodes of the grid on each edge of the cell.",
+        default_text="the preset's number for each `wavelength_short`",
+    )
+    contact: Load = _LOAD
+    johnson: Johnson = setting(None, default_text="no transform")
+    moments: Moments = setting(
+        None,
+        "Johnson's transform of the Gaussian heights to a given skewness and kurtosis, by the bounded or "
+        "the unbounded curve. Excludes `johnson`.",
+        default_text="no transform",
+    )
+    heights: Heights = setting(None, default_text="Gaussian")
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        short, long, points = number(self.wavelength_short), number(self.wavelength_long), self.points
+        if self.wavelength_short > self.wavelength_long:
+            yield "wavelength_short", f" = {short}: at most wavelength_long = {long} is needed"
+        if points and self.wavelength_short * points < 2 - TWO_NODES_SLACK:
+            fewest = f"at least {round(2 / self.wavelength_short)} are needed"
+            yield "points", f" = {points}: {fewest}, two on wavelength_short = {short}"
+        given = [kind for kind in ("johnson", "moments", "heights") if getattr(self, kind)]
+        if len(given) > 1:
+            yield given[1], f": only one of {given[1]} and {given[0]} is accepted"
+
+
+class MeasuredMap(MapFile):
+    """A measured height map."""
+
+    label: Label = _LABEL
+    contact: Load = _LOAD
+    detrend: Literal["none", "tilt", "curvature"] = setting(
+        None,
+        "Trend that is subtracted by least squares besides the mean.",
+        default_text="tilt for mirrored and windowed maps, else none",
+    )
+    periodic: Literal["declared", "mirrored", "windowed"] = setting(
+        None,
+        "How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror "
+        "images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean "
+        "plane.",
+        default_text="only a file that calls itself periodic is accepted",
+    )
+    undefined: Literal["harmonic"] = setting(
+        None, "How points without data are filled.", default_text="a map with such points is refused"
+    )
+    wavelength_short: Annotated[Wavelength, Written("length", "8 um")] = setting(
+        None,
+        "Waves shorter than this are removed. Figures show depths in units of this wavelength. A number is "
+        "in cell lengths; a mirrored map fills half of the cell's edge.",
+        unit="cell length, unless it has its own",
+        default_text="two pixels of the map",
+    )
+    scan_lines: Literal["median", "matched"] = setting(
+        None,
+        "How offsets between scan lines along x are removed: by the median of each line, or `matched` by "
+        "the median of its differences from the line before.",
+        default_text="offsets are kept",
+    )
+    s_filter: LengthOrCells = setting(
+        None,
+        "Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves.",
+        unit="cell length, unless it has its own",
+        default_text="no filter",
+    )
+    l_filter: LengthOrCells = setting(
+        None,
+        "Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves.",
+        unit="cell length, unless it has its own",
+        default_text="no filter",
+    )
+    points: Nodes = setting(
+        None,
+        "Nodes on the longer edge of the cell, by Fourier interpolation; an even number on that of a "
+        "mirrored map.",
+        default_text="the preset's number for each `wavelength_short` in cell lengths; without it, those of "
+        "the map",
+    )
+    despike: Number = setting(
+        None,
+        "Points that differ from the local median by more than this number of robust standard deviations of "
+        "the local roughness are replaced, as spikes.",
+        default_text="no point is replaced; 8 keeps every point of a Gaussian surface",
+        ge=3,
+    )
+
+
+class Studies(Settings):
+    """Names of the surfaces that are compared with each other in figures. Surfaces in no study are not
+    computed. The six names in this table are those of the paper's studies, whose figures are drawn with
+    `figures` set to `paper`.
+    """
+
+    model_config = ConfigDict(
+        extra="allow",
+        json_schema_extra={"names": NAMES, "propertyNames": {"type": "string", "pattern": NAME}},
+    )
+    __pydantic_extra__: dict[str, Annotated[Names, Field(description=_OWN_STUDY)]]
+
+    hurst: Names = setting(None, "Surfaces of figures 6 to 11.", default_text="none")
+    compressibility: Annotated[list[Text], Strict(), Field(min_length=0, max_length=1), DISTINCT] = setting(
+        None,
+        "Surface of figures 13 to 15, which compare the Poisson's ratios of `stress.poisson`.",
+        default_text="none",
+    )
+    skewness: Names = setting(None, "Surfaces of figures 16a and 17a.", default_text="none")
+    kurtosis: Names = setting(
+        None,
+        "Surfaces of figures 16b, 17b and 18. Figure 18 shows the two of them with the shortest wavelengths.",
+        default_text="none",
+    )
+    moments: Names = setting(
+        None, "Surfaces of the supplement that differ in the kurtosis of their heights.", default_text="none"
+    )
+    measured: Names = setting(None, "Surfaces of the supplement on measured surfaces.", default_text="none")
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        for name in self.__pydantic_extra__:
+            if not re.match(NAME, name):
+                yield shown(name), f": {NAMES} is needed"
+
+
+class Base(Settings):
+    """Elastic half-space to which the layer is bonded, so that the layer is a coating."""
+
+    modulus_ratio: Number = setting(
+        ..., "Young's modulus of the base over that of the layer.", ge=1e-6, le=1e6
+    )
+    poisson: Poisson = setting(..., "Poisson's ratio of the base.")
+
+
+class Layer(Settings):
+    """The elastic solid."""
+
+    height: Number = setting(1.0, "Height of the layer.", unit="cell length", gt=0, le=1000)
+    bottom: Literal["bonded", "frictionless"] = setting(
+        "bonded", "Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."
+    )
+    poisson: Poisson = setting(0.33, "Poisson's ratio of the contact, and of figures that show only one.")
+    base: Base = setting(None, default_text="a rigid base")
+    lateral: Literal["confined", "free"] = setting(
+        "confined",
+        "Lateral state under the mean pressure: `confined` (no lateral strain) or `free` (no mean lateral "
+        "stress).",
+    )
+    half_space_tolerance: Number = setting(
+        None,
+        "Largest difference between layer and half-space, relative to the pressure of a mode, at which the "
+        "half-space replaces the layer. Every result records which of the two was used.",
+        default_text="preset",
+        ge=0,
+        le=1,
+    )
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        if self.base and self.bottom != "bonded":
+            yield "bottom", f" = {self.bottom!r}: bonded is needed with layer.base"
+
+
+class Contact(Settings):
+    """The contact problem. A list in place of a load, such as `area_fraction: [0.02, 0.1]`, presses every
+    surface under each load, and figures compare them: surface `NAME` becomes `NAME_load1`, `NAME_load2`
+    and so on.
+    """
+
+    method: Solver = setting(
+        "active_set",
+        "Solver: damped dynamics as in the paper (`gfmd`), or the faster `active_set` with the same result.",
+    )
+    area_fraction: Fraction = setting(0.1, _AREA_FRACTION)
+    mean_pressure: Number = _MEAN_PRESSURE
+    approach: Fraction = _APPROACH
+    hardness: Annotated[Number, Field(gt=0, le=1000)] = setting(
+        None,
+        "Largest pressure of a plastic contact, in effective moduli E*.",
+        default_text="an elastic contact",
+    )
+    path_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = setting(
+        None, "Area fractions of the load-area curve.", default_text="the imposed load alone"
+    )
+    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = setting(
+        None, "Estimated error of the pressure, relative to its norm.", default_text="preset"
+    )
+    precision: Literal["float64", "float32"] = setting(
+        None, "Floating-point precision of the contact problem.", default_text="preset"
+    )
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        loads = [name for name in LOAD_LABELS if name in self.model_fields_set]
+        if len(loads) > 1:
+            together = f"not accepted together with {loads[0]}; one of {', '.join(LOAD_LABELS)} is needed"
+            yield loads[1], f" = {number(getattr(self, loads[1]))}: {together}"
+        if self.method == "gfmd" and self.hardness:
+            yield "hardness", f" = {number(self.hardness)}: no value with method gfmd is needed"
+        for choice, least in {
+            "method gfmd": 1e-13,  # the damped dynamics stop at 1.5e-14, by rounding
+            "precision float32": 1e-6,  # smaller residuals are rounding errors in single precision
+        }.items():
+            chosen = choice in (f"method {self.method}", f"precision {self.precision}")
+            if chosen and self.tolerance and self.tolerance < least:
+                needed = f"a number ≥ {number(least)} with {choice} is needed"
+                yield "tolerance", f" = {number(self.tolerance)}: {needed}"
+
+
+class Stress(Settings):
+    """The stress inside the solid."""
+
+    poisson: Annotated[list[Poisson], Strict(), Field(min_length=1, max_length=16), DISTINCT] = setting(
+        None,
+        "Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of "
+        "them. Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other "
+        "than that of the contact.",
+        default_text="that of the contact",
+    )
+    tolerance: Number = setting(
+        None,
+        "Largest error that a coarser grid may cause in a deep plane, relative to the rms of σ_zz in this "
+        "plane; 0 for the full grid at every depth.",
+        default_text="preset",
+        ge=0,
+        le=0.1,
+    )
+    depth_spacing: Number = setting(
+        None,
+        "Distance between planes near the surface. At depth the distance is a quarter of this number times "
+        "the depth.",
+        default_text="preset",
+        unit="grid spacings",
+        ge=0.05,
+        le=4,
+    )
+
+
+class Statistics(Settings):
+    """Distributions over the seeds, and their uncertainty."""
+
+    bins: Annotated[Whole, Field(ge=2, le=10_000)] = setting(
+        100,
+        "Number of bins of every probability density. Densities of peaks have fewer bins where an average "
+        "bin would hold less than twenty peaks.",
+    )
+    resamples: Annotated[Whole, Field(ge=10, le=100_000)] = setting(
+        1000, "Bootstrap resamples over the seeds. Confidence bands need at least two seeds."
+    )
+    confidence: Number = setting(0.95, "Confidence level of the bands.", gt=0, lt=1)
+
+
+def _nodes(least: int, most: int = 4096, of: str = "grid") -> Any:
+    """Setting: nodes of a grid or map on each edge."""
+    return setting(..., f"Nodes of the {of} on each edge.", ge=least, le=most)
+
+
+class LoadArea(Settings):
+    """Contact area against load of a periodic paraboloid (figure 2a)."""
+
+    points: Whole = _nodes(32)
+    method: Solver = setting(..., "Solver, as in `contact.method`.")
+
+
+class SlabLoadArea(Settings):
+    """Slabs of several heights, indented to the depth of the paper (figures 2b and 2c)."""
+
+    points: Whole = _nodes(64)
+    method: Solver = setting(..., "Solver, as in `contact.method`.")
+    steps: Whole = setting(..., "Steps of the indentation.", ge=2, le=100)
+
+
+class GridConvergence(Settings):
+    """Errors on finer and finer grids, where the solution is known (figure 2d)."""
+
+    points: Annotated[
+        list[Annotated[Whole, Field(ge=16, le=2048)]], Strict(), Field(min_length=2), DISTINCT
+    ] = setting(..., "Nodes of the grids on each edge, in rising order.")
+
+
+class Elements(Settings):
+    """Displacement and stress in the diagonal plane of the indented slab, compared with finite elements
+    (figures 1, 3 and 4).
+    """
+
+    model_config = ConfigDict(json_schema_extra={"removed": {"elements": "give meshes"}})
+
+    meshes: Annotated[
+        list[
+            Annotated[list[Annotated[Whole, Field(ge=4, le=96)]], Strict(), Field(min_length=2, max_length=2)]
+        ],
+        Strict(),
+        Field(min_length=2),
+    ] = setting(
+        ..., "Meshes, coarse to fine, each as hexahedra along half an edge of the cell and along its height."
+    )
+    points: Whole = _nodes(32, 2048)
+
+
+class Punch(Settings):
+    """Von Mises stress under a Hertzian contact (figure 12)."""
+
+    points: Whole = _nodes(64)
+    samples: Whole = setting(..., "Depths of the plane that is drawn.", ge=11, le=1001)
+
+
+class EllipticContacts(Settings):
+    """Elliptic contacts on an isolated map, pressure and stress on the axis."""
+
+    points: Whole = _nodes(32, 2048, "map")
+
+
+class EdgeTension(Settings):
+    """Radial stress of the surface outside a circular contact on an isolated map."""
+
+    points: Whole = _nodes(32, of="map")
+
+
+class MetalContacts(Settings):
+    """Hardness, stiffness, partial slip, percolation and stress cycles of a map, a sphere, noise and a
+    cylinder.
+    """
+
+    points: Whole = _nodes(32, of="map")
+
+
+class LayerIndentation(Settings):
+    """Bonded layers under a flat punch and a paraboloid."""
+
+    points: Whole = _nodes(128)
+
+
+class CoatingIndentation(Settings):
+    """A paraboloid on coated half-spaces."""
+
+    points: Whole = _nodes(128)
+
+
+class WaveAsymptotes(Settings):
+    """A bisinusoidal wave in small and in nearly complete contact."""
+
+    points: Whole = _nodes(128)
+
+
+class Validation(Settings):
+    """Comparisons with closed forms, finite elements and high precision. A comparison that is left out is not
+    made.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "removed": {
+                "mesh_convergence": "validation.elements.meshes compares several meshes",
+                "stability": "python studies/stability/stability.py makes it",
+                "extremes": "python studies/stability/stability.py makes it",
+            }
+        }
+    )
+
+    load_area: LoadArea = setting(None, default_text="not made")
+    slab_load_area: SlabLoadArea = setting(None, default_text="not made")
+    grid_convergence: GridConvergence = setting(None, default_text="not made")
+    elements: Elements = setting(None, default_text="not made")
+    punch: Punch = setting(None, default_text="not made")
+    elliptic_contacts: EllipticContacts = setting(None, default_text="not made")
+    edge_tension: EdgeTension = setting(None, default_text="not made")
+    metal_contacts: MetalContacts = setting(None, default_text="not made")
+    layer_indentation: LayerIndentation = setting(None, default_text="not made")
+    coating_indentation: CoatingIndentation = setting(None, default_text="not made")
+    wave_asymptotes: WaveAsymptotes = setting(None, default_text="not made")
+
+
+class Configuration(Settings):
+    """Lengths are in units of the longer edge of the periodic cell, stresses in units of the effective
+    modulus.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "renamed": {"body": "stress"},
+            "removed": {
+                "interpretations": "every statement is judged under all interpretations (docs/claims.md)",
+                "ensemble": "give more seeds; asperity plan says how many an error needs",
+                "nayak": "the settings are in studies/nayak/config.yaml",
+                "tradeoff": "make tradeoff measures the errors of all settings",
+                "engineering": "asperity run takes a case file",
+            },
+        }
+    )
+
+    based_on: Text = setting(
+        None,
+        "Another configuration, whose settings, except `results`, hold where this file gives none. It is "
+        "the paper's or one of your own, and may itself be based on a third. A file without this key uses "
+        "no other file.",
+        default_text="nothing",
+        accepts="the name of a configuration, such as `config/config.yaml`",
+    )
+    results: Text = setting(
+        None,
+        "Folder for all results of the study, inside the project; `results` itself is the paper's. On the "
+        "command line `--config results=FOLDER` takes any folder.",
+        default_text="`results/NAME` for a file `NAME.yaml`",
+        pattern=r"^results(/[A-Za-z0-9_-]{1,60}){0,8}\Z",
+        accepts="`results` or a folder below it",
+    )
+    accuracy: Literal["draft", "paper", "reference"] = setting(
+        "paper", "Preset of all settings of accuracy. An explicit value of one of them overrides the preset."
+    )
+    fft_engine: Literal[ENGINES] = setting(  # type: ignore[valid-type]
+        ENGINES[0],
+        "Library that computes the Fourier transforms: `ducc0`, `pyfftw`, which the extra `fftw` installs, "
+        "or `scipy`, under the BSD licence. Their results differ by rounding errors.",
+    )
+    seeds: Annotated[list[Seed], Strict(), Field(min_length=1), DISTINCT] = setting(
+        None,
+        "Seeds of the random surfaces. Every surface is generated, pressed and analysed once per seed.",
+        default_text="1, 2, … up to the number of the preset",
+    )
+    figures: Literal["own", "paper"] = setting(
+        "own",
+        "Figures of the studies. `own` draws the same set of figures for each study, in files with its "
+        "name. `paper` draws the numbered figures of the paper and of its supplement for the studies with "
+        "the names in table `studies`, and the set of `own` for all other studies.",
+    )
+    claims: YesNo = setting(
+        False,
+        "Compare the statements of the paper with the results of its surfaces; needs `figures` set to "
+        "`paper`.",
+    )
+    surfaces: dict[Name, Surface] = setting(
+        {},
+        "Random rough surfaces, each under a name of lower-case letters, digits and underscores.",
+        names=NAMES,
+    )
+    measured: dict[Name, MeasuredMap] = setting(
+        {}, "Measured height maps, each under a name like those of `surfaces`.", names=NAMES
+    )
+    studies: Studies = setting(None, default_text="one study of all surfaces, `all`")
+    layer: Layer = setting({})
+    contact: Contact = setting({})
+    stress: Stress = setting({})
+    statistics: Statistics = setting({})
+    validation: Validation = setting({})
