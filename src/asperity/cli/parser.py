@@ -17,7 +17,7 @@ from asperity.core.version import __version__
 from asperity.paper.figures import known
 from asperity.settings.check import default
 from asperity.settings.configuration import Configuration
-from asperity.settings.model import NeededError, accepted, converted, entry_of
+from asperity.settings.model import Entry, NeededError, accepted, converted, entry_of
 from asperity.surface.reading.formats import formats_in_words
 
 COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
@@ -59,7 +59,8 @@ class Parser(argparse.ArgumentParser):
 def parse(words: Sequence[str] | None) -> argparse.Namespace:
     """The options of a command line; refuses repeated options, and suggests the nearest for unknown ones."""
     words = sys.argv[1:] if words is None else words
-    parser = make_parser(next((word for word in words if word in COMMANDS), ""))
+    wants_help = not {"-h", "--help"}.isdisjoint(words)
+    parser = make_parser(next((word for word in words if word in COMMANDS), ""), wants_help)
     found, unknown = parser.parse_known_args(words)
     entry = COMMANDS[found.command]
     known = {
@@ -79,13 +80,15 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
     return found
 
 
-def make_parser(only: str | None = None) -> Parser:
+def make_parser(only: str | None = None, explained: bool = True) -> Parser:
     """Parser of the command line; its result names the command as ``command``.
 
     Parameters
     ----------
     only : str, optional
         The command whose arguments are needed; by default those of all commands are made.
+    explained : bool
+        True if settings of a case are explained, for which all questions are imported.
     """
     parser = Parser(prog="asperity", description=DESCRIPTION, epilog=EPILOG)
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
@@ -102,10 +105,10 @@ def make_parser(only: str | None = None) -> Parser:
         )
         if only not in (None, name):
             continue
-        _add_arguments(command, entry, False)
+        _add_arguments(command, entry, explained)
         for group in entry.get("groups", ()):
             titled = command.add_argument_group(group["title"], group.get("description"))
-            _add_arguments(titled, group, entry.get("checks", False))
+            _add_arguments(titled, group, explained)
     return parser
 
 
@@ -118,29 +121,62 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         elif key == "settings":
             pairs = ((section, name) for section, names in given.items() for name in names)
             found |= {flag(name): {"setting": f"{section}.{name}"} for section, name in pairs}
+        elif key == "case":
+            found |= {
+                name: each if isinstance(each, Mapping) else {"key": each} for name, each in given.items()
+            }
         elif key == "with":
             for shared in given:
                 found |= arguments(SHARED[shared])
     return found
 
 
-def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], checks: bool) -> None:
+def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], explained: bool) -> None:
+    """Add the arguments of a command or group; those of a case are explained only where help is wanted."""
     for flag, given in arguments(entry).items():
-        if given.get("setting", "").startswith("engineering."):  # of `run`
-            continue
         options = dict(given)
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
         key, default_text, words = (
             options.pop(name, None) for name in ("setting", "default_text", "accepts")
         )
+        if (of_case := options.pop("key", None)) is not None:
+            parser.add_argument(flag, **_of_case(of_case) | options if explained else options)
+            continue
         if "type" in options:
             options["type"] = TYPES[options["type"]]
         if key is not None:
-            options = _of_setting(key, default_text, words, checks or "type" in options) | options
+            options = _of_setting(key, default_text, words, "type" in options) | options
         elif "help" in options:
             options["help"] = options["help"].replace("%", "%%")
         parser.add_argument(flag, **options)
+
+
+def _of_case(key: str) -> dict[str, Any]:
+    """Keywords of `add_argument` for a setting of a case, which `asperity run` checks itself."""
+    from asperity.engineering.case import Case
+
+    entry = entry_of(Case, key)
+    placeholder = f"{{{','.join(entry['enum'])}}}" if "enum" in entry else _placeholder(entry)
+    return {"metavar": placeholder, "help": _help(entry, entry.get("default_text"))}
+
+
+def _placeholder(entry: Entry) -> str:
+    """Placeholder of a value in the usage."""
+    kind = entry.get("anyOf", [entry])[-1]
+    types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
+    return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
+
+
+def _help(entry: Entry, default_text: str | None, words: str | None = None) -> str:
+    """Description of a setting with what it accepts and its default, as argparse takes it."""
+    facts = [] if "enum" in entry else [words or accepted(entry.get("items", entry))]
+    if "unit" in entry and not words:
+        facts.append(f"unit: {entry['unit']}")
+    if default_text:
+        facts.append(f"default: {default_text}")
+    text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
+    return text.replace("`", "").replace("%", "%%")
 
 
 def _of_setting(key: str, default_text: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
@@ -159,12 +195,8 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     """
     entry = entry_of(Configuration, key)
     items = entry.get("items", entry)
-    kind = items.get("anyOf", [items])[-1]
     value = None if default_text or as_text else default(key)
-    if "enum" in items:
-        placeholder = f"{{{','.join(items['enum'])}}}"
-    else:
-        placeholder = _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS[kind["type"]]
+    placeholder = f"{{{','.join(items['enum'])}}}" if "enum" in items else _placeholder(items)
     made: dict[str, Any] = {"dest": key, "default": value, "metavar": placeholder}
     is_list = "items" in entry
     if is_list:
@@ -172,13 +204,9 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
         made["nargs"] = fixed or "+"
     if not as_text:
         made |= {"action": _StoreList} if is_list else {"type": partial(value_of, key)}
-    facts = [] if "enum" in entry else [words or accepted(items)]
-    if "unit" in entry and not words:
-        facts.append(f"unit: {entry['unit']}")
-    if default_text := default_text or (str(value) if value is not None else entry.get("default_text")):
-        facts.append(f"default: {default_text}")
-    text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
-    return made | {"help": text.replace("`", "").replace("%", "%%")}
+    if value is not None and not default_text:
+        default_text = str(value)
+    return made | {"help": _help(entry, default_text or entry.get("default_text"), words)}
 
 
 class _StoreList(argparse.Action):

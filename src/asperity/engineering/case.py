@@ -140,7 +140,10 @@ class Case(Settings):
                     if getattr(body, key) is not None:
                         yield f"{name}.{key}", ": half-spaces are needed in a Hertz contact"
             if self.map.periodic == "none":
-                yield "map.periodic", " = none: a periodic map is needed in a Hertz contact, of which it is a part"
+                yield (
+                    "map.periodic",
+                    " = none: a periodic map is needed in a Hertz contact, of which it is a part",
+                )
             if self.map.radius is not None:
                 yield "map.radius", ": not accepted in a Hertz contact, whose radii are those of the load"
         if load.kind in ("mean_pressure", "hertz_pressure") or isinstance(load, Hertz):

@@ -17,7 +17,7 @@ from typing import Any
 import netCDF4
 import yaml
 
-from asperity.core.errors import ConfigError, shown
+from asperity.core.errors import InputError, shown
 from asperity.core.system import sha256_of
 from asperity.core.version import __version__
 from asperity.engineering.case import MATERIALS, Case
@@ -42,7 +42,7 @@ def load_case(path: str | Path) -> dict[str, Any]:
 
     Raises
     ------
-    ConfigError
+    InputError
         If it cannot be read, or lists of maps differ in length.
     """
     path, content = Path(path), copy.deepcopy(load(path))
@@ -60,18 +60,20 @@ def load_case(path: str | Path) -> dict[str, Any]:
                 isinstance(each, str) and each for each in given
             ):
                 count = len(maps) if isinstance(maps, list) else 1
-                raise ConfigError(f"{path}: {'.'.join(keys)} = {shown(given)}: a list of {count} names is needed")
+                raise InputError(
+                    str(path), [f"{'.'.join(keys)} = {shown(given)}: a list of {count} names is needed"]
+                )
             put(content, keys, [str(path.parent / each) for each in given])
     return content
 
 
 def case_of_map(content: Mapping[str, Any], number: int) -> dict[str, Any]:
     """The content of a case file for one of its maps."""
-    content = copy.deepcopy(dict(content))
+    found = copy.deepcopy(dict(content))
     for keys in (*MAP_FILES, (CHECKSUMS, "map"), (CHECKSUMS, "counter_map")):
-        if isinstance(given := at(content, keys), list):
-            put(content, keys, given[number])
-    return content
+        if isinstance(given := at(found, keys), list):
+            put(found, keys, given[number])
+    return found
 
 
 def at(content: Any, keys: Sequence[str]) -> Any:

@@ -214,7 +214,9 @@ def constants_of_table(case: Case) -> list[str]:
         for part, group in ((name, body), (f"{name}.coating", body.coating)):
             if group is not None and group.of_table and group.material is not None:
                 constants = material(group.material).constants
-                values = [f"{each} {constants[each].value} ({constants[each].source})" for each in group.of_table]
+                values = [
+                    f"{each} {constants[each].value} ({constants[each].source})" for each in group.of_table
+                ]
                 lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
     return lines
 
@@ -250,7 +252,7 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
         f"spot_{str(name).rsplit('_', 1)[0]}": ("spot", values.to_numpy())
         for name, values in answer.spots.items()
     }
-    fields = {}
+    fields: dict[str, Any] = {}
     for question in answer.case.questions.values():
         fields |= {name: (("y", "x"), values) for name, values in question.fields(answer).items()}
     return (

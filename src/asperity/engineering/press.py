@@ -19,6 +19,7 @@ from asperity.surface.treatment.treatment import TreatedMap
 SMALLEST_APPROACH = 1e-7
 """Least approach over the range of heights; their rounding is 1e-16 of it."""
 
+
 def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:
     """The contact of a case.
 

@@ -21,15 +21,9 @@ import pandas as pd
 from asperity.core.markup import table, with_error
 from asperity.core.types import Array, ArrayLike
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import (
-    CRACKS,
-    IN_PER_CENT,
-    POSITION_NAMES,
-    REPEATS,
-    Answer,
-    case_in_words,
-    without_repeats,
-)
+from asperity.engineering.answer import POSITION_NAMES, REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.question import IN_PER_CENT
+from asperity.engineering.questions.cycles import CRACKS
 from asperity.surface.treatment.treatment import TreatedMap
 
 FEWEST_PEAKS = 20

@@ -11,12 +11,13 @@ from typing import Any
 import pandas as pd
 
 from asperity.core.markup import html_table, rendered
-from asperity.core.units import shown_si, to_si
+from asperity.core.units import shown_si
 from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
 from asperity.engineering.case import Case
+from asperity.engineering.case_file import pool_text
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, COMPARISON, SAMPLE, locked, replacing
-from asperity.engineering.output import HEADLINE, pool_text
+from asperity.engineering.output import HEADLINE
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
@@ -86,9 +87,7 @@ def read_sample(folder: Path, names: Sequence[str], case: Case) -> Sample:
     return Sample(case_in_words(case), tuple(names), tables["answer"], tables["peaks"])
 
 
-def write_sample(
-    sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]], area: str | None = None
-) -> str:
+def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]]) -> str:
     """Write tables, page and case file of pooled answers into the parent folder of the maps' answers.
 
     Parameters
@@ -97,8 +96,6 @@ def write_sample(
     folder : Path
     cases : sequence of (Case, files)
         Of each map.
-    area : str, optional
-        Area with its unit, on which the largest values are predicted.
 
     Returns
     -------
@@ -106,7 +103,9 @@ def write_sample(
         The means as text.
     """
     tables = {"answer_sample": sample.frame(), "answer_peaks_per_area": sample.peaks_per_area()}
-    largest = None if area is None else sample.largest(to_si(area, "area"))
+    asked = cases[0][0].sample
+    area = None if asked is None else asked.area
+    largest = None if area is None else sample.largest(area)
     if largest is not None:
         tables["answer_largest"] = largest
     rows = without_repeats(sample.rows)
@@ -116,7 +115,7 @@ def write_sample(
         for row in (() if largest is None else largest.itertuples())
         if row.body == "lower" or not repeats
     ]
-    size = sample.areas.sum() if area is None else to_si(area, "area")
+    size = sample.areas.sum() if area is None else area
     predicted += [survival_in_words(row) for row in sample.survival(size).itertuples()]
     page = rendered(
         "asperity.engineering",
@@ -133,7 +132,7 @@ def write_sample(
             for picture in POOLED_PICTURES
             if (folder / sample.names[0] / f"{picture}.png").exists()
         ],
-        case_file=(case := pool_text(cases, folder, area)),
+        case_file=(case := pool_text(cases, folder)),
     )
     with locked(folder), replacing(folder, kept=set()) as unfinished:
         for (table, frame), name in zip(tables.items(), SAMPLE, strict=False):

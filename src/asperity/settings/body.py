@@ -21,9 +21,7 @@ class OfMaterial(Settings):
         accepts="the name of a material, as `asperity case --materials` lists them",
         example="100Cr6",
     )
-    young: Pressure = setting(
-        ..., "Young's modulus.", default_text="that of the material", example="210 GPa"
-    )
+    young: Pressure = setting(..., "Young's modulus.", default_text="that of the material", example="210 GPa")
     poisson: Number = setting(
         ..., "Poisson's ratio.", default_text="that of the material", gt=-1, le=0.5, example=0.3
     )
@@ -44,7 +42,8 @@ class OfMaterial(Settings):
         filled = {
             name: constant.value
             for name, constant in material(value["material"]).constants.items()
-            if name in cls.model_fields and value.get(name) is None
+            if name in cls.model_fields
+            and value.get(name) is None
             # The hardness of a coated body is not that of its material.
             and not (name == "hardness" and value.get("coating") is not None)
         }

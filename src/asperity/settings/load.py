@@ -4,7 +4,14 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import PlainValidator, SerializeAsAny, ValidationError, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import (
+    PlainValidator,
+    SerializeAsAny,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 
 from asperity.core.errors import did_you_mean
 from asperity.settings.model import (
@@ -126,7 +133,10 @@ class Hertz(OneLoad):
         if not self.share > 0 or (is_roller and (y if self.radii[1] == math.inf else x)):
             where = " across the axis of the roller" if is_roller else ""
             raise ContradictionError(
-                ("at", f" = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed")
+                (
+                    "at",
+                    f" = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed",
+                )
             )
         if is_roller and self.force is not None:
             text = ": the Hertz pressure is needed under a roller, whose length is not known"
@@ -153,21 +163,25 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
         return value
     if not isinstance(value, Mapping):
         raise NeededError(f"a group with one of {', '.join(UNITS)}")
-    known = {name for each in (Hertz, *LOADS) for name in each.model_fields}
+    known = Hertz.model_fields.keys() | UNITS.keys()
     if unknown := [name for name in value if name not in known]:
-        raise ContradictionError(*((str(name), f": unknown key{did_you_mean(str(name), known)}") for name in unknown))
-    cls: type[OneLoad] | None = Hertz if value.keys() & (Hertz.model_fields.keys() - UNITS.keys()) else None
+        raise ContradictionError(
+            *((str(name), f": unknown key{did_you_mean(str(name), known)}") for name in unknown)
+        )
+    in_hertz_contact = not value.keys().isdisjoint(Hertz.model_fields.keys() - UNITS.keys())
     given = [name for name in UNITS if name in value]
-    if cls is None and len(given) != 1:
+    if not in_hertz_contact and len(given) != 1:
         text = f": exactly one of them is needed, {' and '.join(given) or 'none'} given"
         raise ContradictionError((", ".join(UNITS), text))
-    if cls is None and given == ["hertz_pressure"]:
+    if not in_hertz_contact and given == ["hertz_pressure"]:
         raise ContradictionError(("hertz_pressure", ": needs radius_x"))
-    cls = cls or next(each for each in LOADS if given[0] in each.model_fields)
+    chosen: type[OneLoad] = Hertz
+    if not in_hertz_contact:
+        chosen = next(each for each in LOADS if given[0] in each.model_fields)
     try:
-        return cls.model_validate(value, context=info.context)
+        return chosen.model_validate(value, context=info.context)
     except ValidationError as error:
-        raise SettingsError("", problems(cls, error)) from None
+        raise SettingsError("", problems(chosen, error)) from None
 
 
 _DESCRIPTION = {
@@ -175,11 +189,7 @@ _DESCRIPTION = {
     "description": "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure.",
     "accepts": f"a group with one of {', '.join(UNITS)}",
     "additionalProperties": False,
-    "properties": {
-        name: entry
-        for cls in (Hertz, *LOADS)
-        for name, entry in described(cls)["properties"].items()
-    },
+    "properties": {key: entry for kind in (Hertz, *LOADS) for key, entry in described(kind)["properties"].items()},
 }
 
 Load = Annotated[SerializeAsAny[OneLoad], PlainValidator(_chosen), WithJsonSchema(_DESCRIPTION)]

@@ -13,6 +13,13 @@ MOST_POINTS = 2**16
 """Most nodes on the longer edge of a map that is resampled: 34 GB."""
 
 
+Detrend = Literal["none", "tilt", "curvature"]
+"""Trends that can be removed, of the degrees 0, 1 and 2."""
+
+Periodicity = Literal["declared", "mirrored", "windowed", "none"]
+"""Ways in which a map is made periodic; with ``none`` it is not, for a contact with a free boundary."""
+
+
 def _source(value: Any) -> Any:
     """The name of a file as text, or a map in memory, which has heights and edges."""
     if hasattr(value, "height") and hasattr(value, "length"):
@@ -94,9 +101,7 @@ class MapOptions(Settings):
         pattern="^[a-z0-9]{1,20}\\Z",
         accepts="the name of a format",
     )
-    max_memory: Number = setting(
-        2.0, "Largest size that the file may have when unpacked.", unit="GiB", gt=0
-    )
+    max_memory: Number = setting(2.0, "Largest size that the file may have when unpacked.", unit="GiB", gt=0)
     scan_lines: Literal["median", "matched"] | None = setting(
         None,
         "How offsets between scan lines along x are removed: by the median of each line, or `matched` by the "
@@ -116,9 +121,7 @@ class MapOptions(Settings):
         "How points without data are filled.",
         default_text="a map with such points is refused; asperity run fills them",
     )
-    detrend: Literal["none", "tilt", "curvature"] = setting(
-        "tilt", "Trend that is subtracted by least squares besides the mean."
-    )
+    detrend: Detrend = setting("tilt", "Trend that is subtracted by least squares besides the mean.")
     s_filter: LengthOrNumber | None = setting(
         None,
         "Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves.",
@@ -131,7 +134,7 @@ class MapOptions(Settings):
         default_text="no filter",
         example="80 um",
     )
-    periodic: Literal["declared", "mirrored", "windowed", "none"] | None = setting(
+    periodic: Periodicity | None = setting(
         None,
         "How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror "
         "images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean plane "

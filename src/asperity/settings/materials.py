@@ -68,7 +68,7 @@ def own_materials(path: str | Path) -> Iterator[None]:
 
     Raises
     ------
-    ConfigError, SettingsError
+    InputError
         If it cannot be read, or an entry has another form.
     """
     token = _own.set(_materials(load(path), str(path)))
@@ -120,7 +120,9 @@ def _materials(content: Mapping[str, Any], file: str) -> dict[str, Material]:
             elif key not in ("also", "group", "state"):
                 wrong.append(Problem(f"{name}.{key}", f": unknown key{did_you_mean(str(key), CONSTANTS)}"))
         also = tuple(map(str, entry.get("also", ())))
-        found[str(name)] = Material(str(name), also, entry.get("group", ""), entry.get("state", ""), constants)
+        found[str(name)] = Material(
+            str(name), also, entry.get("group", ""), entry.get("state", ""), constants
+        )
     if wrong:
         raise SettingsError(file, wrong)
     return found

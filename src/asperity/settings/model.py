@@ -12,7 +12,7 @@ import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
-from typing import Annotated, Any, NamedTuple, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, get_args
 
 from pydantic import (
     BaseModel,
@@ -26,7 +26,6 @@ from pydantic import (
     WithJsonSchema,
     model_validator,
 )
-from pydantic._internal._model_construction import ModelMetaclass
 from pydantic_core import PydanticCustomError, core_schema
 
 from asperity.core.errors import InputError, did_you_mean, shown
@@ -128,17 +127,25 @@ class ContradictionError(ValueError):
         super().__init__("; ".join(map(str, self.found)))
 
 
-class _ProblemsOfAll(ModelMetaclass):
+class _ProblemsOfAll(type(BaseModel)):  # type: ignore[misc]
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
-    def __call__(cls, **given: Any) -> Any:
+    def __call__(cls, **given: Any) -> Any:  # noqa: N805  the class of settings
         try:
             return super().__call__(**given)
         except ValidationError as error:
             raise SettingsError("", problems(cls, error)) from None
 
 
-class Settings(BaseModel, metaclass=_ProblemsOfAll):
+if TYPE_CHECKING:
+    _Model = BaseModel
+else:
+
+    class _Model(BaseModel, metaclass=_ProblemsOfAll):
+        """The base of `Settings` with its metaclass, which a type checker takes for another one."""
+
+
+class Settings(_Model):
     """A group of settings that stay as they are; unknown keys are refused.
 
     Raises
@@ -280,8 +287,8 @@ def entry_of(root: type[BaseModel], key: str) -> Entry:
     *groups, name = key.split(".")
     try:
         entry = described(_class_of(root, groups))  # without the other groups, whose description takes time
-        return entry["properties"].get(name) or entry["additionalProperties"]
-    except (AttributeError, KeyError):  # a group of one of several classes
+        return entry["additionalProperties"] if name == "NAME" else entry["properties"][name]
+    except (AttributeError, KeyError):  # in a group of one of several classes
         entry = described(root)
         for part in key.split("."):
             entry = entry["properties"][part]
@@ -385,7 +392,9 @@ def problems(root: type[BaseModel], error: ValidationError) -> Iterator[Problem]
 def _problems_of(root: type[BaseModel], error: Any) -> Iterator[Problem]:
     """Problems in one error, in words of the entry to which it belongs."""
     unknown = error["type"] in ("extra_forbidden", "invalid_key")
-    entry, group, path = described(root), {}, []
+    entry: Entry = described(root)
+    group: Entry = {}
+    path: list[str] = []
     for part in error["loc"][:-1] if unknown else error["loc"]:
         if part == "[key]" and "names" in group:
             yield Problem(".".join([*path[:-1], shown(error["input"])]), f": {group['names']} is needed")

@@ -57,7 +57,9 @@ class Quantity:
         units = ", ".join(DIMENSIONS[self.dimension].examples)
         sign = " > 0" if self.positive else ""
         other = " or inf" if self.infinite else ""
-        return f"{article} {self.dimension}{sign} with its unit ({units}{misread(value, self.dimension)}){other}"
+        return (
+            f"{article} {self.dimension}{sign} with its unit ({units}{misread(value, self.dimension)}){other}"
+        )
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         """A check by this object; written as text with the unit."""

@@ -4,8 +4,9 @@ import argparse
 
 from asperity.cli.parser import flag, section
 from asperity.core.errors import one_line
+from asperity.settings.map import MapOptions
 from asperity.surface.description import describe_map
-from asperity.surface.reading.height_map import MapError, MapOptions
+from asperity.surface.reading.height_map import MapError
 
 
 def run(options: argparse.Namespace) -> None:

@@ -8,8 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from asperity.cli.parser import COMMANDS
-from asperity.core.errors import ConfigError, InputError, fail, one_line, shown
+from asperity.cli.parser import COMMANDS, arguments
+from asperity.core.errors import InputError, fail, one_line, shown
 from asperity.core.packages import require
 from asperity.settings.model import Problem, SettingsError, entry_of, scalar
 from asperity.settings.reader import parse
@@ -17,7 +17,7 @@ from asperity.settings.reader import parse
 WRONG_USAGE = 2
 """Exit status for refused arguments, the same as argparse's."""
 
-FLAGS: dict[str, str] = {key: name for group in COMMANDS["run"]["groups"] for name, key in group["case"].items()}
+FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each in arguments(group).items()}
 """Dotted key of a setting of a case → its flag."""
 
 
@@ -116,7 +116,7 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 
 def _answered(job: Job, save: str | None) -> Any:
     """The answer of a case, printed and written."""
-    from asperity.core.progress import ProgressBar
+    from asperity.study.progress_and_log import ProgressBar
     from asperity.engineering.case_file import save_case
     from asperity.engineering.output import write_answer
     from asperity.engineering.run import answer_of
@@ -149,7 +149,9 @@ def _problems_of_several(
     from asperity.engineering.sample import check_alike, check_area
 
     if not options.pooled:
-        yield from (f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:]))
+        yield from (
+            f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:])
+        )
     if options.only and options.only not in names:
         yield f"--only {options.only}: one of {', '.join(names)} is needed"
     if folder is None or options.only:
@@ -187,7 +189,7 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Itera
         read = [options.map[0], options.case, *jobs[0].read]
         try:
             own = CHECKSUMS in load_case(save)  # as `--save` writes it
-        except ConfigError:
+        except InputError:
             own = False
         if any(save.samefile(path) for path in read if path and Path(path).exists()):
             yield f"--save {save}: is read too, another name is needed"
@@ -202,7 +204,16 @@ def _job(
 ) -> Job:
     """The case of one map; `number` selects the map in a case file of several. The answer goes into `folder`."""
     from asperity.engineering.case import Case
-    from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, SUFFIXES, at, case_of_map, load_case, put
+    from asperity.engineering.case_file import (
+        CHECKSUMS,
+        MAP_FILES,
+        OUT,
+        SUFFIXES,
+        at,
+        case_of_map,
+        load_case,
+        put,
+    )
     from asperity.engineering.face import read_face
     from asperity.engineering.folder import names_of
     from asperity.engineering.run import problems_on_map
@@ -212,13 +223,16 @@ def _job(
     content = case_of_map(load_case(file), number) if file else {}
     if not is_case:
         put(content, MAP_FILES[0], path)
-    problems, given = [], {}
+    problems: list[str] = []
+    given: dict[str, Any] = {}
     for key, text in _given(options, counter, problems):
         if key in map(".".join, MAP_FILES):
             content.get(CHECKSUMS, {}).pop("map" if key == "map.file" else "counter_map", None)
         put(content, key.split("."), text)
         given[key] = text
-    out = folder or Path(options.out or content.get(OUT) or f"{Path(at(content, MAP_FILES[0]) or path).stem}_run")
+    out = folder or Path(
+        options.out or content.get(OUT) or f"{Path(at(content, MAP_FILES[0]) or path).stem}_run"
+    )
     content.pop(OUT, None)
     checksums = content.pop(CHECKSUMS, {})
     if options.pooled:
@@ -241,8 +255,6 @@ def _job(
         case = Case.read(content)
     except SettingsError as error:
         problems += map(named, error.found)
-    except ConfigError as error:
-        problems.append(str(error))
     problems += _problems_of(out, read, None if case is None else names_of(case))
     if case is not None and not missing:
         try:
@@ -272,17 +284,20 @@ def _given(
     for text in options.set or ():
         key, equals, value = text.partition("=")
         if not equals or not key:
-            problems.append(f"--set {shown(text)}: KEY=VALUE is needed, such as body.hardness=\"7 GPa\"")
+            problems.append(f'--set {shown(text)}: KEY=VALUE is needed, such as body.hardness="7 GPa"')
             continue
         try:
             yield key.strip(), parse(f"value: {value.strip() or '{}'}", f"--set {key}")["value"]
-        except ConfigError as error:
-            problems.append(str(error))
+        except InputError as error:
+            problems += error.lines
     for key, name in FLAGS.items():
         given = counter if name == "--counter-map" else getattr(options, name[2:].replace("-", "_"))
         if given is not None:
             entry = entry_of(Case, key)
-            yield key, [scalar(each, entry) for each in given] if isinstance(given, list) else scalar(given, entry)
+            yield (
+                key,
+                [scalar(each, entry) for each in given] if isinstance(given, list) else scalar(given, entry),
+            )
 
 
 def _problems_of(out: Path, read: Sequence[str], names: Sequence[str] | None = None) -> Iterator[str]:

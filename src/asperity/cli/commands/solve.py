@@ -12,7 +12,7 @@ from asperity.cli.parser import flag, section
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si
-from asperity.engineering.case import CONTROL_UNITS, LOAD_QUANTITIES
+from asperity.settings.load import UNITS
 from asperity.results.dataset import grid_of, settings_of, unit_system, write_result
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.settings.check import default
@@ -25,7 +25,12 @@ from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import path_problem
 
-DIMENSIONS = {kind: name for kind, name in LOAD_QUANTITIES.values() if name} | {"hardness": "pressure"}
+DIMENSIONS = {
+    "mean_pressure": "pressure",
+    "force": "force",
+    "approach": "length",
+    "hardness": "pressure",
+}
 """Quantities that can be imposed in place of the area, and the hardness → dimension of their unit."""
 
 
@@ -35,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     layer, contact = section(options, "layer"), section(options, "contact")
     young = options.young and _in_si("young", options.young, "pressure")
     given = {name: text for name in DIMENSIONS if (text := getattr(options, name, None)) is not None}
-    names = [flag(name) for name in (*given, *contact) if name in CONTROL_UNITS]
+    names = [flag(name) for name in (*given, *contact) if name in UNITS]
     if len(names) > 1:
         raise ValueError(f"{names[0]}: not accepted together with {names[1]}; one load is imposed")
     if not names:

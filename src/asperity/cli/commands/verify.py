@@ -13,7 +13,7 @@ from asperity.core.errors import DatasetError, fail, one_line
 from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.core.version import __version__
-from asperity.engineering.case_file import CHECKSUMS
+from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, at
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
 from asperity.engineering.folder import CASE_FILE, checksums_in
 from asperity.results import dataset
@@ -86,15 +86,15 @@ def _of_answer(folder: Path) -> Iterator[Check]:
         yield from _of_file(folder / "contact.nc", results["contact.nc"], height)
     path = folder / CASE_FILE
     case = load(path) if path.is_file() else {}
-    for key, name in CHECKSUMS.items():
-        if key in case:  # the maps since they were read
-            file = Path(os.path.normpath(folder / case[name]))
-            if not file.is_file():
-                yield Check(f"{file}: no such file; the map of {path} is needed to compare it", False)
-            elif sha256_of(file) != case[key]:
-                yield Check(f"{file}: changed since {folder} was computed from it; run again", False)
-            else:
-                yield Check(f"{file}: unchanged since {folder} was computed from it")
+    maps = dict(zip(("map", "counter_map"), MAP_FILES, strict=True))
+    for key, checksum in case.get(CHECKSUMS, {}).items():  # the maps since they were read
+        file = Path(os.path.normpath(folder / at(case, maps[key])))
+        if not file.is_file():
+            yield Check(f"{file}: no such file; the map of {path} is needed to compare it", False)
+        elif sha256_of(file) != checksum:
+            yield Check(f"{file}: changed since {folder} was computed from it; run again", False)
+        else:
+            yield Check(f"{file}: unchanged since {folder} was computed from it")
 
 
 def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Iterator[Check]:

@@ -41,7 +41,10 @@ class Conduction(Question):
         bodies = case.groups_of_bodies
         for name, body in bodies.items():
             if body.layer is not None or body.coating is not None:
-                yield f"{name}.{'coating' if body.layer is None else 'layer'}", ": not accepted with conduction"
+                yield (
+                    f"{name}.{'coating' if body.layer is None else 'layer'}",
+                    ": not accepted with conduction",
+                )
         for constant in CONSTANTS:
             missing = [name for name, body in bodies.items() if getattr(body, constant) is None]
             if len(missing) == 1 and constant in bodies[({*bodies} - {*missing}).pop()].model_fields_set:
@@ -54,7 +57,9 @@ class Conduction(Question):
         for name, resistivity in resistivities(answer.case).items():
             value, unit = answer.contact.conductance(resistivity), UNITS[name]
             number = IN_FULL_CONTACT if math.isinf(value) else f"{value:.4g} {unit}"
-            yield Row("contact", name.replace("_", " contact "), value, unit, f"{number}, without films and gap")
+            yield Row(
+                "contact", name.replace("_", " contact "), value, unit, f"{number}, without films and gap"
+            )
 
 
 def resistivities(case: Case) -> dict[str, float]:

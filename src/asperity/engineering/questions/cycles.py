@@ -101,7 +101,10 @@ class Cycles(Question):
         if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
             yield "cycles", ": both fatigue_scatter and fatigue_volume are needed, or none"
         if self.fatigue_scatter is not None and not limited:
-            yield "cycles.fatigue_scatter", f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed"
+            yield (
+                "cycles.fatigue_scatter",
+                f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed",
+            )
         if self.shifts is None:
             yield from self._problems_of_a_smooth_body(case, bool(limited))
             return
@@ -192,7 +195,9 @@ class Cycles(Question):
                 of_grid = np.nan_to_num(answer.bodies[body].grid_error(variable))
                 source = "the pixels and the shifts" if few else "the pixels"
                 shown = f"{shown_si(value, unit)} at depth {shown_si(depth, 'm')}, {at}"
-                yield Row(group, words, value, unit, shown).by(float(np.hypot(of_grid, few)) * abs(value), source)
+                yield Row(group, words, value, unit, shown).by(
+                    float(np.hypot(of_grid, few)) * abs(value), source
+                )
         if "fatigue_volume" not in cycles:
             return
         for share in LIMIT_SHARES:
@@ -264,7 +269,9 @@ class Cycles(Question):
         """The cycles of each body."""
         for body in answer.case.different_bodies:
             if (cycles := answer.of(self).get(body)) is not None:
-                title = f"Cycles of the stress in {body} body under rough surface {answer.face.name} that moves"
+                title = (
+                    f"Cycles of the stress in {body} body under rough surface {answer.face.name} that moves"
+                )
                 yield f"cycles{answer.suffix_of(body)}", cycles.assign_attrs(body=body), title
 
     def peaks(self, answer: Answer, body: str) -> pd.DataFrame | None:
@@ -313,7 +320,7 @@ class Cycles(Question):
         yield Picture(f"cycles{answer.suffix_of(body)}", caption, figure, body)
 
 
-def _limits(body: Body) -> dict[str, float | None]:
+def _limits(body: Body) -> dict[str, Any]:
     """Limits and residual stress of a body, as `asperity.stress_cycles` takes them."""
     names = ("fatigue_torsion", "fatigue_bending", "yield_stress")
     return {name: getattr(body, name) for name in names} | {"residual_stress": body.residual_stress or 0.0}

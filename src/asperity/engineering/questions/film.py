@@ -32,7 +32,9 @@ SPREAD = 1.6
 
 SHARES_OF_ASPERITIES = {
     "arana": lambda ratio: math.erfc(ratio),
-    "balan": lambda ratio: max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0,
+    "balan": lambda ratio: (
+        max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0
+    ),
 }
 """Correlation → share of the load on asperities as a function of λ. arana: 1 − erf λ, A. Arana, J. Larranaga, I.
 Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi 10.1177/1350650118778655. balan: M. R. D. Balan, L. Houpert, A.
@@ -81,9 +83,15 @@ class Film(Question):
         if (self.load_share is None) == (self.lambda_ratio is None):
             yield "film", ": exactly one of load_share and lambda_ratio is needed"
         elif not self.share < 1:
-            yield "film.lambda_ratio", f" = {self.lambda_ratio:g}: the film carries all of the load by this correlation"
+            yield (
+                "film.lambda_ratio",
+                f" = {self.lambda_ratio:g}: the film carries all of the load by this correlation",
+            )
         if case.load.kind in ("approach", "area_fraction"):
-            yield f"load.{case.load.kind}", ": a pressure or force is needed with a film, which carries a part of it"
+            yield (
+                f"load.{case.load.kind}",
+                ": a pressure or force is needed with a film, which carries a part of it",
+            )
         if case.load_curve is not None:
             yield "load_curve", ": not accepted with film"
         if case.map.periodic == "none":
@@ -109,7 +117,10 @@ class Film(Question):
         if not share:
             return None
         loaded = answer.case.loaded_body(contact, body, 1 - share)
-        smooth, film = loaded.background, share / (1 - share) * contact.mean_pressure * loaded.layer.uniform_stress()
+        smooth, film = (
+            loaded.background,
+            share / (1 - share) * contact.mean_pressure * loaded.layer.uniform_stress(),
+        )
         return replace(loaded, background=lambda depth: film if smooth is None else smooth(depth) + film)
 
     def rows(self, answer: Answer) -> Iterator[Row]:

@@ -117,7 +117,9 @@ class Leak(Question):
         for phase, percolates in (("contact", paths.contact), ("gap", paths.gap)):
             for axis in (1, 0):
                 shown = "yes" if percolates[axis] else "no"
-                yield Row(GROUP, f"{phase} percolates along {'yx'[axis]}", float(percolates[axis]), "1", shown)
+                yield Row(
+                    GROUP, f"{phase} percolates along {'yx'[axis]}", float(percolates[axis]), "1", shown
+                )
         for axis in (1, 0):
             width, words = paths.constriction[axis], "none, the gap is closed"
             if paths.gap[axis]:
@@ -128,7 +130,13 @@ class Leak(Question):
         if self.viscosity is None:
             return
         if flow is None:
-            yield Row(GROUP, f"leakage along {self.direction}", 0.0, "m^3/s", "0, sealed: the contact closes the gap")
+            yield Row(
+                GROUP,
+                f"leakage along {self.direction}",
+                0.0,
+                "m^3/s",
+                "0, sealed: the contact closes the gap",
+            )
             return
         shown = f"{1e9 * flow.flow_rate:.4g} mm³/s, to {100 * flow.conservation_error:.1g} % of it"
         yield Row(GROUP, f"leakage along {self.direction}", flow.flow_rate, "m^3/s", shown)

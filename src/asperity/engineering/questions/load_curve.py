@@ -142,7 +142,9 @@ class LoadCurve(Question):
             try:
                 read.append(float(adapter.validate_python(number)))
             except ValueError:
-                raise ValueError(f"{value!r}: a {kind.replace('_', ' ')} is needed, as that of load") from None
+                raise ValueError(
+                    f"{value!r}: a {kind.replace('_', ' ')} is needed, as that of load"
+                ) from None
         if self.steps is not None:
             return [*np.geomspace(read[0], case.load.value, self.steps)[:-1].tolist(), case.load.value]
         return [*read, case.load.value]

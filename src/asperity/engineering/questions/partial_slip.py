@@ -78,12 +78,18 @@ class PartialSlip(Question):
             yield "partial_slip", ": needs sliding.friction, above 0"
         for name in ("hertz", "load_curve", "cycles", "film"):
             if name in case.questions or (name == "hertz" and case.hertz_contact is not None):
-                words = {"hertz": "a map in a Hertz contact", "cycles": "stress cycles (fatigue limits, shifts)"}
+                words = {
+                    "hertz": "a map in a Hertz contact",
+                    "cycles": "stress cycles (fatigue limits, shifts)",
+                }
                 yield "partial_slip", f": not accepted with {words.get(name, name)}"
         if case.hardness:
             yield "partial_slip", ": an elastic contact is needed, without hardness"
         if self.tangential_displacement is not None and case.solid.uniform_compliance():
-            yield "partial_slip.tangential_displacement", ": half-spaces are needed, or a tangential_force on layers"
+            yield (
+                "partial_slip.tangential_displacement",
+                ": half-spaces are needed, or a tangential_force on layers",
+            )
         if case.load.kind == "force":
             yield from self._above_limit(case, case.load.value)
 

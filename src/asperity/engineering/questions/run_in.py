@@ -46,7 +46,9 @@ class RunIn(Question):
     that of the elastic contact of the flattened map under the same load.
     """
 
-    loads: Whole = setting(1, "Number of loads that flatten the map before the answer.", ge=1, le=20, example=1)
+    loads: Whole = setting(
+        1, "Number of loads that flatten the map before the answer.", ge=1, le=20, example=1
+    )
     hardness: Pressure | None = setting(
         None,
         "Hardness at which the first loads flatten the map.",
@@ -66,15 +68,19 @@ class RunIn(Question):
                 "needed",
             )
         if case.cycles is not None and case.cycles.shifts is not None and case.counter_map is not None:
-            yield "counter_body.map", ": not accepted with run_in and cycles.shifts, which press each face many times"
+            yield (
+                "counter_body.map",
+                ": not accepted with run_in and cycles.shifts, which press each face many times",
+            )
 
     def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:
         """The elastic case and the flattened map."""
         from asperity.engineering.press import press
 
-        hardness, face = self.hardness or case.hardness, rough.face
+        hardness, face = self.hardness or case.hardness or math.inf, rough.face
         plastic = case.replaced(body=case.body.replaced(hardness=hardness))
-        first, depths = None, []
+        first: Contact | None = None
+        depths: list[float] = []
         for number in range(self.loads + 1):  # one more shows whether another load changes anything
             contact = press(face, plastic)
             depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
@@ -86,9 +92,7 @@ class RunIn(Question):
         done = f"flattened by {self.loads} load{'s' * (self.loads > 1)} at a hardness of {shown_si(hardness, 'Pa')}"
         depth_shown = shown_si(depths[0], "m", 3)
         face = replace(face, done=(*face.done, f"{done}, by up to {depth_shown} at the first"))
-        elastic = {
-            name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()
-        }
+        elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
         return case.replaced(**elastic), rough._replace(face=face), RunInResult(first, depths)
 
     def rows(self, answer: Answer) -> Iterator[Row]:
@@ -98,7 +102,13 @@ class RunIn(Question):
         yield Row(GROUP, "real contact of the first load", area, "1", f"{100 * area:.4g} %")
         share = first.plastic_area
         yield Row(GROUP, "area at the hardness of the first load", share, "1", f"{100 * share:.4g} %")
-        yield Row(GROUP, "largest flattening of the first load", found.depths[0], "m", shown_si(found.depths[0], "m"))
+        yield Row(
+            GROUP,
+            "largest flattening of the first load",
+            found.depths[0],
+            "m",
+            shown_si(found.depths[0], "m"),
+        )
         words = "none: it changes nothing"
         if found.depths[-1] > UNCHANGED * answer.numbers.peak_to_valley:
             words = f"{shown_si(found.depths[-1], 'm')}, {100 * found.another:.2g} % of the first"
@@ -108,7 +118,9 @@ class RunIn(Question):
         """Whether the map is run in."""
         found: RunInResult = answer.of(self)
         if not found.depths[0]:
-            yield Advice(False, "run-in", "the first load stays below the hardness everywhere: it flattens nothing.")
+            yield Advice(
+                False, "run-in", "the first load stays below the hardness everywhere: it flattens nothing."
+            )
 
     def assumption(self, answer: Answer) -> str:
         """What run-in assumes."""

@@ -93,7 +93,11 @@ class Yielding(Question):
         """Volume, depths and peaks above yield."""
         from asperity.engineering.answer import body_title
 
-        part, group, limit = answer.bodies[body], body_title(answer.case, body), answer.case.bodies[body].yield_stress
+        part, group, limit = (
+            answer.bodies[body],
+            body_title(answer.case, body),
+            answer.case.bodies[body].yield_stress,
+        )
         if limit is None:
             return
         found: Yielded = answer.of(self)[body]
@@ -136,7 +140,9 @@ class Yielding(Question):
                 depths = ""
                 if found is not None and found.depths is not None and material != "coating":
                     first, last = (shown_si(depth, "m", 3) for depth in found.depths)
-                    depths = f"; depths from {first if found.depths[0] else 'the surface'} to {last} are affected"
+                    depths = (
+                        f"; depths from {first if found.depths[0] else 'the surface'} to {last} are affected"
+                    )
                 of = f" of the {material}{where}" if material else where
                 text = (
                     f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {stress / limit:.3g} times the "
@@ -152,7 +158,9 @@ class Yielding(Question):
                     )
                 else:
                     text += depths
-                short = f"elastic limit: the largest stress{of} is {stress / limit:.3g} times the yield stress"
+                short = (
+                    f"elastic limit: the largest stress{of} is {stress / limit:.3g} times the yield stress"
+                )
                 yield Advice(True, "stress beyond yield", f"{text}.", short, stress / limit - 1)
 
 

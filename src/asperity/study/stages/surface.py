@@ -7,9 +7,10 @@ import numpy as np
 import xarray as xr
 
 from asperity.fourier.grid import Fourier, Grid
+from asperity.settings.map import MapOptions
 from asperity.settings.sections import AS_SAMPLE
 from asperity.surface.heights import johnson, with_heights, with_moments
-from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
+from asperity.surface.reading.height_map import HeightMap, MapError
 from asperity.surface.roughness import spectrum, surface_dataset
 from asperity.surface.self_affine import self_affine, target_spectrum
 from asperity.surface.treatment.treatment import cell_edge, make_periodic, treat_map, usable_map

@@ -24,10 +24,11 @@ import numpy as np
 
 from asperity.core.packages import require
 from asperity.core.types import Array, FilePath
+from asperity.settings.map import MapOptions
 from asperity.surface.reading import dialects, formats
 from asperity.surface.reading.agreement import GIB, FileContent, MapFile, metres, require_size
 from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
-from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError
 from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes
 from asperity.surface.reading.x3p import read_x3p

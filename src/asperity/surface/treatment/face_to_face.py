@@ -18,7 +18,8 @@ import numpy as np
 
 from asperity.core.arguments import choice, number, pair, require_finite
 from asperity.core.types import Array
-from asperity.surface.reading.height_map import AXES, LOWER_FACE, PEAKS_UP, HeightMap, MapError
+from asperity.surface.form import AXES
+from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError
 
 ON_A_NODE = 1e-6
 """A position nearer to a node than this share of a pixel is on it."""

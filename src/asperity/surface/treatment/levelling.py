@@ -1,13 +1,14 @@
 """Operations on the heights of a map: scan lines, spikes, missing points, trends, filters, windows."""
 
 from functools import partial
+from typing import get_args
 
 import numpy as np
 import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, resample
-from asperity.surface.reading.height_map import DETRENDS
+from asperity.settings.map import Detrend
 
 TAPER = 0.1
 """Fraction of an edge, at each of its ends, over which a windowed map falls to its mean plane."""
@@ -183,7 +184,7 @@ def subtract_trend(
     for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
         term_y, term_x = y[order[0]], x[order[1]]
         norm = (term_y @ term_y) * (term_x @ term_x)
-        if sum(order) > DETRENDS.index(detrend) or norm == 0:
+        if sum(order) > get_args(Detrend).index(detrend) or norm == 0:
             continue
         coefficient = (term_y @ height @ term_x) / norm
         subtracted = np.outer(coefficient * term_y, term_x)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -21,17 +21,16 @@ from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
 from asperity.core.types import Array, FilePath
 from asperity.fourier.grid import Grid
+from asperity.settings.map import MapOptions, Periodicity
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.formats import PROFILE, UNNAMED
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
-    PERIODICITIES,
     UNIT_NEEDED,
     HeightMap,
     MapError,
-    MapOptions,
 )
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import rms_step
@@ -379,7 +378,7 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     """
     options = (options or MapOptions()).replaced(**given)
     if options.periodic == "none":
-        known = ", ".join(PERIODICITIES[:-1])
+        known = ", ".join(get_args(Periodicity)[:-1])
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
     edge = cell_edge(surface, options)
     lengths: dict[str, Any] = {
