@@ -1,0 +1,125 @@
+"""Case files for a start, with a comment for every key, and the explanation of a key.
+
+``templates.yaml`` has the settings of each. Keys, ranges and texts of the comments are those of the settings.
+"""
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from typing import Any
+
+import yaml
+
+from asperity.core.data import packaged_yaml
+from asperity.core.errors import did_you_mean, shown
+from asperity.engineering.case import Case
+from asperity.settings.materials import table
+from asperity.settings.model import Entry, accepted, described
+
+PACKAGE = "asperity.engineering"
+
+WIDTH = 100
+"""Characters of a line of comment."""
+
+
+def templates() -> dict[str, Any]:
+    """Name of a template → its text and its case."""
+    return packaged_yaml(PACKAGE, "templates.yaml")
+
+
+def template(name: str) -> str:
+    """The commented case file of a template, on maps that come with asperity.
+
+    Raises
+    ------
+    ValueError
+        If there is no template of this name.
+    """
+    known = templates()
+    if name not in known:
+        near = did_you_mean(name, known)
+        raise ValueError(f"{shown(name)}: one of {', '.join(known)} is needed{near}")
+    case, entry = known[name]["case"], described(Case)
+    folder = files(PACKAGE) / "maps"
+    file = case["map"]["file"]
+    named = [str(folder / each) for each in file] if isinstance(file, list) else str(folder / file)
+    case["map"]["file"] = named
+    lines = [f"# {known[name]['text']}"]
+    lines += ["# To run it: asperity run case.yaml. A question whose group is not here is not asked."]
+    for group in (group for group in entry["properties"] if group in case):
+        lines += ["", *_lines(group, entry["properties"][group], case[group], "")]
+    return "\n".join(lines) + "\n"
+
+
+def _lines(name: str, entry: Entry, value: Any, indent: str) -> Iterator[str]:
+    """Lines of a setting or group: a comment, and the value; keys without a value are commented out."""
+    below = entry.get("properties")
+    if not below or not isinstance(value, Mapping):
+        yield from _comment(entry, indent)
+        yield f"{indent}{name}: {_yaml(value)}"
+        return
+    yield f"{indent}# {entry['description']}"
+    yield f"{indent}{name}:{'' if below and value else ' {}'}"
+    for key in value:
+        yield from _lines(key, below[key], value[key], f"{indent}  ")
+    for key, each in below.items():
+        if key not in value and "properties" not in each:
+            yield from _comment(each, f"{indent}  ")
+            yield f"{indent}  # {key}: {_yaml(each.get('example', each.get('default')))}"
+
+
+def _comment(entry: Entry, indent: str) -> Iterator[str]:
+    """Description of a setting, what it accepts, and its default, in lines of comment."""
+    yield from (f"{indent}# {line}" for line in textwrap.wrap(_in_words(entry), WIDTH - len(indent)))
+
+
+def _in_words(entry: Entry) -> str:
+    """Description of a setting, what it accepts, its unit and its default."""
+    facts = [accepted(entry)]
+    facts += [f"unit: {entry['unit']}"] if "unit" in entry else []
+    default = entry.get("default_text") or (_yaml(entry["default"]) if "default" in entry else "")
+    facts += [f"default: {default}"] if default else []
+    return f"{entry['description'].rstrip('.')} ({'; '.join(facts)})."
+
+
+def _yaml(value: Any) -> str:
+    """A value in one line of YAML."""
+    if value is None:
+        return ""
+    text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10_000)
+    return text.removesuffix("\n").removesuffix("\n...")
+
+
+def explanation(key: str) -> str:
+    """What a setting or a group of a case is, what it accepts, and its default.
+
+    Raises
+    ------
+    ValueError
+        If there is no such key.
+    """
+    entry, path = described(Case), []
+    for part in key.split("."):
+        known = entry.get("properties", {})
+        if part not in known:
+            near = did_you_mean(part, known) or f"; known here are {', '.join(known) or 'no keys'}"
+            raise ValueError(f"{'.'.join([*path, part])}: unknown key{near}")
+        entry, path = known[part], [*path, part]
+    if "properties" not in entry:
+        example = f"\nExample: {_yaml({path[-1]: entry['example']})[1:-1]}" if "example" in entry else ""
+        return f"{key}: {_in_words(entry)}{example}"
+    width = max(map(len, entry["properties"]))
+    lines = [f"  {name:<{width}}  {each['description']}" for name, each in entry["properties"].items()]
+    return "\n".join([f"{key}: {entry['description']}", *lines])
+
+
+def materials_in_words() -> str:
+    """The materials of the table: names, state, and constants with their sources."""
+    lines = []
+    for material in table().values():
+        also = f" ({', '.join(material.also)})" if material.also else ""
+        lines += [f"{material.name}{also}: {material.group}{', ' * bool(material.state)}{material.state}"]
+        for name, constant in material.constants.items():
+            span = f", {constant.range[0]} to {constant.range[1]}" if constant.range else ""
+            lines.append(f"  {name:<15} {constant.value}{span}  [{constant.source}]")
+    return "\n".join(lines)
