@@ -57,8 +57,8 @@ def _imposed(face: TreatedMap, case: Case) -> dict[str, Any]:
     accepted = ""
     if not least < load.value < furthest:
         accepted = (
-            f"a length from {shown_si(least, 'm')}, which is {SMALLEST_APPROACH:g} of the range of heights, to "
-            f"{shown_si(furthest, 'm')} is needed"
+            f"a length from {shown_si(least, 'm')}, which is {SMALLEST_APPROACH:g} of the range of heights,"
+            f" to {shown_si(furthest, 'm')} is needed"
         )
     elif load.value >= (most := approach_of_full_contact(face.height, case.solid, face.boundary) - lowest):
         accepted = f"less than {shown_si(most, 'm')} is needed, {FULL_CONTACT}"

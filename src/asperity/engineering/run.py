@@ -161,9 +161,12 @@ def _outside_hertz(case: Case, face: TreatedMap) -> Any:
         if width < edge:
             yield (
                 f"load.radius_{axis}",
-                f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; it is "
-                f"{shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A form that the map "
-                "resolves is pressed with map.radius, map.periodic = none and a force or pressure",
+                (
+                    f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; it"
+                    f" is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A"
+                    " form that the map resolves is pressed with map.radius, map.periodic = none and a force"
+                    " or pressure"
+                ),
             )
 
 

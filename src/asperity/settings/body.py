@@ -92,8 +92,8 @@ class Body(OfMaterial):
 
     hardness: Hardness | None = setting(
         None,
-        "Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses of two "
-        "bodies the smaller one is used.",
+        "Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses"
+        " of two bodies the smaller one is used.",
         default_text="that of the material, if the body has no coating; without one an elastic contact",
         example="7 GPa",
     )
@@ -129,15 +129,15 @@ class Body(OfMaterial):
     )
     residual_stress: Stress | None = setting(
         None,
-        "Equal normal stresses along x and y in the unloaded body, compression negative. They are added to the "
-        "mean stress in the criterion of Dang Van.",
+        "Equal normal stresses along x and y in the unloaded body, compression negative. They are added to"
+        " the mean stress in the criterion of Dang Van.",
         default_text="none",
         example="-400 MPa",
     )
     coating: Coating | None = setting(
         None,
-        "Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are those "
-        "below the coating.",
+        "Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are"
+        " those below the coating.",
         default_text="no coating",
     )
     layer: Layer | None = setting(None, "A layer on a rigid base.", default_text="a half-space")

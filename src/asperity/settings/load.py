@@ -98,8 +98,8 @@ class Hertz(OneLoad):
     )
     radius_x: Radius = setting(
         ...,
-        "Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it the "
-        "map lies in a Hertz contact.",
+        "Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it"
+        " the map lies in a Hertz contact.",
         default_text="no Hertz contact",
         example="9 mm",
     )
@@ -111,7 +111,8 @@ class Hertz(OneLoad):
     )
     at: tuple[Number, Number] = setting(
         (0.0, 0.0),
-        "Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the contact.",
+        "Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the"
+        " contact.",
         accepts="two numbers (y, x) inside the contact, nearer than one half-width",
         example=[0, 0.2],
     )
@@ -123,7 +124,10 @@ class Hertz(OneLoad):
             raise ContradictionError(
                 (
                     "hertz_pressure, force, mean_pressure",
-                    f": exactly one of them is needed in a Hertz contact, {' and '.join(given) or 'none'} given",
+                    (
+                        f": exactly one of them is needed in a Hertz contact, {' and '.join(given) or 'none'}"
+                        " given"
+                    ),
                 )
             )
         is_roller = math.inf in self.radii
@@ -135,7 +139,10 @@ class Hertz(OneLoad):
             raise ContradictionError(
                 (
                     "at",
-                    f" = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed",
+                    (
+                        f" = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is"
+                        " needed"
+                    ),
                 )
             )
         if is_roller and self.force is not None:
@@ -186,10 +193,14 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
 
 _DESCRIPTION = {
     "type": "object",
-    "description": "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure.",
+    "description": (
+        "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure."
+    ),
     "accepts": f"a group with one of {', '.join(UNITS)}",
     "additionalProperties": False,
-    "properties": {key: entry for kind in (Hertz, *LOADS) for key, entry in described(kind)["properties"].items()},
+    "properties": {
+        key: entry for kind in (Hertz, *LOADS) for key, entry in described(kind)["properties"].items()
+    },
 }
 
 Load = Annotated[SerializeAsAny[OneLoad], PlainValidator(_chosen), WithJsonSchema(_DESCRIPTION)]

@@ -94,9 +94,9 @@ class MapOptions(Settings):
     )
     format: str | None = setting(
         None,
-        "Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the "
-        "extension of another format. `profile` reads a line scan as a map with the same heights for all y. "
-        "`asperity info --help` lists the formats.",
+        "Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the"
+        " extension of another format. `profile` reads a line scan as a map with the same heights for all y."
+        " `asperity info --help` lists the formats.",
         default_text="recognised from the file",
         pattern="^[a-z0-9]{1,20}\\Z",
         accepts="the name of a format",
@@ -136,9 +136,9 @@ class MapOptions(Settings):
     )
     periodic: Periodicity | None = setting(
         None,
-        "How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror "
-        "images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean plane "
-        "(doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary.",
+        "How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror"
+        " images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean"
+        " plane (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary.",
         default_text="as it is if the file calls itself periodic; asperity run mirrors other maps",
     )
     wavelength_short: LengthOrNumber | None = setting(

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from asperity.core.data import packaged_yaml
@@ -58,7 +59,7 @@ def table() -> dict[str, Material]:
     return _materials(packaged_yaml("asperity.settings", "materials.yaml"), "materials.yaml")
 
 
-_own: ContextVar[Mapping[str, Material]] = ContextVar("own materials", default={})
+_own: ContextVar[Mapping[str, Material]] = ContextVar("own materials", default=MappingProxyType({}))
 """Materials of the user that are known while the groups of a case are checked."""
 
 

@@ -130,7 +130,7 @@ class ContradictionError(ValueError):
 class _ProblemsOfAll(type(BaseModel)):  # type: ignore[misc]
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
-    def __call__(cls, **given: Any) -> Any:  # noqa: N805  the class of settings
+    def __call__(cls, **given: Any) -> Any:
         try:
             return super().__call__(**given)
         except ValidationError as error:

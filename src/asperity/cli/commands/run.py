@@ -22,7 +22,10 @@ FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each
 
 
 class Job(NamedTuple):
-    """A case read from options and files: case, rough face, folder of the answer, problems, and maps that are read."""
+    """A case read from options and files.
+
+    Case, rough face, folder of the answer, problems, and maps that are read.
+    """
 
     case: Any
     rough: Any
@@ -116,10 +119,10 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 
 def _answered(job: Job, save: str | None) -> Any:
     """The answer of a case, printed and written."""
-    from asperity.study.progress_and_log import ProgressBar
     from asperity.engineering.case_file import save_case
     from asperity.engineering.output import write_answer
     from asperity.engineering.run import answer_of
+    from asperity.study.progress_and_log import ProgressBar
 
     if save and not _is_written(save, job.out):
         save_case(job.case, Path(save), job.out, job.rough.files)
@@ -202,7 +205,7 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Itera
 def _job(
     options: argparse.Namespace, path: str, counter: str | None, folder: Path | None, number: int = 0
 ) -> Job:
-    """The case of one map; `number` selects the map in a case file of several. The answer goes into `folder`."""
+    """The case of one map, whose answer goes into `folder`; `number` selects it in a case file of several."""
     from asperity.engineering.case import Case
     from asperity.engineering.case_file import (
         CHECKSUMS,
@@ -269,8 +272,8 @@ def _job(
     for name, each in zip(("map", "counter_map"), rough.files if rough else (), strict=False):
         if checksums.get(name, each.sha256) != each.sha256:
             problems.append(
-                f"{file}: {CHECKSUMS}.{name}: {one_line(each.path)} has changed since; delete the key to run it as it "
-                "is now"
+                f"{file}: {CHECKSUMS}.{name}: {one_line(each.path)} has changed since; delete the key to run"
+                " it as it is now"
             )
     return Job(case, rough, out, [*problems, *missing], read)
 

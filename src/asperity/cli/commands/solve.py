@@ -12,11 +12,11 @@ from asperity.cli.parser import flag, section
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si
-from asperity.settings.load import UNITS
 from asperity.results.dataset import grid_of, settings_of, unit_system, write_result
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.settings.check import default
 from asperity.settings.configuration import Contact
+from asperity.settings.load import UNITS
 from asperity.settings.model import SettingsError
 from asperity.settings.sections import complete_map
 from asperity.study.progress_and_log import ProgressBar

@@ -1,4 +1,4 @@
-"""Stress cycles: a smooth body under a rough one that slides, two rough faces, or a way through a Hertz contact.
+"""Stress cycles: a smooth body under a rough one, two rough faces, or a way through a Hertz contact.
 
 Fatigue after Dang Van, shakedown, and the probability that no crack starts follow from them.
 """
@@ -56,8 +56,8 @@ class Cycles(Question):
 
     shifts: Whole | None = setting(
         None,
-        "Number of positions of the moving bodies for which the contact is solved. They divide one period along the "
-        "sliding direction, or the way of a point through the Hertz contact.",
+        "Number of positions of the moving bodies for which the contact is solved. They divide one period"
+        " along the sliding direction, or the way of a point through the Hertz contact.",
         default_text="cycles of a smooth body under a rough one, with fatigue limits",
         ge=2,
         le=10_000,
@@ -65,8 +65,8 @@ class Cycles(Question):
     )
     slide_to_roll: Number = setting(
         0.0,
-        "Slide-to-roll ratio 2 (u2 − u1)/(u2 + u1) in the Hertz contact, with the surface velocities u1 of the body "
-        "and u2 of the counter body.",
+        "Slide-to-roll ratio 2 (u2 − u1)/(u2 + u1) in the Hertz contact, with the surface velocities u1 of"
+        " the body and u2 of the counter body.",
         gt=-2,
         lt=2,
         example=0.1,
@@ -129,8 +129,10 @@ class Cycles(Question):
         if case.sliding_direction not in ("x", "y") and float(case.sliding_direction) % 90:
             yield (
                 "sliding.direction",
-                f" = {case.sliding_direction:g}: x, y or a multiple of 90 is needed for the stress cycles of a smooth "
-                "body; another angle of the grid with cycles.shifts",
+                (
+                    f" = {case.sliding_direction:g}: x, y or a multiple of 90 is needed for the stress cycles"
+                    " of a smooth body; another angle of the grid with cycles.shifts"
+                ),
             )
 
     def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
@@ -211,7 +213,8 @@ class Cycles(Question):
         """Expected cracks, and the probability that none starts on the map."""
         from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
 
-        assert self.fatigue_scatter is not None and self.fatigue_volume is not None
+        assert self.fatigue_scatter is not None
+        assert self.fatigue_volume is not None
         cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
         exponent = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
         yield Row(group, CRACKS, cracks, "1/m^2", f"{1e-6 * cracks:.3g} per mm², {exponent}")
@@ -225,7 +228,10 @@ class Cycles(Question):
         for body in known:
             if (size := found[body].attrs.get("few_shifts_error") if body in found else None) is not None:
                 where = f" of the {body} body" if len(known) > 1 else ""
-                error = f"with {self.shifts} shifts the error of the worst cycles{where} is about {per_cent(size)}"
+                error = (
+                    f"with {self.shifts} shifts the error of the worst cycles{where} is about"
+                    f" {per_cent(size)}"
+                )
                 yield Advice(
                     size > FEW_SHIFTS,
                     "number of shifts",
@@ -238,8 +244,8 @@ class Cycles(Question):
             yield Advice(
                 False,
                 "fatigue",
-                f"the fatigue limits are compared with elastic stress cycles {film}no residual stress except the one "
-                "given, and no life is predicted.",
+                f"the fatigue limits are compared with elastic stress cycles {film}no residual stress except"
+                " the one given, and no life is predicted.",
             )
 
     def files(self, case: Case) -> list[str]:
@@ -344,7 +350,8 @@ def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> Moving
     from asperity.engineering.moving import MovingContact
     from asperity.settings.load import Hertz
 
-    assert case.cycles is not None and case.cycles.shifts is not None
+    assert case.cycles is not None
+    assert case.cycles.shifts is not None
     height = rough.face.height
     upper = np.zeros_like(height) if rough.upper is None else rough.upper
     return MovingContact(

@@ -28,17 +28,25 @@ if TYPE_CHECKING:
 GROUP = "film"
 
 SPREAD = 1.6
-"""Ratio of the largest to the smallest share of the asperities by published correlations at λ from 0.5 to 1."""
+"""Ratio of the largest to the smallest share of asperities by published correlations, for λ from 0.5 to 1."""
 
-SHARES_OF_ASPERITIES = {
-    "arana": lambda ratio: math.erfc(ratio),
-    "balan": lambda ratio: (
-        max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0
-    ),
-}
-"""Correlation → share of the load on asperities as a function of λ. arana: 1 − erf λ, A. Arana, J. Larranaga, I.
-Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi 10.1177/1350650118778655. balan: M. R. D. Balan, L. Houpert, A.
-Tufescu, S. Cretu, Lubricants 3 (2015) 222, Eq. A2, doi 10.3390/lubricants3020222, up to its zero at 2.012."""
+
+def _arana(ratio: float) -> float:
+    """1 − erf λ: A. Arana, J. Larranaga, I. Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi
+    10.1177/1350650118778655.
+    """
+    return math.erfc(ratio)
+
+
+def _balan(ratio: float) -> float:
+    """M. R. D. Balan, L. Houpert, A. Tufescu, S. Cretu, Lubricants 3 (2015) 222, Eq. A2, doi
+    10.3390/lubricants3020222; 0 beyond its zero at λ = 2.012, where it becomes negative.
+    """
+    return max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0
+
+
+SHARES_OF_ASPERITIES = {"arana": _arana, "balan": _balan}
+"""Correlation → share of the load on asperities as a function of λ."""
 
 
 class Film(Question):
@@ -57,8 +65,8 @@ class Film(Question):
     )
     lambda_ratio: Number | None = setting(
         None,
-        "Central film thickness of the smooth contact over the composite rms roughness of both faces; the share "
-        "follows by `correlation`.",
+        "Central film thickness of the smooth contact over the composite rms roughness of both faces; the"
+        " share follows by `correlation`.",
         default_text="load_share is given",
         ge=0,
         le=2,
@@ -66,8 +74,8 @@ class Film(Question):
     )
     correlation: Literal["arana", "balan"] = setting(
         "arana",
-        "Correlation of the share with λ: `arana` (1 − erf λ on asperities, doi 10.1177/1350650118778655) or `balan` "
-        "(doi 10.3390/lubricants3020222).",
+        "Correlation of the share with λ: `arana` (1 − erf λ on asperities, doi 10.1177/1350650118778655) or"
+        " `balan` (doi 10.3390/lubricants3020222).",
     )
 
     @property
@@ -141,8 +149,8 @@ class Film(Question):
             yield Advice(
                 False,
                 "share of the film",
-                f"published correlations of the share with λ differ by a factor of {SPREAD:g}: the asperities carry "
-                f"{per_cent(low)} to {per_cent(high)} of the load at λ = {self.lambda_ratio:g}.",
+                f"published correlations of the share with λ differ by a factor of {SPREAD:g}: the asperities"
+                f" carry {per_cent(low)} to {per_cent(high)} of the load at λ = {self.lambda_ratio:g}.",
                 f"film: the load on asperities is known to a factor of {SPREAD:g}",
                 SPREAD - 1,
             )
@@ -150,6 +158,6 @@ class Film(Question):
     def assumption(self, answer: Answer) -> str:
         """What the film does."""
         return (
-            f"A film carries {per_cent(self.share)} of the load as the smooth part of the pressure, without a shear "
-            "traction; numbers of the contact are those of the asperities under the rest."
+            f"A film carries {per_cent(self.share)} of the load as the smooth part of the pressure, without a"
+            " shear traction; numbers of the contact are those of the asperities under the rest."
         )

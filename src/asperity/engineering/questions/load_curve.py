@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -123,7 +124,7 @@ class LoadCurve(Question):
             return
         if self.steps is not None and len(self.loads) > 1:
             yield "load_curve.loads", f" = {len(self.loads)} values: a single one is needed with steps"
-        if any(after <= before for before, after in zip(path, path[1:], strict=False)):
+        if any(after <= before for before, after in pairwise(path)):
             shown = ", ".join(shown_si(value, UNITS[case.load.kind]) for value in path)
             yield "load_curve.loads", f" = {shown}: {RISING} below the load is needed"
 

@@ -55,11 +55,12 @@ class SlipResult:
 
 
 class PartialSlip(Question):
-    """Partial slip under a tangential force or displacement, instead of full sliding; see `asperity.partial_slip`."""
+    """Partial slip under a tangential load, instead of full sliding; see `asperity.partial_slip`."""
 
     tangential_force: Force | None = setting(
         None,
-        "Tangential force on the map, at most friction times load. Below that limit part of the contact sticks.",
+        "Tangential force on the map, at most friction times load. Below that limit part of the contact"
+        " sticks.",
         default_text="a displacement is given",
         example="50 mN",
     )
@@ -101,8 +102,10 @@ class PartialSlip(Question):
         if self.tangential_force is not None and self.tangential_force > limit * (1 + 1e-12):
             yield (
                 "partial_slip.tangential_force",
-                f" = {shown_si(self.tangential_force, 'N')}: at most {shown_si(limit, 'N')} is needed, friction "
-                "times load, at which the bodies slide",
+                (
+                    f" = {shown_si(self.tangential_force, 'N')}: at most {shown_si(limit, 'N')} is needed,"
+                    " friction times load, at which the bodies slide"
+                ),
             )
 
     def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
@@ -155,9 +158,9 @@ class PartialSlip(Question):
             yield Advice(
                 size > UNEVEN,
                 "superposition of partial slip",
-                "the superposition of partial slip neglects that the displacement under a shear traction depends on "
-                "the direction of its waves: nodes that stick are displaced unevenly, by "
-                f"{per_cent(size)} (rms) of the tangential displacement.",
+                "the superposition of partial slip neglects that the displacement under a shear traction"
+                " depends on the direction of its waves: nodes that stick are displaced unevenly, by"
+                f" {per_cent(size)} (rms) of the tangential displacement.",
                 f"partial slip: sticking nodes are displaced unevenly by {per_cent(size)}",
                 size,
             )
@@ -170,8 +173,8 @@ class PartialSlip(Question):
     def assumption(self, answer: Answer) -> str:
         """What partial slip assumes."""
         return (
-            "The tangential force has grown once from zero; the faces stick where the shear traction is below "
-            "friction times pressure, and the pressure is computed without friction."
+            "The tangential force has grown once from zero; the faces stick where the shear traction is below"
+            " friction times pressure, and the pressure is computed without friction."
         )
 
     def files(self, case: Case) -> list[str]:

@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 GROUP = "run-in"
 
 UNCHANGED = 1e-6
-"""Plastic depth of another load, over the range of heights, below which it changes nothing; the contact is solved
-to about as much."""
+"""Plastic depth of another load, over the range of heights, below which it changes nothing: the error of the
+contact."""
 
 
 @dataclass(frozen=True, eq=False)
 class RunInResult:
-    """The first contact, with its hardness, and the largest depth by which each load has flattened the map."""
+    """The first contact, and the largest depth by which each load has flattened the map."""
 
     first: Contact
     depths: list[float]
@@ -42,8 +42,8 @@ class RunInResult:
 class RunIn(Question):
     """Run-in by loads like that of the case.
 
-    Where the pressure reaches the hardness, a load flattens the map by the overlap of the bodies. The answer is
-    that of the elastic contact of the flattened map under the same load.
+    Where the pressure reaches the hardness, a load flattens the map by the overlap of the bodies. The answer
+    is that of the elastic contact of the flattened map under the same load.
     """
 
     loads: Whole = setting(
@@ -64,8 +64,10 @@ class RunIn(Question):
         elif case.load.kind in ("mean_pressure", "hertz_pressure") and not case.cell_pressure < hardness:
             yield (
                 "run_in.hardness",
-                f" = {shown_si(hardness, 'Pa')}: more than the mean pressure {shown_si(case.cell_pressure, 'Pa')} is "
-                "needed",
+                (
+                    f" = {shown_si(hardness, 'Pa')}: more than the mean pressure"
+                    f" {shown_si(case.cell_pressure, 'Pa')} is needed"
+                ),
             )
         if case.cycles is not None and case.cycles.shifts is not None and case.counter_map is not None:
             yield (
@@ -89,7 +91,10 @@ class RunIn(Question):
                 face = replace(face, height=contact.flattened_height())
             progress(number + 1, self.loads + 1)
         assert first is not None
-        done = f"flattened by {self.loads} load{'s' * (self.loads > 1)} at a hardness of {shown_si(hardness, 'Pa')}"
+        done = (
+            f"flattened by {self.loads} load{'s' * (self.loads > 1)} at a hardness of"
+            f" {shown_si(hardness, 'Pa')}"
+        )
         depth_shown = shown_si(depths[0], "m", 3)
         face = replace(face, done=(*face.done, f"{done}, by up to {depth_shown} at the first"))
         elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
@@ -125,6 +130,6 @@ class RunIn(Question):
     def assumption(self, answer: Answer) -> str:
         """What run-in assumes."""
         return (
-            "Run-in flattens the surface where the pressure reaches the hardness, without residual stress, pile-up or "
-            "wear; numbers are those of the elastic contact of the flattened surface."
+            "Run-in flattens the surface where the pressure reaches the hardness, without residual stress,"
+            " pile-up or wear; numbers are those of the elastic contact of the flattened surface."
         )

@@ -47,16 +47,16 @@ class Sliding(Question):
 
     friction: Number = setting(
         0.0,
-        "Coefficient of friction in full sliding. It enters the stress; the pressure is computed without friction. "
-        "Accepted for half-spaces, coated or not, and for layers with a bonded bottom.",
+        "Coefficient of friction in full sliding. It enters the stress; the pressure is computed without"
+        " friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom.",
         ge=0,
         le=MAX_FRICTION,
         example=0.1,
     )
     direction: Direction = setting(
         "x",
-        "Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards y. "
-        "The traction on the body has this direction.",
+        "Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards"
+        " y. The traction on the body has this direction.",
     )
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
@@ -65,7 +65,10 @@ class Sliding(Question):
             if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
                 yield (
                     "sliding.friction",
-                    f" = {self.friction:g}: 0 is needed with {name}.layer.bottom = frictionless, which bears no shear",
+                    (
+                        f" = {self.friction:g}: 0 is needed with {name}.layer.bottom = frictionless, which"
+                        " bears no shear"
+                    ),
                 )
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
@@ -104,6 +107,6 @@ class Sliding(Question):
         if not self.friction or "partial_slip" in answer.case.questions:
             return ""
         return (
-            "In full sliding the shear traction is the coefficient of friction times the pressure; the pressure is "
-            "computed without friction."
+            "In full sliding the shear traction is the coefficient of friction times the pressure; the"
+            " pressure is computed without friction."
         )

@@ -145,16 +145,16 @@ class Yielding(Question):
                     )
                 of = f" of the {material}{where}" if material else where
                 text = (
-                    f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {stress / limit:.3g} times the "
-                    f"yield stress of {shown_si(limit, 'Pa', 3)}"
+                    f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {stress / limit:.3g}"
+                    f" times the yield stress of {shown_si(limit, 'Pa', 3)}"
                 )
                 # The hardness that a yield stress suggests is that of the surface.
                 if answer.pressed.hardness is None and material != "base":
                     hardness = shown_si(HARDNESS_OVER_YIELD * limit, "Pa", 3)
                     text += (
-                        f". This is an elastic result only: real material flows there{depths}. The pressure stays "
-                        f"below the hardness, about {hardness}, and the real contact grows; body.hardness limits the "
-                        "pressure"
+                        f". This is an elastic result only: real material flows there{depths}. The pressure"
+                        f" stays below the hardness, about {hardness}, and the real contact grows;"
+                        " body.hardness limits the pressure"
                     )
                 else:
                     text += depths
