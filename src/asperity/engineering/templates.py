@@ -98,7 +98,8 @@ def explanation(key: str) -> str:
     ValueError
         If there is no such key.
     """
-    entry, path = described(Case), []
+    entry: Entry = described(Case)
+    path: list[str] = []
     for part in key.split("."):
         known = entry.get("properties", {})
         if part not in known:

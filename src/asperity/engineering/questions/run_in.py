@@ -57,7 +57,7 @@ class RunIn(Question):
     )
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """A hardness that is missing or not above the load, and moving faces that are flattened one by one."""
+        """A hardness that is missing or not above the load, and moving faces."""
         hardness = self.hardness or case.hardness
         if hardness is None:
             yield "run_in.hardness", ": missing; a pressure above the mean pressure is needed"
