@@ -168,7 +168,13 @@ def _text(content: Mapping[str, Any]) -> str:
 
 def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
     """True if the text of a case file is that of a case, with maps of the same checksums in any folder."""
-    there, here = yaml.safe_load(text), yaml.safe_load(case_text(case, Path(), files=files))
+    try:
+        there = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return False
+    here = yaml.safe_load(case_text(case, Path(), files=files))
+    if not isinstance(there, dict):
+        return False
     for content in (there, here):
         for keys in (*MAP_FILES, ("materials",)):
             if at(content, keys) is not None:

@@ -39,7 +39,13 @@ LOCK_ATTEMPTS = 5
 COMPARISON = ("comparison.csv", "comparison.html")
 """Names of the files that compare several answers."""
 
-SAMPLE = ("sample.csv", "peaks_per_area.csv", "largest.csv", "sample.html", "sample.xlsx", "case.yaml")
+ANSWERS = "answers.json"
+"""Name of the file of pooled answers with the checksum of the manifest of each."""
+
+SAMPLE = (
+    *("sample.csv", "peaks_per_area.csv", "largest.csv"),
+    *("sample.html", "sample.xlsx", "case.yaml", ANSWERS),
+)
 """Names of the files of pooled answers."""
 
 CASE_FILE = "case.yaml"
@@ -216,6 +222,8 @@ def checksums_in(folder: Path) -> dict[str, str]:
     A checksum is empty in a folder that was written when only names were kept.
     """
     for manifest in (folder / MANIFEST, folder / COMPLETE / MANIFEST):
+        if not manifest.is_file():  # a pipe would be waited for
+            continue
         try:
             found = json.loads(manifest.read_text(encoding="utf-8"))
             named = found if isinstance(found, dict) else dict.fromkeys(found, "")

@@ -162,6 +162,9 @@ def _problems_of_several(
     yield from _problems_of(folder, [], SAMPLE if options.pooled else COMPARISON)
     if len(set(names)) < len(names):
         yield "MAP: files of different names, or in folders of different names, are needed"
+    for name in names:
+        if name.startswith(".") or name in (*SAMPLE, *COMPARISON):
+            yield f"MAP: {shown(name)} cannot be the name of the folder of its answer; rename the map"
     if options.pooled and not any(job.problems for job in jobs.values()):
         faces = {name: job.rough.face for name, job in jobs.items()}
         try:
