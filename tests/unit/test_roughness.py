@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from samples import refuses
-from scipy.stats import gamma, norm
+from scipy.stats import norm
 
 from asperity.fourier.grid import Fourier, Grid
 from asperity.study.stages.surface import make_surface, moment_errors
@@ -193,9 +193,9 @@ def test_given_heights_are_one_surface_at_every_resolution(fine):
 
 
 def test_residual_of_heights_is_that_of_the_surface():
-    """The grid of the iteration has 144 nodes on an edge; quantiles of the gamma distribution by scipy."""
+    """The grid of the iteration has 128 nodes on an edge. The distribution is the exponential one."""
     gaussian = self_affine((512, 512), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=1)
-    wanted = gamma.ppf((np.arange(512**2) + 0.5) / 512**2, 2)
+    wanted = -np.log1p(-(np.arange(512**2) + 0.5) / 512**2)
     shaped = with_heights(gaussian, sample=wanted)
     wanted = (wanted - wanted.mean()) * (np.std(shaped.height) / np.std(wanted))
     residual = np.sqrt(np.mean((np.sort(shaped.height, axis=None) - wanted) ** 2)) / np.std(wanted)
@@ -204,7 +204,7 @@ def test_residual_of_heights_is_that_of_the_surface():
 
 @pytest.mark.parametrize(
     ("skewness", "kurtosis"),
-    [(2, 7.5), (2, 9), (-2, 9), (2, 10.8), (1.5, 6), (3, 11.5), (4, 40), (10, 300), (20, 1300), (2, 11), (0, 4)],
+    [(2, 7.5), (2, 9), (-2, 9), (2, 10.8), (1.5, 6), (3, 11.5), (4, 40), (10, 300), (20, 1300), (2, 11)],
 )
 def test_curves_of_any_moments_are_found(skewness, kurtosis):
     """Bounded up to the lognormal distribution (10.86 at a skewness of 2), unbounded beyond. Moments of the

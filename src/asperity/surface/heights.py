@@ -197,9 +197,9 @@ def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], A
         found = moments(curve((_NORMAL_NODES - shape[0]) / np.exp(shape[1])), _NORMAL_WEIGHTS)
         return np.array(found[1:]) - (skewness, kurtosis)
 
-    # From a nearly symmetric curve the fit does not reach very skew bounded ones: the other starts are close to
-    # the lognormal curve of this skewness, (ω + 2) √(ω − 1) with ω = exp(1/δ²). The farther one is needed from a
-    # skewness of about 10 on.
+    # From a nearly symmetric curve the fit does not reach very skew bounded ones: the other starts are close
+    # to the lognormal curve of this skewness, (ω + 2) √(ω − 1) with ω = exp(1/δ²). The farther one is needed
+    # from a skewness of about 10 on.
     cube = np.cbrt(1 + skewness**2 / 2 + abs(skewness) * np.sqrt(1 + skewness**2 / 4))
     width = 1 / np.sqrt(np.log(max(cube + 1 / cube - 1, 1.01)))
     lognormal = [(math.copysign(factor * width, skewness), math.log(width)) for factor in (2, 8)]
