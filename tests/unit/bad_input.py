@@ -27,7 +27,8 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 
 CONFIGS = [
     ("contact: {tolerance: '1e-6'}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed"),
-    ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
+    ("contact: {area: 0.1}", "contact.area: unknown key; did you mean area_fraction?"),
+    ("contact: {young: 0.1}", "contact.young: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
     ("surfaces: {hurst_02: {wavelength_short: 0.5}}", "wavelength_short = 0.5: at most wavelength_long = 0."),
@@ -50,7 +51,7 @@ CONFIGS = [
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
     ("contact: {area_fraction: 0.1, approach: 0.1}", "contact.approach = 0.1: not accepted together with"),
-    ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-6 with p"),
+    ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-06 with"),
     ("", "overlay.yaml: keys with values are needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
     ("seeds: [1]\ncontact: {}\nseeds: [2]", "'seeds' is given twice, again in line 3"),

@@ -325,7 +325,7 @@ def check_of(root: type[BaseModel], key: str) -> TypeAdapter[Any]:
     """Check of one setting, by its dotted key."""
     *groups, name = key.split(".")
     field = _class_of(root, groups).model_fields[name]
-    checked: Any = Annotated[field.annotation, *field.metadata]
+    checked: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return TypeAdapter(checked, config=Settings.model_config)
 
 
