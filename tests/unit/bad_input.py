@@ -100,7 +100,7 @@ def shortest(wavelength, band=BAND):
 COMMANDS = [
     ("polish", 2, "invalid choice: 'polish'"),
     ("solve s.nc", 2, "the following arguments are required: --out"),
-    ("solve s.nc --out x.nc --area 0.1", 2, "--area 0.1: not accepted; did you mean --"),
+    ("solve s.nc --out x.nc --area 0.1", 2, "--area: not accepted; did you mean --"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "--poisson: 0.2 0.2: a list of 1 to 16 distinct items"),
@@ -124,7 +124,7 @@ COMMANDS = [
     ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as"),
     ('plan {"hurst":[', 1, "YAML is needed; "),
     # options and loads of solve
-    ("run map.x3p --poison 0.3", 2, "--poison 0.3: not accepted; did you mean --poisson?"),
+    ("run map.x3p --poison 0.3", 2, "--poison: not accepted; did you mean --poisson?"),
     (f"{RUN} --hertz-pressure 1GPa", 2, "--hertz-pressure: needs --radius"),
     (f"{RUN} --radius 5mm --at 0 0.5 --area-fraction 0.1", 2, "--area-fraction: Hertz pressure, force or m"),
     (f"{RUN} --radius 5mm --at 0.9 0.9 --hertz-pressure 1GPa", 2, "--at = 0.9 0.9: a place inside the cont"),
