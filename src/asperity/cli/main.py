@@ -50,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     earlier = {number: signal.signal(number, _interrupt) for number in signals}
     if arguments is None:
         os.environ["MPLBACKEND"] = "agg"  # a notebook sets one that may not be installed here
+        # They are looked for in all installed packages, which takes a tenth of a second.
+        os.environ["PYDANTIC_DISABLE_PLUGINS"] = "true"
         gc.set_threshold(RARELY, 50, 50)
     try:
         _run(arguments)

@@ -30,6 +30,11 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from asperity.core.errors import InputError, did_you_mean, shown
 
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass as _Metaclass
+else:
+    _Metaclass = type(BaseModel)
+
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
 
@@ -127,7 +132,7 @@ class ContradictionError(ValueError):
         super().__init__("; ".join(map(str, self.found)))
 
 
-class _ProblemsOfAll(type(BaseModel)):  # type: ignore[misc]
+class _ProblemsOfAll(_Metaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
     def __call__(cls, **given: Any) -> Any:
@@ -341,7 +346,7 @@ def check_of(root: type[BaseModel], key: str) -> TypeAdapter[Any]:
     """Check of one setting, by its dotted key."""
     *groups, name = key.split(".")
     field = _class_of(root, groups).model_fields[name]
-    checked: Any = Annotated[field.annotation, *field.metadata]
+    checked: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return TypeAdapter(checked, config=Settings.model_config)
 
 
