@@ -64,6 +64,18 @@ def test_lengths_are_interpolated_between_nodes():
     assert [length.item() for length in lengths] == pytest.approx([0.3, 0.1])
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rms", [0.0, 1e-9])
+def test_full_smooth_contact_has_no_decay(rms):
+    """A flat, and a wave whose stress is too small beside the mean for single precision."""
+    wave = np.sin(2 * np.pi * np.arange(32) / 32)
+    layer = asp.Layer(young=1.0, poisson=0.3)
+    contact = asp.solve(rms * (wave[:, None] + wave), layer, mean_pressure=1.0)
+    stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    assert contact.area_fraction == 1
+    assert np.isnan(decay_lengths(stress)).all()
+
+
 def test_patches_are_joined_across_edges_and_corners():
     contact = np.zeros((8, 16), bool)
     contact[0, 0] = contact[7, 15] = contact[7, 0] = True  # one patch through three corners of the cell
