@@ -13,7 +13,7 @@ import pandas as pd
 from tqdm import tqdm
 
 import asperity as asp
-from asperity.engineering.sample import largest_on
+from asperity.stress.statistics.largest import largest_on
 
 CELLS, FEW, POINTS, AREA = 400, 4, 64, 0.1
 LAYER = asp.Layer(young=1.0, poisson=0.3)

@@ -22,7 +22,7 @@ from asperity.engineering.contact_numbers import IN_FULL_CONTACT, ContactNumbers
 from asperity.engineering.face import RoughFace
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
 from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
-from asperity.stress.peaks.selection import peaks
+from asperity.stress.peaks.selection import has_percentile, peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -462,7 +462,9 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
         if body.body.coating_yield is not None:
             yield row("yield stress of the coating", body.body.coating_yield)
     found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
-    for percent in PERCENTS if found_peaks.size else ():
+    for percent in PERCENTS:
+        if not has_percentile(found_peaks.size, percent / 100):
+            continue
         value = float(np.percentile(found_peaks, percent))
         yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
     if (limit := body.body.yield_stress) is None:

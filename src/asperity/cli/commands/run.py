@@ -123,7 +123,8 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 def _problems_of_pool(jobs: Mapping[str, Job]) -> Iterator[str]:
     """Reasons why maps cannot be pooled."""
     from asperity.core.units import to_si
-    from asperity.engineering.sample import check_alike, check_area
+    from asperity.engineering.sample import check_alike
+    from asperity.stress.statistics.largest import check_area
 
     faces = {name: job.rough.face for name, job in jobs.items()}
     areas = {job.area for job in jobs.values() if job.area}
