@@ -25,7 +25,7 @@ TAIL = 0.15
 MAX_AREA_RATIO = 100
 """Largest area over that of the sample; `benchmarks/largest.py` measures the intervals up to 39."""
 
-SHAPE_PRIOR = -0.05, 0.2, 0.2
+SHAPE_PRIOR = -0.1, 0.2, 0.2
 """Mean and standard deviation of the shape ξ before any peak is known, since tails of stresses are nearly
 exponential, and the probability that ξ is anywhere in `SHAPES`: under a hardness tails end abruptly. Chosen on
 cells of other surfaces than those of `benchmarks/largest.py`."""
