@@ -6,7 +6,8 @@ from samples import refuses
 
 import asperity as asp
 from asperity.engineering import Body, run
-from asperity.engineering.sample import largest_on, mean_of_maps
+from asperity.engineering.sample import mean_of_maps
+from asperity.stress.statistics.largest import largest_on
 
 EDGE = 64e-6
 STEEL = Body(210e9, 0.3, yield_stress=2e9)

@@ -25,7 +25,7 @@ from asperity.engineering.face import RoughFace
 from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
 from asperity.settings.body import Body
 from asperity.settings.load import UNITS, Hertz
-from asperity.stress.peaks.selection import peaks
+from asperity.stress.peaks.selection import has_percentile, peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -362,7 +362,9 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
         if coating is not None and coating.yield_stress is not None:
             yield row("yield stress of the coating", coating.yield_stress)
     found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
-    for percent in PERCENTS if found_peaks.size else ():
+    for percent in PERCENTS:
+        if not has_percentile(found_peaks.size, percent / 100):
+            continue
         value = float(np.percentile(found_peaks, percent))
         yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
 

@@ -149,7 +149,8 @@ def _problems_of_several(
 ) -> Iterator[str]:
     """Reasons why the answers of several maps cannot be written, or maps cannot be pooled."""
     from asperity.engineering.folder import COMPARISON, SAMPLE
-    from asperity.engineering.sample import check_alike, check_area
+    from asperity.engineering.sample import check_alike
+    from asperity.stress.statistics.largest import check_area
 
     if not options.pooled:
         yield from (
