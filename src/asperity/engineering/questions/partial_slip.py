@@ -57,19 +57,11 @@ class SlipResult:
 class PartialSlip(Question):
     """Partial slip under a tangential load, instead of full sliding; see `asperity.partial_slip`."""
 
-    tangential_force: Force | None = setting(
-        None,
-        "Tangential force on the map, at most friction times load. Below that limit part of the contact"
-        " sticks.",
-        default_text="a displacement is given",
-        example="50 mN",
-    )
-    tangential_displacement: Length | None = setting(
-        None,
-        "Tangential displacement of the bodies instead of a force, on half-spaces.",
-        default_text="a force is given",
-        example="20 nm",
-    )
+    tangential_force: Force | None = setting(None, default_text="a displacement is given", example="50 mN")
+    """Tangential force on the map, at most friction times load. Below that limit part of the contact
+    sticks."""
+    tangential_displacement: Length | None = setting(None, default_text="a force is given", example="20 nm")
+    """Tangential displacement of the bodies instead of a force, on half-spaces."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """What partial slip does not go with, and a force above friction times load."""
