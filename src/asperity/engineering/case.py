@@ -426,11 +426,8 @@ class Case:
         if self.hertz is None:
             return loaded
         smooth = self.hertz.contact("mean_pressure", contact.mean_pressure, self.solid.effective_modulus)
-        y, x = (
-            share * width if share else 0.0
-            for share, width in zip(self.hertz.at, (smooth.half_width_y, smooth.half_width_x), strict=True)
-        )
-        return replace(loaded, background=smooth.background(y, x, loaded.layer, **self.sliding_of(name)))
+        below = smooth.background(*smooth.position(self.hertz.at), loaded.layer, **self.sliding_of(name))
+        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
 
     def check_pressure(self, mean_pressure: float) -> None:
         """Raise `ValueError` for a mean pressure that is too large, or not below the hardness."""

@@ -35,6 +35,9 @@ from asperity.stress.planes.stream import shear_traction
 DIRECTIONS = 1024
 """Number of directions over which the stress below an ellipse is averaged."""
 
+DEEPEST = 2.0
+"""Depth in smaller half-widths above which the largest stresses of a Hertz contact lie."""
+
 SMALLEST_DEPTH = 1e-12
 """Least depth over the smaller half-width: in the surface, a mode's stress is infinite at the edge."""
 
@@ -117,6 +120,27 @@ class HertzContact:
     def narrow(self) -> float:
         """The smaller half-width."""
         return min(self.half_width_y, self.half_width_x)
+
+    def position(self, at: tuple[float, float]) -> tuple[float, float]:
+        """Position y, x of a place from the middle, given in half-widths.
+
+        Raises
+        ------
+        ValueError
+            If the place is off the middle along the axis of a roller.
+        """
+        widths = self.half_width_y, self.half_width_x
+        if any(share and width == np.inf for share, width in zip(at, widths, strict=True)):
+            raise ValueError(f"at = {at[0]:g} {at[1]:g}: 0 is needed along the axis of the roller")
+        y, x = (share * width if share else 0.0 for share, width in zip(at, widths, strict=True))
+        return y, x
+
+    def deepest(self, limit: float | None = None) -> float:
+        """Depth above which the largest stresses lie, and all von Mises stresses above a limit.
+
+        Far below a roller the von Mises stress is less than p₀ b/z, and less still below an ellipse.
+        """
+        return self.narrow * max(DEEPEST, self.largest_pressure / limit if limit else 0.0)
 
     def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
         """Pressure at positions relative to the middle; y and x broadcast."""

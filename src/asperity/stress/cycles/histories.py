@@ -28,18 +28,15 @@ from asperity.core.compiled import compiled_with_arrays
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.elasticity.loaded_solid import LoadedSolid, direction_cosines
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.stress.cycles.criteria import NUMBERS, Criteria, CycleMaps, fill_points, reduce_rows
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
-from asperity.stress.planes.planes import depth_grid
-from asperity.stress.planes.stream import PlaneStream, shear_traction, uniform_part
+from asperity.stress.planes.planes import default_depths
+from asperity.stress.planes.stream import PlaneStream, uniform_part
 
 STATES_BYTES = 2**29
 """Memory for the states of some rows of a plane; the planes are computed again for the next rows."""
-
-DEEPER = 25
-"""Number of depths below the cell's depths, where only the background matters."""
 
 EXACT_ABOVE = 0.5
 """Share of the largest Dang Van stress above which that of every point is computed, for the distribution."""
@@ -105,17 +102,17 @@ class Histories(CycleMaps):
         threads: int,
     ) -> None:
         super().__init__(moving.grid, criteria)
-        if depths is None:
-            depths = depth_grid(moving.grid)
-            if moving.deepest > depths[-1]:
-                depths = np.append(depths, np.geomspace(depths[-1], moving.deepest, DEEPER)[1:])
         self._moving, self._threads = moving, threads
         fourier = Fourier(moving.grid, threads=threads)
         largest = np.zeros(moving.grid.half_shape)
         for pressure in moving.pressures:
             if pressure is not None:
                 np.maximum(largest, np.abs(fourier.forward(pressure)), out=largest)
-        envelope = LoadedSolid(fourier.inverse(largest), moving.grid, moving.layer)
+        envelope = LoadedSolid(
+            fourier.inverse(largest), moving.grid, moving.layer, deepest=moving.deepest
+        )
+        if depths is None:
+            depths = default_depths(envelope)
         sliding: dict[str, Any] = {
             "friction": moving.friction,
             "sliding_direction": moving.sliding_direction,
@@ -125,7 +122,7 @@ class Histories(CycleMaps):
         self._grid = moving.grid
         self._states = [self._solid(pressure) for pressure in moving.pressures]
         self.names = [name for name in self.names if name != "shakedown_line"]
-        self._direction = shear_traction(1.0, moving.direction, moving.layer)
+        self._direction = direction_cosines(moving.direction)
         self._halves = np.full((2, 3), -np.inf)
 
     def run(self, progress: Progress | None) -> None:
