@@ -108,9 +108,7 @@ class Histories(CycleMaps):
         for pressure in moving.pressures:
             if pressure is not None:
                 np.maximum(largest, np.abs(fourier.forward(pressure)), out=largest)
-        envelope = LoadedSolid(
-            fourier.inverse(largest), moving.grid, moving.layer, deepest=moving.deepest
-        )
+        envelope = LoadedSolid(fourier.inverse(largest), moving.grid, moving.layer, deepest=moving.deepest)
         if depths is None:
             depths = default_depths(envelope)
         sliding: dict[str, Any] = {
@@ -132,12 +130,12 @@ class Histories(CycleMaps):
             (ny, nx), count = plane.grid.shape, len(self._states)
             rows = max(1, min(ny, STATES_BYTES // (4 * len(COMPONENTS) * nx * count)))
             blocks = [self._plane(plane.depth, first, min(first + rows, ny)) for first in range(0, ny, rows)]
-            found, along, above = zip(*blocks, strict=True)
+            found, along, dang_van = zip(*blocks, strict=True)
             self.take(
                 plane.depth,
                 np.concatenate(found, axis=1),
                 np.concatenate(along, axis=1) * plane.grid.spacing[1],
-                np.average(above, axis=0, weights=[part.shape[1] for part in found]),
+                np.concatenate(dang_van),
             )
 
     def _use(self, grid: Grid) -> None:
@@ -158,7 +156,7 @@ class Histories(CycleMaps):
         return None if pressure is None else LoadedSolid(pressure, self._grid, self._moving.layer)
 
     def _plane(self, depth: float, first: int, last: int) -> tuple[Array, Array, Array]:
-        """Largest numbers of some rows of a plane, (5, rows), their columns, and shares above a stress."""
+        """Largest numbers of some rows of a plane, (5, rows), their columns, and the Dang Van stress."""
         layer, nx = self._moving.layer, self._grid.shape[1]
         states = np.zeros((len(self._states), len(COMPONENTS), (last - first) * nx), np.float32)
         count, uniform = len(COMPONENTS), uniform_part(layer, layer.poisson, depth)
@@ -178,8 +176,7 @@ class Histories(CycleMaps):
         ]
         found, along, halves, dang_van = zip(*run_tasks(tasks, self._threads), strict=True)
         self._halves = np.max([self._halves, *halves], axis=0)
-        above = self.criteria.above(np.concatenate(dang_van))
-        return np.concatenate(found, axis=1), np.concatenate(along, axis=1), above
+        return np.concatenate(found, axis=1), np.concatenate(along, axis=1), np.concatenate(dang_van)
 
     def _strip(self, states: Array, columns: int) -> tuple[Array, Array, Array, Array]:
         """Largest numbers of some rows, (5, rows), their columns, the same of half the states, Dang Van."""
