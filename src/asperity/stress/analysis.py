@@ -85,8 +85,8 @@ def analyse_stress(
     contact : object with ``pressure``, ``grid`` and ``layer``
         A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array, optional
-        Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer, and below
-        them to where a background has its largest stresses.
+        Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer, and
+        below them to where a background has its largest stresses.
     poisson, tolerance, threads, work, friction, sliding_direction
         As for `stress_planes`.
     quantities : names

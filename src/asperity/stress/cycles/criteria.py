@@ -131,7 +131,7 @@ class Criteria:
         return 1 - rank / dang_van.size
 
     def power_means(self, dang_van: Array) -> Array:
-        """Power mean, for each of `FATIGUE_EXPONENTS`, of the Dang Van stress over the limit; none below 0."""
+        """Power means, (exponents,), of the Dang Van stress over the limit; negative ones count as 0."""
         share = np.maximum(self.over_limit(dang_van), 0.0)
         return power_means(np.broadcast_to(share[:, None], (share.size, FATIGUE_EXPONENTS.size)))
 

@@ -37,8 +37,8 @@ COATING_PLANES = 4
 """Fewest planes in a coating above its interface, in which a thin one is stretched, sheared and bent."""
 
 DEEP_GROWTH = 0.06
-"""Distance between planes below the depth of the cell, relative to their depth, where only a background changes:
-the largest stress of a Hertz contact is that of a plane to 0.1 %."""
+"""Distance between planes below the depth of the cell, relative to their depth, where only a background
+changes: the largest stress of a Hertz contact is that of a plane to 0.1 %."""
 
 
 @dataclass(frozen=True, repr=False)
