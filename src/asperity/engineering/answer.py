@@ -125,6 +125,12 @@ class Answer:
         """The result of a question of the case."""
         return self.found[next(name for name, each in self.case.questions.items() if each is question)]
 
+    @property
+    def nominal_pressure(self) -> float:
+        """Mean pressure on the map, of which a film may carry a part."""
+        film = self.case.film
+        return self.contact.mean_pressure / (1 - (0.0 if film is None else film.share))
+
     def loaded_body(self, contact: Contact, body: str) -> LoadedSolid:
         """A body as a contact loads it, that of the answer or that on half of its nodes."""
         for question in self.case.questions.values():

@@ -254,13 +254,10 @@ class Case(Settings):
             return loaded
         pressure = contact.mean_pressure / carried
         smooth = hertz_contact(load, "mean_pressure", pressure, self.solid.effective_modulus)
-        y, x = (
-            share * width if share else 0.0
-            for share, width in zip(load.at, (smooth.half_width_y, smooth.half_width_x), strict=True)
-        )
         sliding = self.sliding_of(name)
         sliding["friction"] *= carried
-        return replace(loaded, background=smooth.background(y, x, loaded.layer, **sliding))
+        below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
+        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
 
     @property
     def counter_map(self) -> CounterMap | None:

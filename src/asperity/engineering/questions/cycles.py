@@ -157,7 +157,7 @@ class Cycles(Question):
             from asperity.engineering.body_stress import STRESS_TOLERANCE
             from asperity.stress.cycles.stress_cycles import stress_cycles
 
-            moving = moving_contact(answer.case, answer.rough, answer.contact.mean_pressure)
+            moving = moving_contact(answer.case, answer.rough, answer.nominal_pressure)
             limits = _limits(answer.case.bodies[body])
             found[body] = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
         elif body in found:
@@ -352,6 +352,7 @@ def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> Moving
         slide_to_roll=case.cycles.slide_to_roll,
         friction=case.friction,
         hardness=case.hardness,
+        film_share=0.0 if case.film is None else case.film.share,
         wavelength_short=rough.face.wavelength_short,
     )
 
