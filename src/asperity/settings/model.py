@@ -133,7 +133,7 @@ class ContradictionError(ValueError):
 class _ProblemsOfAll(_Metaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
-    def __call__(cls, **given: Any) -> Any:
+    def __call__(cls: Any, **given: Any) -> Any:  # noqa: N805  of a metaclass
         try:
             return super().__call__(**given)
         except ValidationError as error:
@@ -381,7 +381,9 @@ def problems(root: type[BaseModel], error: ValidationError) -> Iterator[Problem]
 def _problems_of(root: type[BaseModel], error: Any) -> Iterator[Problem]:
     """Problems in one error, in words of the entry to which it belongs."""
     unknown = error["type"] in ("extra_forbidden", "invalid_key")
-    entry, group, path = described(root), {}, []
+    entry: Entry = described(root)
+    group: Entry = {}
+    path: list[str] = []
     for part in error["loc"][:-1] if unknown else error["loc"]:
         if part == "[key]" and "names" in group:
             yield Problem(".".join([*path[:-1], shown(error["input"])]), f": {group['names']} is needed")
