@@ -139,11 +139,11 @@ class ContradictionError(ValueError):
 class _ProblemsOfAll(_Metaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
-    def __call__(cls, **given: Any) -> Any:  # noqa: N805  of the class of settings
+    def __call__(cls: Any, **given: Any) -> Any:  # noqa: N805  of a metaclass
         try:
             return super().__call__(**given)
         except ValidationError as error:
-            raise SettingsError("", problems(cls, error)) from None  # type: ignore[arg-type]
+            raise SettingsError("", problems(cls, error)) from None
 
 
 if TYPE_CHECKING:
