@@ -59,7 +59,7 @@ def table() -> pd.DataFrame:
                     own = [cells[number][name] for number in range(first, first + FEW)]
                     found.append(largest_on(own, FEW, FEW * times))
                     true.append(np.roll(largest, -first)[FEW : FEW * (times + 1)].max())
-                value, low, high = (np.array([getattr(each, key) for each in found]) for key in found[0]._fields[:3])
+                value, low, high = np.array([each[:3] for each in found]).T
                 rows.append(
                     {
                         "surface": surface,

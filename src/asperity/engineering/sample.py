@@ -269,8 +269,8 @@ class Sample:
     def _peaks(self) -> Iterator[tuple[str, str, list[Array]]]:
         """Body, quantity, and the sizes of its peaks on each map.
 
-        The pressure is that of both bodies, and the von Mises stress is, too, if both have one material: under
-        friction its peaks in one body are mirror images of those in the other.
+        The pressure is that of both bodies. Bodies of one material have the same von Mises stress, too; under
+        friction, which has the opposite direction in the other body, this holds for its distribution.
         """
         groups = set(self.numbers["group"])
         alike = any("upper" in group and group.replace("upper", "lower") in groups for group in groups)

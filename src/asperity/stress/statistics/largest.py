@@ -2,9 +2,9 @@
 
 Excesses of peaks over a high threshold follow a generalised Pareto distribution (J. Pickands, Ann. Statist.
 3 (1975) 119, https://doi.org/10.1214/aos/1176343003). With λ such peaks per area the largest one on an area S
-is below x with probability exp(−λ S (1 − F(x))), where F is that distribution. Median and interval are those of
-the predictive distribution: this probability, averaged over all shapes, scales and rates by their likelihood.
-A fit of the shape alone is too low in half of the samples, and its maximum is too low in most.
+is below x with probability exp(−λ S (1 − F(x))), where F is that distribution. Median and interval are those
+of the predictive distribution: this probability, averaged over all shapes, scales and rates by their
+likelihood. With the most likely ones alone both are too low.
 """
 
 from collections.abc import Sequence
@@ -27,8 +27,8 @@ MAX_AREA_RATIO = 100
 
 SHAPE_PRIOR = -0.1, 0.2, 0.2
 """Mean and standard deviation of the shape ξ before any peak is known, since tails of stresses are nearly
-exponential, and the probability that ξ is anywhere in `SHAPES`: under a hardness tails end abruptly. Chosen on
-cells of other surfaces than those of `benchmarks/largest.py`."""
+exponential, and the probability that ξ is anywhere in `SHAPES`: under a hardness tails end abruptly. Chosen
+on cells of other surfaces than those of `benchmarks/largest.py`."""
 
 SHAPES = -2 + 0.0325 * (np.arange(80) + 0.5)
 """Shapes over which the average is taken."""
@@ -71,8 +71,8 @@ class Largest(NamedTuple):
 def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> Largest:
     """Largest peak on an area, from the peaks of maps of the same surface.
 
-    Peaks of one map are alike. The likelihood is that of fewer independent peaks, by the ratio of the variances
-    of number and sum of the excesses over the maps to those of independent peaks. On an area as large as the
+    Peaks of one map are alike. The likelihood is that of fewer independent peaks, by the ratio of the
+    variances of number and sum of the excesses over the maps to those of independent peaks. On an area as large as the
     maps or larger, median and upper end are not below the largest peak of the maps.
 
     Parameters

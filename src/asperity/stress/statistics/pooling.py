@@ -66,8 +66,9 @@ def pool_peaks(
     -------
     dataset
         Along `bin` and `depth_bin`: densities of the peaks of all seeds, and counts. Along `percent`:
-        percentiles, NaN if no peak lies above them. Along `plane` and `lag`: covariances of Eq. 22 and depth profiles, means over seeds,
-        with the lengths over which the covariances fall to half. ``…_low`` and ``…_high`` bound a band.
+        percentiles, NaN if no peak lies above them. Along `plane` and `lag`: covariances of Eq. 22 and depth
+        profiles, means over seeds, with the lengths over which the covariances fall to half. ``…_low`` and
+        ``…_high`` bound a band.
 
     Raises
     ------
