@@ -146,15 +146,7 @@ class _ProblemsOfAll(_Metaclass):
             raise SettingsError("", problems(cls, error)) from None
 
 
-if TYPE_CHECKING:
-    _Model = BaseModel
-else:
-
-    class _Model(BaseModel, metaclass=_ProblemsOfAll):
-        """The base of `Settings` with its metaclass, which a type checker takes for another one."""
-
-
-class Settings(_Model):
+class Settings(BaseModel, metaclass=_ProblemsOfAll):
     """A group of settings that stay as they are; unknown keys are refused.
 
     Raises
