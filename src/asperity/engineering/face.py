@@ -177,7 +177,7 @@ def _read(
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
         name, surface, options = Path(source).stem, found.map, found.options
-    measured = MapMeasures(surface)
+    measured = MapMeasures(surface, options)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:
         surface = replace(surface, orientation=PEAKS_UP)
@@ -203,7 +203,9 @@ def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOpti
 def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:
     """A map without spikes, missing points and trend; the share that was filled, and what was done."""
     later: dict[str, Any] = dict.fromkeys(("wavelength_short", "points", "radius", "s_filter", "l_filter"))
-    bounded = replace(_completed(options, surface), periodic="none", **later)
+    whole = _completed(options, surface)
+    trend = options.detrend or ("none" if whole.is_period(surface) else "tilt")
+    bounded = replace(whole, periodic="none", detrend=trend, **later)
     treated = treat_map(surface, bounded)
     height = -treated.height if surface.orientation == PEAKS_UP else treated.height
     done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]

@@ -105,8 +105,11 @@ class MapOptions:
         any file could be read, and for a line scan (``profile``); other formats are recognised.
     max_memory : float
         Largest size of the unpacked file in GiB.
-    detrend : "none", "tilt" or "curvature"
-        Trend that is removed by least squares: the mean, the mean plane, or a polynomial of degree two.
+    detrend : "none", "tilt" or "curvature", optional
+        Trend that is removed by least squares of the points that have data: the mean, the mean plane, or a
+        polynomial of degree two. By default the mean plane, and the mean of a map that is taken as one
+        period: a period has no tilt, and subtracting one makes a step at its edges. It is refused for a map
+        that its file states to be periodic.
     periodic : "declared", "mirrored", "windowed" or "none", optional
         Declared: the map is taken as one period. Mirrored: the map and its mirror images at two edges form a
         cell of twice the edges. Windowed: the map is multiplied with a Tukey window (F. J. Harris, Proc. IEEE
@@ -145,8 +148,8 @@ class MapOptions:
 
     >>> asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up").unit
     'nm'
-    >>> asp.MapOptions(periodic="mirrored", despike=8, wavelength_short="16 um").detrend
-    'tilt'
+    >>> asp.MapOptions(periodic="mirrored", despike=8, wavelength_short="16 um").wavelength_short
+    '16 um'
     """
 
     physical_size: tuple[float | str, float | str] | None = None
@@ -157,7 +160,7 @@ class MapOptions:
     orientation: str | None = None
     format: str | None = None
     max_memory: float = 2.0
-    detrend: str = "tilt"
+    detrend: str | None = None
     periodic: str | None = None
     undefined: str | None = None
     scan_lines: str | None = None
@@ -202,6 +205,10 @@ class MapOptions:
                     problems.append(str(error))
         if problems:
             raise MapError("", problems)
+
+    def is_period(self, surface: HeightMap) -> bool:
+        """True if a map is taken as one period: as declared, or as its file states if nothing is given."""
+        return self.periodic == "declared" or (self.periodic is None and surface.periodic)
 
 
 def _length(name: str, value: Any) -> None:

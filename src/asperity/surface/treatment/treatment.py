@@ -1,9 +1,9 @@
 """From a measured map to the lower face of an indenter, with a record of everything that was done to it.
 
-The steps are, in this order: scan lines are levelled, spikes are removed, points without data are filled, a
-trend is subtracted, Gaussian filters are applied, the map is made periodic (or left as it is, for a contact
-without periodic boundaries), short waves are removed, the map is resampled, and the form of a sphere or
-cylinder is added.
+The steps are, in this order: scan lines are levelled, spikes are found, a trend is fitted to all other points
+that have data and subtracted, spikes and points without data are filled, Gaussian filters are applied, the
+map is made periodic (or left as it is, for a contact without periodic boundaries), short waves are removed,
+the map is resampled, and the form of a sphere or cylinder is added.
 """
 
 from __future__ import annotations
@@ -275,18 +275,20 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
             f"spikes: {surface.shown_share(spikes)} beyond {options.despike:g} robust standard deviations "
             "from the local median replaced"
         )
-    if surface.missing:
-        done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
-    filled = levelling.fill_harmonic(raw, gaps)
-
-    level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
-    if np.ptp(level) <= FLAT_VARIATION * np.abs(filled).max():
+    is_period = options.is_period(surface)
+    detrend = options.detrend or ("none" if is_period else "tilt")
+    level, slope, bow = levelling.subtract_trend(raw, detrend, surface.length, ~gaps)
+    if np.ptp(level[~gaps]) <= FLAT_VARIATION * np.abs(raw[~gaps]).max():
         raise MapError(surface.name, ["a surface that varies is needed, this one is flat"])
     tilt = math.atan(math.hypot(*slope))
     degrees = f"tilt of {math.degrees(tilt):.3g}°"
     curvature = f"{degrees} and curvature of {surface.shown_length(bow)} height"
     trends = {"none": "mean height", "tilt": degrees, "curvature": curvature}
-    done.append(f"levelled: {trends[options.detrend]} removed")
+    remark = ", a period has no tilt" if detrend == "none" else ", with a step at the edges of the period"
+    done.append(f"levelled: {trends[detrend]} removed{remark if is_period else ''}")
+    if surface.missing:
+        done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
+    level = levelling.fill_harmonic(level, gaps)
 
     level, filtered, words = _filtered(level, surface, options, grid)
     done += words
@@ -413,6 +415,11 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
         problems.append(
             "periodic: the file does not say that the map is one period; set it to declared, mirrored or "
             "windowed, or press it with a free boundary"
+        )
+    if options.periodic is None and surface.periodic and options.detrend not in (None, "none"):
+        problems.append(
+            f"detrend = {options.detrend!r}: the file states that the map is one period, which has no trend; "
+            "leave it out, or set periodic too"
         )
     if surface.missing and options.undefined is None:
         problems.append(f"undefined: {surface.missing} points of the map have no data; set it to harmonic")
