@@ -54,7 +54,7 @@ def test_quoted_numbers_are_split_as_csv(tmp_path, text, height):
 def test_quoted_points_are_a_map(tmp_path):
     y, x = np.mgrid[:8, :6] * 0.5
     points = quoted(zip(x.flat, y.flat, HEIGHT.flat, strict=True), german)
-    for heading, unit, lateral in (("", "um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
+    for heading, unit, lateral in (("", "um um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
         (tmp_path / "map.csv").write_text(heading + points)
         found = read_map(tmp_path / "map.csv", unit=unit)
         assert found.length == pytest.approx((4 * lateral, 3 * lateral))

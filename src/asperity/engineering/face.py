@@ -130,6 +130,7 @@ def read_face(
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
+    shared = shared or (counter is not None and counter.options is None)
     name, surface, doubts, spikes, options = _read(source, options, shared)
     files = _read_file(source)
     if counter is None:

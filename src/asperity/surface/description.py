@@ -113,6 +113,7 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     stated = " in the file" if found.unit_stated else ", as given"
     properties = {
         "file": surface.name,
+        **({"overridden": "; ".join(surface.notes)} if surface.notes else {}),
         "channels": _channels(found),
         "heights": ORIENTATION_WORDS[surface.orientation],
         "unit": surface.unit + stated if surface.unit else NOT_IN_FILE,

@@ -82,18 +82,21 @@ class MapError(InputError):
 class MapOptions:
     """Properties of a height map that its file does not state, and options of its treatment.
 
+    A property that is given replaces that of the file, and the map notes it; for several maps that share
+    options the file takes precedence.
+
     Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
     as ``"8 um"``.
 
     Parameters
     ----------
     physical_size : (length_y, length_x), optional
-        Edges of the map, for files that do not contain them; numbers are in the unit of the heights in the
-        file.
+        Edges of the map; numbers are in the unit of the heights in the file.
     height_factor : float, optional
-        Factor from the numbers in the file to heights, for files that do not contain it.
+        Factor from the numbers in the file to heights.
     unit : str, optional
-        Unit of the heights, and of edges given as numbers, for files that do not contain it.
+        Unit of the heights, and of edges given as numbers; or that of x and y and that of z, such as
+        ``"mm um"``, for a list of points that states neither.
     channel : str or int, optional
         Name or number of the channel; by default the one whose name says that it holds heights.
     missing : float, optional
@@ -241,6 +244,8 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
+    notes : tuple of str
+        Properties that options gave in place of those of the file.
 
     Raises
     ------
@@ -264,6 +269,7 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         try:

@@ -28,7 +28,6 @@ from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
     PERIODICITIES,
-    UNIT_NEEDED,
     HeightMap,
     MapError,
     MapOptions,
@@ -219,7 +218,7 @@ def missing_options(found: MapFile, options: MapOptions, needs_unit: bool = True
     """Everything that a file and the options lack for the treatment of a map."""
     problems = list(found.problems)
     if needs_unit and found.map.unit is None and not any(text.startswith("unit") for text in problems):
-        problems.append(UNIT_NEEDED)
+        problems.append(found.unit_needed)
     return problems + [text for text in _missing(found.map, options) if text not in problems]
 
 
@@ -260,6 +259,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         done = ["used as it is: the heights are those of an indenter's lower face"]
     if surface.channel not in ("", UNNAMED):
         done.append(f"channel of the file: {one_line(surface.channel)}")
+    done += surface.notes
     if options.format == PROFILE:
         done.append("line scan: the same heights for all y, which is plane strain")
 
