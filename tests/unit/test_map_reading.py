@@ -88,16 +88,15 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
 @pytest.mark.parametrize(
     ("argument", "line"),
     [
-        ({"unit": "mm"}, "unit = 'mm': the file says nm; leave it out"),
-        ({"physical_size": ("1 mm", "1 mm")}, "physical_size: the file itself says 80000 x 96000 nm (y, x)"),
         ({"physical_size": ("80 um", "2 s")}, "physical_size = '2 s': a number with a unit of length"),
-        ({"height_factor": 2.0}, "height_factor = 2: the file says heights in nm; leave it out"),
+        ({"unit": "kg"}, "unit = 'kg': a unit of length is needed (nm, um, mm, m)"),
+        ({"unit": "m m m"}, "unit = 'm m m': a unit of length is needed"),
         ({"orientation": "up"}, "orientation = 'up': one of peaks up, lower face is needed"),
         ({"format": "jpeg"}, "format = 'jpeg': one of"),
         ({"format": "npy"}, "not a height map that can be read"),
     ],
 )
-def test_an_option_that_contradicts_the_file_is_refused(argument, line):
+def test_a_wrong_option_of_a_file_is_refused(argument, line):
     with pytest.raises(MapError, match=re.escape(line)):
         read_map(DATA / "steel.asc", **argument)
 
@@ -344,7 +343,9 @@ def test_info_prints_description_or_one_line(capsys):
     assert "12 x 16 (y, x)" in printed
     assert "shown: Detail" in printed
     assert main(["info", str(DATA / "steel.asc"), "--unit", "kg", "--physical-size", "1", "2"]) == 0
-    assert "--physical-size: the file itself says 80000 x 96000 nm" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "overridden:   physical_size: 1 nm x 2 nm (y, x) is given, the file says 80 µm x 96 µm" in printed
+    assert "--unit = 'kg': a unit of length is needed" in printed
     assert main(["info", str(DATA / "steel.npy")]) == 0
     printed = capsys.readouterr().out
     assert "size:         not in the file" in printed

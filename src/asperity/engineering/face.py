@@ -130,8 +130,8 @@ def read_face(
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
-    shared = shared or (counter is not None and counter.options is None)
-    name, surface, doubts, spikes, options = _read(source, options, shared)
+    given, with_counter = options, counter is not None and counter.options is None
+    name, surface, doubts, spikes, options = _read(source, options, shared or with_counter)
     files = _read_file(source)
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
@@ -139,7 +139,7 @@ def read_face(
         reach = SPIKE_REACH * y, SPIKE_REACH * x
         return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
     counter_name, counter_surface, counter_doubts, _, own = _read(
-        counter.source, counter.options or options, counter.options is None
+        counter.source, counter.options or given, counter.options is None
     )
     files += _read_file(counter.source)
     level, filled, done = _levelled(surface, options)

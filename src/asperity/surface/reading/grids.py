@@ -96,8 +96,7 @@ def tiff_scale(opened: Any) -> dict[str, Any]:
     opened : tifffile.TiffFile
     """
     page = opened.pages[0]
-    ny, nx = page.shape
-    tags = page.tags
+    (ny, nx), tags = page.shape, page.tags
     scale: dict[str, Any] = {}
     if opened.is_imagej and "XResolution" in tags and "YResolution" in tags:
         unit = str((opened.imagej_metadata or {}).get("unit", "")).replace("\\u00B5", "µ")
@@ -106,12 +105,14 @@ def tiff_scale(opened: Any) -> dict[str, Any]:
             scale |= {"length": (ny * per_y / y, nx * per_x / x), "length_unit": unit}
     if opened.is_geotiff:
         keys = page.geotiff_tags
-        unit = {9001: "m", 9002: "ft"}.get(int(keys.get("ProjLinearUnitsGeoKey", 9001)))
-        if (
-            int(keys.get("GTModelTypeGeoKey", 0)) == 1 and "ModelPixelScale" in keys and unit
-        ):  # not in degrees
+        is_projected = int(keys.get("GTModelTypeGeoKey", 0)) == 1  # others are in degrees
+        known = _GEOTIFF_UNITS.get(int(keys.get("ProjLinearUnitsGeoKey", 9001)))
+        if is_projected and known and "ModelPixelScale" in keys:
             x, y = keys["ModelPixelScale"][:2]
-            scale |= {"length": (ny * y, nx * x), "length_unit": unit}
+            scale |= {"length": (ny * y, nx * x), "length_unit": known}
     if "GDAL_NODATA" in tags:
         scale["missing"] = float(tags["GDAL_NODATA"].value)
     return scale
+
+
+_GEOTIFF_UNITS = {9001: "m", 9002: "ft"}

@@ -36,10 +36,10 @@ def column_units(header: Sequence[str], columns: int, separator: str) -> list[st
         plain = re.sub(r"\s+(?=[\[(])|\s+(?=in\s)|(?<=\sin)\s+", "_", line.strip("#% \t\r\n"))
         for mark in (separator, "\t", ";", ",", " "):
             fields = _fields(plain, mark)
-            found = [_COLUMN.fullmatch(field) for field in fields]
-            is_bare = all(found) and not any(each["name"] for each in found if each)
-            if len(found) == columns and any(each and (is_bare or each["name"]) for each in found):
-                units = [each["unit"] if each and (is_bare or each["name"]) else None for each in found]
+            parts = [match and match.groupdict() for match in map(_COLUMN.fullmatch, fields)]
+            is_bare = all(part and not part["name"] for part in parts)
+            units = [part["unit"] if part and (is_bare or part["name"]) else None for part in parts]
+            if len(units) == columns and any(units):
                 return [unit.lower() if unit and len(unit) > 2 else unit for unit in units]
     stated = {found[1].lower(): found[2] for line in header if (found := _STATED_UNIT.search(line))}
     return [stated.get("lateral")] * (columns - 1) + [stated.get("value")]
@@ -85,13 +85,19 @@ def keyence_sizes(header: Sequence[str], shape: tuple[int, int]) -> dict[str, An
     }
 
 
+def zygo_lines(lines: Sequence[str]) -> int:
+    """Number of lines of the heading of points that a program of Zygo wrote; 0 for others."""
+    is_zygo = bool(lines) and lines[0].startswith("Zygo XYZ Data File")
+    return next((number for number, line in enumerate(lines) if line.strip() == "#"), 0) if is_zygo else 0
+
+
 def zygo_units(header: Sequence[str]) -> tuple[float, str | None, str] | None:
     """Pixel, its unit, and the unit of the heights of points that a program of Zygo wrote; None for others.
 
     Line 8 of the heading holds the pixel in metres, zero if the lens is not calibrated; heights are in µm
     (MetroPro Reference Guide OMP-0347, ASCII data files).
     """
-    if not header or not header[0].startswith("Zygo XYZ Data File"):
+    if not zygo_lines(header):
         return None
     try:
         pixel = float(header[7].split()[6])

@@ -317,9 +317,7 @@ def _profile(table: NumberTable) -> FileContent:
         line = np.full(count, np.nan)
         line[index] = numbers[:, 1]
         if np.median(np.diff(np.sort(index))) > 1:
-            raise ValueError(
-                "the positions x are not equally spaced; interpolate the line scan to equal steps"
-            )
+            raise ValueError("the positions x are not equally spaced")
         length = spacing, count * spacing
     return FileContent(line[None, :], "z", length=length, length_unit=table.column_units[0], unit=unit)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.surface.reading.heading import MatrixSizes, column_units, ends_with_validity
+from asperity.surface.reading.heading import MatrixSizes, column_units, ends_with_validity, zygo_lines
 
 MERGE_DISTANCE = 1e-6
 """Positions nearer than this, relative to the extent of the points, are one column or row of the grid; it
@@ -87,8 +87,10 @@ class Dialect(NamedTuple):
         line = line.strip("\r\n ")
         if self.separator == " ":
             return line.replace('"', "").split()
+        if self.separator == ", ":  # a row may end with a comma
+            return line.removesuffix(",").split(self.separator)
         for _ in range(self.closing):
-            line = line.removesuffix(self.separator.rstrip(" "))
+            line = line.removesuffix(self.separator)
         if '"' not in line:
             return line.split(self.separator)
         return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
@@ -144,6 +146,8 @@ class NumberTable:
     def __init__(self, text: str, dialect: Dialect) -> None:
         written, columns = text.splitlines(), dialect.columns
         lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
+        heading = zygo_lines(written)
+        rows[:heading] = [[] for _ in range(heading)]
         whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
         if not whole:
             raise ValueError(f"a table of {columns} columns of numbers is needed")
@@ -224,7 +228,7 @@ def find_dialect(text: str) -> Dialect | None:
         lined = [line.strip("\r\n ") for line in sample if separator in line or separator == " "]
         rows = ((line, _row(Dialect(separator, mark, 0).plain(line))[1]) for line in lined)
         whole = [(line, row) for line, row in rows if row and not all(map(math.isnan, row))]
-        last = separator.rstrip(" ")
+        last = "" if " " in separator else separator
         ends = [len(line) - len(line.rstrip(last)) if last else 0 for line, _ in whole]
         closing = sorted(ends)[int((1 - CLOSING_ROWS) * len(ends))] if ends else 0
         widths = Counter(len(row) - min(closing, end) for (_, row), end in zip(whole, ends, strict=True))
@@ -265,7 +269,7 @@ def _has_equal_steps(values: Array) -> bool:
 
 
 def _is_comment(line: str) -> bool:
-    return line.startswith("#") and not line.upper().startswith("#N/A")
+    return line.startswith(("#", "%")) and not line.upper().startswith("#N/A")
 
 
 def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
