@@ -314,6 +314,28 @@ def test_other_formats_are_named_in_a_line(tmp_path, name, write, line):
     assert len(caught.value.problems) == 1
 
 
+def test_values_in_a_heading_are_no_units(tmp_path):
+    """The unit of a length beside a number is not that of a column."""
+    for heading in ("Length: 30 mm", "Length,30.0 mm", "Stylus,Radius: 2.5 um"):
+        (tmp_path / "line.csv").write_text(f"{heading}\n" + "".join(f"{i},{i % 3}\n" for i in range(9)))
+        with pytest.raises(MapError, match="unit: the file does not say its units"):
+            prepare_map(tmp_path / "line.csv", format="profile", periodic="mirrored")
+        (tmp_path / "line.csv").write_text(
+            f"{heading.partition(',')[0]}\n" + "".join(f"{i % 3}\n" for i in range(9))
+        )
+        with pytest.raises(MapError, match="unit: the file does not say the unit of its heights"):
+            prepare_map(tmp_path / "line.csv", format="profile", periodic="mirrored", physical_size=(1, 1))
+
+
+def test_a_name_of_points_has_an_extension(tmp_path):
+    np.save(tmp_path / "map.npy", HEIGHT)
+    (tmp_path / "map.npy").rename(tmp_path / "...txt")
+    with pytest.raises(
+        MapError, match="its name is that of format asc or xyz or profile or esri, its content of npy"
+    ):
+        read_map(tmp_path / "...txt")
+
+
 def test_axes_of_one_point_are_dropped(tmp_path):
     place = {
         axis: (axis, 0.5 * np.arange(n), {"units": "um"}) for axis, n in zip("yx", HEIGHT.shape, strict=True)

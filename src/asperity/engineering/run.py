@@ -142,10 +142,10 @@ def run(
     >>> steel = asp.Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
     >>> answer = asp.run(surface, steel, mean_pressure=50e6)
     >>> print(f"real contact {100 * answer.numbers.area_fraction:.1f} % of the area")
-    real contact 5.4 % of the area
+    real contact 5.5 % of the area
     >>> lower = answer.bodies["lower"]
     >>> print(f"{lower.largest_von_mises / 1e9:.2f} GPa at a depth of {lower.depth * 1e6:.1f} µm")
-    1.58 GPa at a depth of 3.4 µm
+    1.58 GPa at a depth of 4.0 µm
     """
     load = Load.chosen(
         mean_pressure=mean_pressure,

@@ -8,7 +8,11 @@ from collections.abc import Sequence
 from typing import Any
 
 _UNIT = r"[pnuµμmcdk~]?m|Å|(?i:(?:micro|nano|milli|centi)?met(?:er|re)s?|microns?|inch(?:es)?)"
-_COLUMN = re.compile(rf"(?P<name>(?!\s*[-+.\d]).*[\W_])?(?P<unit>{_UNIT})\W*", re.DOTALL)
+_COLUMN = re.compile(
+    rf"(?P<name>(?!\s*[-+.\d]).*(?:[^\W\d]\s+|[^\w\s]\s*|_))?(?P<unit>{_UNIT})\W*", re.DOTALL
+)
+"""Name of a column and its unit; a number before the unit makes it the value of something else."""
+
 _STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
 _BRACKETS = re.compile(r"[\[(]\s*([A-Za-zµμÅ]+)\s*[\])]")
 

@@ -160,7 +160,7 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     plain.seek(0)
     file: Any = gzip.GzipFile(fileobj=plain) if is_packed else plain
     begin = file.read(formats.BLOCK)
-    if look := formats.unread_look(begin):
+    if options.format is None and (look := formats.unread_look(begin)):
         raise ValueError(f"{UNREADABLE}: it looks like {look}")
     is_profile = options.format == PROFILE
     possible = formats.possible_formats(begin, file, name, None if is_profile else options.format)
@@ -265,16 +265,15 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
         raise ValueError(f"{LINE_SCAN} of {table.columns} columns; {DECLARED}")
     if options.format != points.name and (found := _matrix(table, matrix, options)):
         return matrix, found
-    numbers, stated = table.numbers()[:, :3], zygo_units(table.header)
     try:
-        height, (y, x) = grid_points(numbers)
+        height, (y, x) = grid_points(table.numbers()[:, :3])
     except ValueError as error:
         raise ValueError(
             f"three columns of numbers that are no points x, y, z on a regular grid ({_first_line(error)})"
         ) from error
     unit_x, unit_y, unit = table.column_units[:3]
     length, length_unit = edges_in_one_unit((y, x), (unit_y, unit_x))
-    if stated:
+    if stated := zygo_units(table.header):
         pixel, length_unit, unit = stated
         length = y * pixel, x * pixel
     return points, FileContent(height, "z", length=length, length_unit=length_unit, unit=unit)
