@@ -74,6 +74,7 @@ def test_a_unit_that_is_not_stated_is_asked(tmp_path, heading, asked, answer):
     with pytest.raises(MapError) as caught:
         prepare_map(tmp_path / "map.csv", periodic="mirrored")
     assert str(caught.value).partition(": ")[2].startswith(asked)
+    assert "Sdq" not in describe_map(tmp_path / "map.csv", MapOptions()).properties
     assert_map(read_map(tmp_path / "map.csv", unit=answer), 1e-3, 1e-6)
     if answer == "mm um":
         with pytest.raises(MapError, match=r"unit: the file does not say that of its edges, 4 x 3 \(y, x\)"):

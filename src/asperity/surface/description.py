@@ -125,8 +125,9 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     warnings = []
     if np.isfinite(surface.height).any():
         measures = MapMeasures(surface, options)
-        properties |= _of_heights(surface, measures, found.edges_known, options.format == PROFILE)
-        warnings = map_warnings(surface, options, measures, found.edges_known)
+        comparable, is_profile = found.edges_comparable, options.format == PROFILE
+        properties |= _of_heights(surface, measures, comparable, is_profile)
+        warnings = map_warnings(surface, options, measures, comparable)
     return MapDescription(properties, needed, choices, warnings)
 
 
@@ -240,7 +241,7 @@ def map_warnings(
 def _of_heights(
     surface: HeightMap, measures: MapMeasures, edges_known: bool, is_profile: bool
 ) -> dict[str, str]:
-    """Defects, roughness and spectrum of a map; in units of pixels nothing that depends on the edges."""
+    """Defects, roughness and spectrum of a map; without edges in its unit nothing that depends on them."""
 
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)

@@ -119,8 +119,8 @@ class MapFile:
         Options that replace what the file says.
     options : MapOptions
         The options given; for a file with several channels, with the one that was chosen.
-    edges_known, unit_stated : bool
-        True if the edges are known, and if the file states its unit.
+    edges_known, edges_comparable, unit_stated : bool
+        True if the edges are known, if they are in the unit of the heights, and if the file states this.
     """
 
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
@@ -159,6 +159,8 @@ class MapFile:
                 else f"missing: {repeated[1]} points have the height {repeated[0]:.9g}; set it to this number"
             )
         self.edges_known = length is not None
+        is_bare = is_bare and unit is None and options.physical_size is None
+        self.edges_comparable = self.edges_known and not is_bare
         self.overridden = {option for option, _ in self._notes}
         self.unit_stated = content.unit is not None and "unit" not in self.overridden
         notes = tuple(note for _, note in self._notes)
