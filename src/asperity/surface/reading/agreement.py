@@ -126,7 +126,7 @@ class MapFile:
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
         self.problems = [content.undecided] if content.undecided else []
         self._notes: list[tuple[str, str]] = []
-        is_bare = content.length is not None and content.length_unit is None
+        is_bare = content.length is not None and content.length_unit is None and not options.physical_size
         self.unit_needed = f"unit: the file does not say its units; {UNITS}" if is_bare else UNIT_NEEDED
         factor = self._height_factor(content, options)
         unit, metre = self._unit(content, options)
@@ -159,8 +159,7 @@ class MapFile:
                 else f"missing: {repeated[1]} points have the height {repeated[0]:.9g}; set it to this number"
             )
         self.edges_known = length is not None
-        is_bare = is_bare and unit is None and options.physical_size is None
-        self.edges_comparable = self.edges_known and not is_bare
+        self.edges_comparable = self.edges_known and not (is_bare and unit is None)
         self.overridden = {option for option, _ in self._notes}
         self.unit_stated = content.unit is not None and "unit" not in self.overridden
         notes = tuple(note for _, note in self._notes)
@@ -178,7 +177,9 @@ class MapFile:
                     "height_factor: the file holds grey levels; set it to the height of one level"
                 )
             return 1.0
-        if (own is not None or unit is not None) and not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+        if own is not None or unit is not None:
+            if math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+                return 1.0
             self._note("height_factor", f"{given:g}", f"heights in {unit}" if own is None else f"{own:g}")
         return float(given) / (own or 1.0)
 
