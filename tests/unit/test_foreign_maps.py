@@ -54,7 +54,7 @@ def test_quoted_numbers_are_split_as_csv(tmp_path, text, height):
 def test_quoted_points_are_a_map(tmp_path):
     y, x = np.mgrid[:8, :6] * 0.5
     points = quoted(zip(x.flat, y.flat, HEIGHT.flat, strict=True), german)
-    for heading, unit, lateral in (("", "um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
+    for heading, unit, lateral in (("", "um um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
         (tmp_path / "map.csv").write_text(heading + points)
         found = read_map(tmp_path / "map.csv", unit=unit)
         assert found.length == pytest.approx((4 * lateral, 3 * lateral))
@@ -452,9 +452,13 @@ def test_shared_options_fill_what_files_omit(tmp_path):
     options = MapOptions(physical_size=("16 um", "12.1 um"), unit="um", channel="z")
     assert read_face(own, options, shared=True).options == MapOptions()
     assert read_face(bare, replace(options, channel=None), shared=True).options == options
-    with pytest.raises(MapError) as caught:
-        read_face(own, replace(options, channel=None))
-    assert [text.partition(":")[0] for text in caught.value.problems] == ["unit = 'um'", "physical_size"]
+    alone = read_face(own, replace(options, channel=None)).face
+    assert [line.partition(":")[0] for line in alone.done if " is given, the" in line] == [
+        "unit",
+        "physical_size",
+    ]
+    turned = read_face(own, replace(options, channel=None), CounterMap(bare)).face
+    assert not any(" is given, the" in line for line in turned.done)
     pair = read_face(bare, options, CounterMap(own))
     assert pair.options == options
     assert pair.face.name == "b on a"

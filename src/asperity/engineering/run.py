@@ -66,7 +66,7 @@ def run(
     >>> steel = asp.Body(young="210 GPa", poisson=0.3, yield_stress="1.5 GPa")
     >>> answer = asp.run(surface, steel, mean_pressure="50 MPa", sliding={"friction": 0.1})
     >>> print(f"real contact {100 * answer.numbers.area_fraction:.1f} % of the area")
-    real contact 5.4 % of the area
+    real contact 5.5 % of the area
     """
     if isinstance(map, Case):
         return answer_of(map, progress=progress)

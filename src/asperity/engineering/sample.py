@@ -153,7 +153,7 @@ def pooled(answers: Sequence[Answer]) -> Sample:
     >>> sample = asp.pooled([asp.run(each, steel, mean_pressure=50e6) for each in maps])
     >>> area = sample.mean("contact", "real contact")
     >>> print(f"real contact {100 * area.value:.1f} ± {100 * area.error:.1f} %")
-    real contact 5.1 ± 0.9 %
+    real contact 5.1 ± 1.1 %
     """
     if not answers:
         raise ValueError("answers: at least one is needed")

@@ -158,10 +158,11 @@ class MapFile(Settings):
     unit: Text = setting(
         None,
         default_text="as in the file",
-        pattern=r"^[A-Za-zµμÅ]{1,20}\Z",
-        accepts="a unit of length such as nm, um, mm or m",
+        pattern=r"^[A-Za-zµμÅ]{1,20}( [A-Za-zµμÅ]{1,20})?\Z",
+        accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
     )
-    """Unit of the heights and of `physical_size`, such as um, for a file that does not state it."""
+    """Unit of the heights and of `physical_size`, such as um; for a list of points also two, that of x and y and
+    that of z, such as mm um."""
     orientation: Literal["peaks up", "lower face"] = setting(None, default_text="as in the file")
     """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
     `lower face` of an indenter, as the library uses it."""
@@ -564,7 +565,7 @@ class Configuration(Settings):
     command line `--config results=FOLDER` takes any folder."""
     accuracy: Literal["draft", "paper", "reference"] = setting("paper")
     """Preset of all settings of accuracy. An explicit value of one of them overrides the preset."""
-    fft_engine: Literal[ENGINES] = setting(ENGINES[0])
+    fft_engine: Literal[ENGINES] = setting(ENGINES[0])  # type: ignore[valid-type]
     """Library that computes the Fourier transforms: `ducc0`, `pyfftw`, which the extra `fftw` installs, or
     `scipy`, under the BSD licence. Their results differ by rounding errors."""
     seeds: Annotated[list[Seed], Strict(), Field(min_length=1), DISTINCT] = setting(

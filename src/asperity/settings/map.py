@@ -39,7 +39,10 @@ Source = Annotated[
 
 
 class MapOptions(Settings):
-    """Properties of a height map that its file does not state, and options of its treatment.
+    """Properties of a height map, and options of its treatment.
+
+    A property that is given replaces that of the file, and the map notes it; for several maps that share
+    options the file takes precedence.
 
     Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
     as ``"8 um"``.
@@ -66,11 +69,12 @@ class MapOptions(Settings):
     unit: str | None = setting(
         None,
         default_text="as in the file",
-        pattern="^[A-Za-zµμÅ]{1,20}\\Z",
-        accepts="a unit of length such as nm, um, mm or m",
+        pattern="^[A-Za-zµμÅ]{1,20}( [A-Za-zµμÅ]{1,20})?\\Z",
+        accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
         example="um",
     )
-    """Unit of the heights, and of edges given as numbers, for a file that does not state it."""
+    """Unit of the heights, and of edges given as numbers; for a list of points also two, that of x and y and that
+    of z, such as mm um."""
     physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
         None,
         default_text="as in the file",
@@ -108,8 +112,9 @@ class MapOptions(Settings):
         None, default_text="a map with such points is refused; asperity run fills them"
     )
     """How points without data are filled."""
-    detrend: Detrend = setting("tilt")
-    """Trend that is subtracted by least squares besides the mean."""
+    detrend: Detrend | None = setting(None, default_text="tilt; none for a map that is one period")
+    """Trend that is subtracted besides the mean, by least squares of the points that have data. A period has no
+    tilt: subtracting one makes a step at its edges."""
     s_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="2.5 um")
     """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
     l_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="80 um")
