@@ -11,6 +11,7 @@ from pydantic import AfterValidator, ConfigDict, Field, Strict
 
 from asperity.core.errors import shown
 from asperity.core.packages import ENGINES, absent
+from asperity.settings.map import FileOptions
 from asperity.settings.model import (
     DISTINCT,
     NeededError,
@@ -23,7 +24,7 @@ from asperity.settings.model import (
     number,
     setting,
 )
-from asperity.settings.quantities import LengthOrNumber, Written
+from asperity.settings.quantities import Written
 from asperity.settings.sections import LOAD_LABELS
 
 TWO_NODES_SLACK = 1e-9
@@ -138,51 +139,14 @@ class Plateau(Settings):
     """Material ratio Rmq in per cent."""
 
 
-class MapFile(Settings):
-    """Measured height map whose distribution of heights is used, after its tilt is subtracted."""
+class MapFile(FileOptions):
+    """Measured height map whose distribution of heights is used, after its trend is subtracted."""
 
     file: Text = setting(
         ..., pattern=r"^[^{}]{1,1000}\Z", accepts="a file name without braces of at most 1000 characters"
     )
     """File of the height map, in a format of `docs/formats.md`. The map shows its peaks upward and is
-    pressed face down."""
-    channel: Text = setting(
-        None,
-        default_text="the one whose name says that it holds heights",
-        pattern=r"^[^\n]{1,200}\Z",
-        accepts="a name of at most 200 characters",
-    )
-    """Name or number of the channel of the file."""
-    missing: Number = setting(None, default_text="as the format of the file marks them")
-    """Number in the file that stands for points without data, such as -9999."""
-    unit: Text = setting(
-        None,
-        default_text="as in the file",
-        pattern=r"^[A-Za-zµμÅ]{1,20}( [A-Za-zµμÅ]{1,20})?\Z",
-        accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
-    )
-    """Unit of the heights and of `physical_size`, such as um; for a list of points also two, that of x and y and
-    that of z, such as mm um."""
-    orientation: Literal["peaks up", "lower face"] = setting(None, default_text="as in the file")
-    """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
-    `lower face` of an indenter, as the library uses it."""
-    format: Text = setting(
-        None,
-        default_text="recognised from the file",
-        pattern=r"^[a-z0-9]{1,20}\Z",
-        accepts="the name of a format",
-    )
-    """Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the
-    extension of another format. `profile` reads a line scan as a map with the same heights for all y.
-    `asperity info --help` lists the formats."""
-    max_memory: Number = setting(None, default_text="2", unit="GiB", gt=0)
-    """Largest size that the file may have when unpacked."""
-    physical_size: Annotated[list[LengthOrNumber], Strict(), Field(min_length=2, max_length=2)] = setting(
-        None, default_text="as in the file"
-    )
-    """Edges (y, x) of the map. Numbers are in the unit of the heights."""
-    height_factor: Annotated[Number, Field(gt=0, le=1e12)] = setting(None, default_text="as in the file")
-    """Factor from the numbers in the file to heights."""
+    pressed face down."""  # Snakemake takes braces in the name of an input for wildcards
 
 
 class Heights(OneOf):
@@ -233,10 +197,6 @@ class MeasuredMap(MapFile):
 
     label: Label = _LABEL
     contact: Load = _LOAD
-    detrend: Literal["none", "tilt", "curvature"] = setting(
-        None, default_text="tilt for mirrored and windowed maps, else none"
-    )
-    """Trend that is subtracted by least squares besides the mean."""
     periodic: Literal["declared", "mirrored", "windowed"] = setting(
         None, default_text="only a file that calls itself periodic is accepted"
     )
@@ -250,9 +210,6 @@ class MeasuredMap(MapFile):
     )
     """Waves shorter than this are removed. Figures show depths in units of this wavelength. A number is in
     cell lengths; a mirrored map fills half of the cell's edge."""
-    scan_lines: Literal["median", "matched"] = setting(None, default_text="offsets are kept")
-    """How offsets between scan lines along x are removed: by the median of each line, or `matched` by the
-    median of its differences from the line before."""
     s_filter: LengthOrCells = setting(
         None, unit="cell length, unless it has its own", default_text="no filter"
     )
@@ -268,11 +225,6 @@ class MeasuredMap(MapFile):
     )
     """Nodes on the longer edge of the cell, by Fourier interpolation; an even number on that of a mirrored
     map."""
-    despike: Number = setting(
-        None, default_text="no point is replaced; 8 keeps every point of a Gaussian surface", ge=3
-    )
-    """Points that differ from the local median by more than this number of robust standard deviations of
-    the local roughness are replaced, as spikes."""
 
 
 class Studies(Settings):

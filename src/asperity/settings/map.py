@@ -38,27 +38,8 @@ Source = Annotated[
 """File of a map, or in Python a `asperity.HeightMap`."""
 
 
-class MapOptions(Settings):
-    """Properties of a height map, and options of its treatment.
-
-    A property that is given replaces that of the file, and the map notes it; for several maps that share
-    options the file takes precedence.
-
-    Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
-    as ``"8 um"``.
-
-    Raises
-    ------
-    SettingsError
-        With everything that is not accepted.
-
-    Examples
-    --------
-    For an array of numpy, which contains neither size nor unit nor orientation:
-
-    >>> asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up").unit
-    'nm'
-    """
+class FileOptions(Settings):
+    """Properties of a height map that its file may not state, and a treatment that needs no grid."""
 
     channel: str | int | None = setting(
         None,
@@ -108,13 +89,37 @@ class MapOptions(Settings):
     )
     """Points that differ from the local median by more than this number of robust standard deviations of
     the local roughness are replaced, as spikes."""
+    detrend: Detrend | None = setting(None, default_text="tilt; none for a map that is one period")
+    """Trend that is subtracted besides the mean, by least squares of the points that have data. A period has
+    no tilt, and subtracting one makes a step at its edges."""
+
+
+class MapOptions(FileOptions):
+    """Properties of a height map, and options of its treatment.
+
+    A property that is given replaces that of the file, and the map notes it; for several maps that share
+    options the file takes precedence.
+
+    Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
+    as ``"8 um"``.
+
+    Raises
+    ------
+    SettingsError
+        With everything that is not accepted.
+
+    Examples
+    --------
+    For an array of numpy, which contains neither size nor unit nor orientation:
+
+    >>> asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up").unit
+    'nm'
+    """
+
     undefined: Literal["harmonic"] | None = setting(
         None, default_text="a map with such points is refused; asperity run fills them"
     )
     """How points without data are filled."""
-    detrend: Detrend | None = setting(None, default_text="tilt; none for a map that is one period")
-    """Trend that is subtracted besides the mean, by least squares of the points that have data. A period has no
-    tilt: subtracting one makes a step at its edges."""
     s_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="2.5 um")
     """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
     l_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="80 um")
