@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -224,6 +224,7 @@ def _job(
     from asperity.engineering.face import read_face
     from asperity.engineering.folder import names_of
     from asperity.engineering.run import problems_on_map
+    from asperity.settings.map import Map
 
     is_case = Path(path).suffix in SUFFIXES
     file = path if is_case else options.case
@@ -262,11 +263,15 @@ def _job(
         case = Case.read(content)
     except SettingsError as error:
         problems += map(named, error.found)
+    surface = case and case.map
+    if case is None:  # problems of the map are reported together with those of the case
+        with suppress(SettingsError):
+            surface = Map.read(content.get("map", {}))
     problems += _problems_of(out, read, None if case is None else names_of(case))
-    if case is not None and not missing:
+    if surface is not None and not missing:
         try:
-            rough = read_face(case.map, case.counter_map, shared=folder is not None)
-            problems += map(named, problems_on_map(case, rough))
+            rough = read_face(surface, case and case.counter_map, shared=folder is not None)
+            problems += map(named, problems_on_map(case, rough) if case else ())
         except SettingsError as error:
             problems += map(named, error.found)
         except InputError as error:
