@@ -263,14 +263,15 @@ def _job(
         case = Case.read(content)
     except SettingsError as error:
         problems += map(named, error.found)
-    surface = case and case.map
+    surface: Any = None if case is None else case.map
     if case is None:  # problems of the map are reported together with those of the case
         with suppress(SettingsError):
             surface = Map.read(content.get("map", {}))
     problems += _problems_of(out, read, None if case is None else names_of(case))
     if surface is not None and not missing:
         try:
-            rough = read_face(surface, case and case.counter_map, shared=folder is not None)
+            counter_map = None if case is None else case.counter_map
+            rough = read_face(surface, counter_map, shared=folder is not None)
             problems += map(named, problems_on_map(case, rough) if case else ())
         except SettingsError as error:
             problems += map(named, error.found)
