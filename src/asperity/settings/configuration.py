@@ -56,7 +56,7 @@ def _label(text: str) -> str:
     return text
 
 
-Name = Annotated[str, Strict(), Field(pattern=NAME)]
+Name = Annotated[Text, Field(pattern=NAME)]
 Label = Annotated[Text, Field(min_length=1, max_length=60), AfterValidator(_label)]
 Fraction = Annotated[Number, Field(gt=0, le=1)]
 Poisson = Annotated[Number, Field(gt=-1, le=0.5)]
