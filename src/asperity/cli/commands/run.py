@@ -262,6 +262,7 @@ def _job(
     if case is not None and not missing:
         try:
             rough = read_face(case.map, case.counter_map, shared=folder is not None)
+            case = case.replaced(map=rough.options)
             problems += map(named, problems_on_map(case, rough))
         except SettingsError as error:
             problems += map(named, error.found)
