@@ -1,7 +1,6 @@
 """Maps as instruments and programs write them: each kind is made here, with heights that are known."""
 
 import re
-from dataclasses import replace
 
 import foreign_files
 import numpy as np
@@ -10,7 +9,8 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.engineering.face import CounterMap, read_face
+from asperity.engineering.face import read_face
+from asperity.settings.map import CounterMap, Map
 from asperity.surface.description import describe_map, map_warnings
 from asperity.surface.reading.agreement import repeated_height
 from asperity.surface.reading.height_map import MapError, MapOptions
@@ -449,17 +449,18 @@ def test_shared_options_fill_what_files_omit(tmp_path):
     own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
     foreign_files.write_x3p(own, RAW)
     np.savez(bare, z=1e-3 * RAW, mask=RAW)
-    options = MapOptions(physical_size=("16 um", "12.1 um"), unit="um", channel="z")
-    assert read_face(own, options, shared=True).options == MapOptions()
-    assert read_face(bare, replace(options, channel=None), shared=True).options == options
-    alone = read_face(own, replace(options, channel=None)).face
+    known = {"physical_size": ("16 um", "12.1 um"), "unit": "um"}
+    options = Map(file=bare, **known, channel="z")
+    assert read_face(options.replaced(file=own), shared=True).options == Map(file=own)
+    assert read_face(Map(file=bare, **known), shared=True).options == options
+    alone = read_face(Map(file=own, **known)).face
     assert [line.partition(":")[0] for line in alone.done if " is given, the" in line] == [
         "unit",
         "physical_size",
     ]
-    turned = read_face(own, replace(options, channel=None), CounterMap(bare)).face
+    turned = read_face(Map(file=own, **known), CounterMap(file=bare, **known)).face
     assert not any(" is given, the" in line for line in turned.done)
-    pair = read_face(bare, options, CounterMap(own))
+    pair = read_face(options, CounterMap(file=own, **known, channel="z"))
     assert pair.options == options
     assert pair.face.name == "b on a"
 

@@ -13,7 +13,7 @@ from matplotlib.image import imread
 
 import asperity as asp
 from asperity.core import markup
-from asperity.engineering import Body, run
+from asperity import Body, run
 
 ROOT = Path(__file__).parents[2]
 LENGTH = (1.5e-4, 2e-4)

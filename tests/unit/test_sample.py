@@ -5,12 +5,12 @@ import pytest
 from samples import refuses
 
 import asperity as asp
-from asperity.engineering import Body, run
+from asperity import Body, run
 from asperity.engineering.sample import mean_of_maps
 from asperity.stress.statistics.largest import largest_on
 
 EDGE = 64e-6
-STEEL = Body(210e9, 0.3, yield_stress=2e9)
+STEEL = Body(young=210e9, poisson=0.3, yield_stress=2e9)
 
 
 def a_map(seed, points=64, rms=1e-7):
@@ -40,11 +40,8 @@ def test_interval_is_students_and_holds_the_mean():
 
 def test_sample_pools_volumes_over_one_depth(answers):
     sample = asp.pooled(answers)
-    bodies = [answer.bodies["lower"] for answer in answers]
-    volumes, depths = (
-        [body.volume_above_yield for body in bodies],
-        [body.depths_above_yield[1] for body in bodies],
-    )
+    found = [answer.found["yielding"]["lower"] for answer in answers]
+    volumes, depths = [each.volume for each in found], [each.depths[1] for each in found]
     group, values = "stress in the elastic body", sample.frame().set_index("name").filter(like="map_")
     np.testing.assert_allclose(values.loc["volume above yield per area"], np.divide(volumes, EDGE**2))
     np.testing.assert_allclose(values.loc["share above yield"], np.divide(volumes, EDGE**2 * max(depths)))

@@ -51,6 +51,8 @@ class RoughFace(NamedTuple):
         Distance from its place up to which a spike reaches.
     files : tuple of ReadFile
         The files that were read.
+    options : Map, optional
+        The map with the options that its file needs, and the channel that was read.
     upper : array, optional
         The lower face of the upper body, if both are rough: its part of the composite roughness.
     """
@@ -60,6 +62,7 @@ class RoughFace(NamedTuple):
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[ReadFile, ...] = ()
+    options: Map | None = None
     upper: Array | None = None
 
 
@@ -80,7 +83,7 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
         reach = SPIKE_REACH * y, SPIKE_REACH * x
-        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files)
+        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
     counter_name, counter_surface, counter_doubts, _, own = _read(counter, True)
     files += _read_file(counter.file)
     level, filled, done = _levelled(surface, options)
@@ -97,7 +100,7 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, upper=upper)
+    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper)
 
 
 def _read_file(source: Any) -> tuple[ReadFile, ...]:

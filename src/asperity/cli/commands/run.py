@@ -272,7 +272,9 @@ def _job(
         try:
             counter_map = None if case is None else case.counter_map
             rough = read_face(surface, counter_map, shared=folder is not None)
-            problems += map(named, problems_on_map(case, rough) if case else ())
+            if case is not None:
+                case = case.replaced(map=rough.options)
+                problems += map(named, problems_on_map(case, rough))
         except SettingsError as error:
             problems += map(named, error.found)
         except InputError as error:
