@@ -57,8 +57,8 @@ def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
     text, value = LOADS[kind]
     steel = ["--young", "210 GPa", "--poisson", "0.3"]
     assert main([*COMMAND, *steel, f"--{kind.replace('_', '-')}", text]) == 0
-    case = f"map: {{file: steel.x3p, despike: 8}}\nbody: {{young: 210 GPa, poisson: 0.3}}\nload: {{{kind}: {text}}}"
-    (tmp_path / "steel.yaml").write_text(case)
+    bodies = "map: {file: steel.x3p, despike: 8}\nbody: {young: 210 GPa, poisson: 0.3}\n"
+    (tmp_path / "steel.yaml").write_text(f"{bodies}load: {{{kind}: {text}}}\n")
     assert main(["run", "steel.yaml"]) == 0
     settings = {"file": DATA / "steel.x3p", "despike": 8}
     answers.append(asp.run(settings, asp.Body(young=210e9, poisson=0.3), **{kind: value}))

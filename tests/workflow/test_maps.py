@@ -16,8 +16,9 @@ import bearing
 def test_maps_continue_with_the_same_bits(tmp_path):
     """One answer of two is there, as after a kill; it is kept, and the means are those of one process."""
     bearing.write_maps(tmp_path, (24, 32), patches=2)
-    pool = {"pooled": True, "map": ["ring_1.x3p", "ring_2.x3p"], "young": "210 GPa", "poisson": 0.3}
-    (tmp_path / "pool.yaml").write_text(yaml.safe_dump(pool | {"pressure": "300 MPa"}), encoding="utf-8")
+    pool = {"map": ["ring_1.x3p", "ring_2.x3p"], "body": {"young": "210 GPa", "poisson": 0.3}}
+    pool |= {"load": {"mean_pressure": "300 MPa"}, "sample": {}}
+    (tmp_path / "pool.yaml").write_text(yaml.safe_dump(pool), encoding="utf-8")
     assert main(["run", str(tmp_path / "pool.yaml"), "--out", str(tmp_path / "one")]) == 0
     shutil.copytree(tmp_path / "one/ring_1", tmp_path / "study/ring_1")
     kept = tmp_path / "study/ring_1/contact.nc"
@@ -36,4 +37,4 @@ def test_maps_continue_with_the_same_bits(tmp_path):
 def test_what_is_no_pool_is_refused(tmp_path):
     (tmp_path / "one.yaml").write_text("map: a.x3p\n", encoding="utf-8")
     found = snakemake(tmp_path, "--snakefile", str(ROOT / "workflow/maps.smk"), "--config", "case=one.yaml")
-    assert "one.yaml: `pooled: true` and a list of maps are needed" in found.stderr + found.stdout
+    assert "one.yaml: the group `sample` and a list of maps are needed" in found.stderr + found.stdout
