@@ -7,24 +7,25 @@ import sys
 
 try:
     from asperity.core.errors import InputError, one_line
-    from asperity.engineering.case_file import names_of_maps, pool_of
+    from asperity.engineering.case_file import MAP_FILES, at, load_case, names_of_maps
 except ImportError as error:
     sys.exit(f"maps: {error}")
 
 if "case" not in config:
     sys.exit("maps: --config case=FILE is needed, a case file with a list of maps")
 try:
-    POOL = pool_of([config["case"]])
+    POOL = load_case(config["case"])
 except InputError as error:
     sys.exit("\n".join(f"maps: {one_line(line)}" for line in error.lines))
-if not POOL.get("pooled"):
-    sys.exit(f"maps: {config['case']}: `pooled: true` and a list of maps are needed")
+FILES = at(POOL, MAP_FILES[0])
+if "sample" not in POOL or not isinstance(FILES, list):
+    sys.exit(f"maps: {config['case']}: the group `sample` and a list of maps are needed")
 
 CASE, OUT = config["case"], config.get("out", POOL.get("out", "pooled"))
-for named in (CASE, OUT, *POOL["map"]):
+for named in (CASE, OUT, *FILES):
     if re.search("[{}]", named):  # Snakemake takes words in braces for wildcards
         sys.exit(f"maps: {named}: a name without braces is needed")
-MAPS = dict(zip(names_of_maps(POOL["map"]), POOL["map"], strict=True))
+MAPS = dict(zip(names_of_maps(FILES), FILES, strict=True))
 RUN = [sys.executable, "-m", "asperity", "run", CASE, f"--out={OUT}"]
 
 

@@ -24,8 +24,9 @@ def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
     names = ["scan (1)", "-a[1]+$b"]
     for file, name in zip(bearing.write_maps(tmp_path, (24, 32), patches=2)["ring"], names, strict=True):
         file.rename(tmp_path / f"{name}.x3p")
-    pool = {"pooled": True, "map": [f"{name}.x3p" for name in names], "young": "210 GPa", "poisson": 0.3}
-    (tmp_path / "pool.yaml").write_text(yaml.safe_dump(pool | {"pressure": "300 MPa"}), encoding="utf-8")
+    pool = {"map": [f"{name}.x3p" for name in names], "body": {"young": "210 GPa", "poisson": 0.3}}
+    pool |= {"load": {"mean_pressure": "300 MPa"}, "sample": {}}
+    (tmp_path / "pool.yaml").write_text(yaml.safe_dump(pool), encoding="utf-8")
     monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     assert main(["run", str(tmp_path / "pool.yaml"), "--out", str(tmp_path / "one")]) == 0
     shutil.copytree(tmp_path / "one" / names[0], tmp_path / "study" / names[0])
@@ -45,8 +46,8 @@ def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("case", "line"),
     [
-        ("map: a.x3p", "case.yaml: `pooled: true` and a list of maps are needed"),
-        ("{pooled: true, map: ['{x}.x3p']}", "{x}.x3p: a name without braces is needed"),
+        ("map: a.x3p", "case.yaml: the group `sample` and a list of maps are needed"),
+        ("{sample: {}, map: ['{x}.x3p']}", "{x}.x3p: a name without braces is needed"),
     ],
 )
 def test_what_is_no_pool_is_refused(case, line, tmp_path):
