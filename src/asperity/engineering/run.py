@@ -17,7 +17,7 @@ from asperity.engineering.case import Case
 from asperity.engineering.contact_numbers import contact_numbers, contact_spots
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.press import plastic_contact, press
+from asperity.engineering.press import imposed_load, plastic_contact, press
 from asperity.engineering.question import IN_FULL_CONTACT
 from asperity.settings.load import UNITS
 from asperity.settings.model import Problem, SettingsError
@@ -150,6 +150,10 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     found = [*_outside_hertz(case, rough.face)]
     for question in case.questions.values():
         found += [*question.on_map(case, rough)]
+    try:
+        imposed_load(rough.face, case)
+    except SettingsError as error:
+        found += error.found
     return [Problem(*each) for each in found]
 
 

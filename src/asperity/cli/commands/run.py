@@ -167,6 +167,11 @@ def _problems_of_several(
         if name.startswith(".") or name in (*SAMPLE, *COMPARISON):
             yield f"MAP: {shown(name)} cannot be the name of the folder of its answer; rename the map"
     if options.pooled and not any(job.problems for job in jobs.values()):
+        of_checksum: dict[str, str] = {}
+        for name, job in jobs.items():
+            other = of_checksum.setdefault(job.rough.files[0].sha256, name)
+            if other != name:
+                yield f"--pooled: {name} and {other} are the same map; each place of the surface is needed once"
         faces = {name: job.rough.face for name, job in jobs.items()}
         try:
             check_alike(faces)
