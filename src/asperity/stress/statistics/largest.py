@@ -72,8 +72,8 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     """Largest peak on an area, from the peaks of maps of the same surface.
 
     Peaks of one map are alike. The likelihood is that of fewer independent peaks, by the ratio of the
-    variances of number and sum of the excesses over the maps to those of independent peaks. On an area as large as the
-    maps or larger, median and upper end are not below the largest peak of the maps.
+    variances of number and sum of the excesses over the maps to those of independent peaks. On an area as
+    large as the maps or larger, median and upper end are not below the largest peak of the maps.
 
     Parameters
     ----------
