@@ -147,9 +147,10 @@ CURVED_RUN = 2.0
 PRESSURE_LEVELS = (np.arange(4096) + 0.5) / 4096
 """Shares of the nodes at which the distributions of the pressure are compared."""
 
-UNRESOLVED = 0.4
-"""Measure of the unresolved gradient from which the stress at edges of plateaus, and at crests of which the
-kurtosis of the curvature is as large, has no estimate."""
+UNRESOLVED_EDGES = 0.2, 3.0
+"""Share of the squared gradient over the contact in waves that half of the nodes do not hold, above which the
+stress has no estimate at sharp edges and crests: where the kurtosis of the curvature is that of a surface
+that departs fully from a Gaussian one, or this share is as many times that of the whole surface."""
 
 STRAIGHT = 1e-3
 """Largest difference of the pressure along a line, over the largest pressure, along straight ridges."""
@@ -213,7 +214,7 @@ def reason_against_stress(found: xr.Dataset) -> str:
     """Why peaks allow no estimate, from the numbers on a grid as of `numbers_on`; empty if they do."""
     if found["along_lines"] <= STRAIGHT:
         return "the ridges are straight, and the peaks along them are rounding errors"
-    if found["curvature_kurtosis"] > 3 + KURTOSIS[1] and found["unresolved"] > UNRESOLVED:
+    if found["unresolved_edges"]:
         return "half of the pixels do not hold the edges of the heights in contact"
     return ""
 
@@ -250,7 +251,8 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
     if fine.stress is not None and not reason:
         reasons["reason_of_stress"] = reason_against_stress(found)
     attributes = {name: text for name, text in reasons.items() if text}
-    return joined.assign_coords(kind=list(KINDS)).assign_attrs(attributes)
+    least = 0.0 if reason else float(error["least"])
+    return joined.assign_coords(kind=list(KINDS)).assign_attrs(attributes, least_error=least)
 
 
 def extrapolated_numbers(
@@ -302,7 +304,8 @@ def extrapolated_numbers(
     if fine.stress is not None:
         error.update(_errors_of_stress(found, other, lost))
     error.update(_at_least(error, found, other))
-    error = error.where(best[list(error)].notnull())
+    for name in {*best} & {*error}:
+        error[name] = error[name].where(best[name].notnull())
     if fine.stress is not None:
         missed = abs(best["peak_count"] / found["peak_count"].where(found["peak_count"] > 0) - 1)
         shares = [OF_MISSED.get(str(name), OF_MISSED_COMPONENT) for name in found["quantity"].values]
@@ -323,7 +326,10 @@ def extrapolated_numbers(
 
 
 def _at_least(error: xr.Dataset, found: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
-    """Relative errors that are not below those of a surface that is not isotropic and Gaussian."""
+    """Relative errors not below those of a surface that is not isotropic and Gaussian.
+
+    ``least`` is the least one of the largest von Mises stress.
+    """
     change = np.square(found["pressure_quantile"] - other["pressure_quantile"]).mean()
     change = np.sqrt(change / np.square(found["pressure_quantile"]).mean())
     measures = found["straight_boundary"], found["unresolved"], change
@@ -333,7 +339,7 @@ def _at_least(error: xr.Dataset, found: xr.Dataset, other: xr.Dataset) -> xr.Dat
             share * measure for share, measure in zip(shares, measures, strict=True)
         )
 
-    raised = xr.Dataset()
+    raised = xr.Dataset({"least": least(OF_DEPARTURE["largest_von_mises"])})
     for name, shares in OF_DEPARTURE.items():
         if name in error:
             smallest = least(shares)
@@ -423,7 +429,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     half of the nodes along both edges do not hold, over that of all waves.
     """
     if results.height is None:
-        return {"departure": 0.0, "unresolved": 0.0, "curvature_kurtosis": 3.0}
+        return {"departure": 0.0, "unresolved": 0.0, "unresolved_edges": False}
     grid = results.grid
     fourier, half = Fourier(grid), Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
     modes = fourier.forward(results.height)
@@ -436,12 +442,15 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
         (measure - first) / (last - first)
         for measure, (first, last) in ((anisotropy, ANISOTROPY), (abs(kurtosis - 3), KURTOSIS))
     ]
-    lost = gradient(modes - resample(resample(modes, grid, half), half, grid), fourier)
-    share = np.sum((lost[0] ** 2 + lost[1] ** 2)[touching]) / max(np.sum(squared[touching]), 1e-300)
+    lost_y, lost_x = gradient(modes - resample(resample(modes, grid, half), half, grid), fourier)
+    lost = lost_y**2 + lost_x**2
+    share = np.sum(lost[touching]) / max(np.sum(squared[touching]), 1e-300)
+    least, times = UNRESOLVED_EDGES
+    is_sharp = kurtosis > 3 + KURTOSIS[1] or share * squared.mean() > times * lost.mean()
     return {
         "departure": float(np.clip(max(departures), 0, 1)),
         "unresolved": float(np.sqrt(share / (1 + share))),
-        "curvature_kurtosis": float(kurtosis),
+        "unresolved_edges": bool(share > least and is_sharp),
     }
 
 
