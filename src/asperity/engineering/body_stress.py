@@ -230,11 +230,17 @@ class BodyAnswer:
         }
 
     def grid_error(self, number: str) -> float:
-        """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate."""
+        """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate.
+
+        On surfaces that are not isotropic and Gaussian it is at least that of the largest von Mises stress.
+        """
+        if "reason_of_stress" in self.limits.attrs:
+            return np.nan
         area = self.limits["area_fraction"]
         found, best = (float(area.sel(kind=kind)) for kind in ("on_grid", "estimate"))
         share, power = RESOLUTION_ERRORS[number][self.limits.attrs["plastic_area"] > 0]
-        return share * float(abs(found / best - 1) / max(1 - best, 0.01)) ** power
+        own = share * float(abs(found / best - 1) / max(1 - best, 0.01)) ** power
+        return max(own, self.limits.attrs["least_error"])
 
     @property
     def largest_von_mises(self) -> float:
