@@ -33,8 +33,8 @@ def answers(surface: dict[str, float], share: float, plastic: bool) -> dict[int,
     hardness = float(np.quantile(elastic.pressure[elastic.pressure > 0], share))
     hardness = max(hardness, 1.1 * elastic.mean_pressure)
     body = asp.Body(
-        MODULUS,
-        POISSON,
+        young=MODULUS,
+        poisson=POISSON,
         yield_stress=hardness / 3,
         hardness=hardness if plastic else None,
         fatigue_torsion=hardness / 8,
@@ -42,10 +42,12 @@ def answers(surface: dict[str, float], share: float, plastic: bool) -> dict[int,
     )
     return {
         nodes: asp.run(
-            asp.HeightMap(each, (EDGE, EDGE), periodic=True, unit="m", orientation="lower face"),
+            {
+                "file": asp.HeightMap(each, (EDGE, EDGE), periodic=True, unit="m", orientation="lower face"),
+                "detrend": "none",
+            },
             body,
             mean_pressure=elastic.mean_pressure,
-            map_options=asp.MapOptions(detrend="none"),
         )
         for nodes, each in height.items()
     }

@@ -16,8 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity import MapOptions
-from asperity.engineering import Body, run
+import asperity as asp
 
 DATA = Path(__file__).parents[1] / "tests" / "data"
 FILES = sorted(path.name for path in DATA.glob("steel*"))
@@ -36,19 +35,18 @@ MOST_SECONDS, MOST_MEGABYTES = 10.0, 1000.0
 
 
 def answer_in_python(name: str) -> dict[str, float]:
-    """The numbers from `asperity.engineering.run`."""
-    options = MapOptions(despike=8, **NEEDED.get(name, {}))
-    answer = run(DATA / name, Body(210e9, 0.3), mean_pressure=50e6, map_options=options)
+    """The numbers from `asperity.run`."""
+    treated = {"file": DATA / name, "despike": 8, **NEEDED.get(name, {})}
+    answer = asp.run(treated, asp.Body(young=210e9, poisson=0.3), mean_pressure=50e6)
     frame = answer.frame().set_index("name")["value"]
     return {number: float(frame[number]) for number in NUMBERS}
 
 
 def command(path: Path, out: Path, **needed: object) -> list[str]:
     """The command that gives the same answer."""
-    given = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa", "--despike", "8"]
-    for option, value in needed.items():
-        values = list(value) if isinstance(value, tuple) else [str(value)]
-        given += [f"--{option.replace('_', '-')}", *values]
+    given = ["--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "50 MPa", "--despike", "8"]
+    for key, value in needed.items():
+        given += ["--set", f"map.{key}={list(value) if isinstance(value, tuple) else value}"]
     return [sys.executable, "-m", "asperity", "run", str(path), *given, "--out", str(out)]
 
 

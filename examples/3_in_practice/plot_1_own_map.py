@@ -9,7 +9,6 @@ does the same with ``asperity run steel.x3p --young "210 GPa" --poisson 0.3 …`
 import matplotlib.pyplot as plt
 
 import asperity as asp
-from asperity.engineering import Body, run
 
 # %%
 # In any of the formats that the page *Formats of height maps* lists. This map is part of the repository:
@@ -21,10 +20,10 @@ print(f"{surface.name}: {size} µm, {surface.missing} points without data, perio
 # %%
 # The bodies, the load, and what is done to the map: spikes are removed, waves shorter than eight pixels are
 # filtered, and the cell is refined so that the contacts are resolved.
-steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
-aluminium = Body(young=70e9, poisson=0.33, yield_stress=300e6)
-treatment = asp.MapOptions(despike=8, wavelength_short="16 um", points=96)
-answer = run(surface, steel, aluminium, mean_pressure=20e6, map_options=treatment)
+steel = asp.Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
+aluminium = asp.Body(young=70e9, poisson=0.33, yield_stress=300e6)
+treated = {"file": surface, "despike": 8, "wavelength_short": "16 um", "points": 96}
+answer = asp.run(treated, steel, aluminium, mean_pressure=20e6)
 print(answer)
 
 # %%

@@ -16,15 +16,11 @@ edge, points = 80e-6, 64
 whole = asp.self_affine((512, 512), 0.8, 40e-6, 10e-6, rms_height=1.5e-7, seed=4, length=8 * edge)
 steel = asp.Body(young=210e9, poisson=0.3, yield_stress=2e9)
 places = [(0, 0), (128, 256), (320, 64), (384, 384)]
-answers = [
-    asp.run(
-        asp.HeightMap(-whole[y : y + points, x : x + points], (edge, edge), name=f"place {number}"),
-        steel,
-        mean_pressure=200e6,
-        map_options=asp.MapOptions(detrend="none"),
-    )
+maps = [
+    asp.HeightMap(-whole[y : y + points, x : x + points], (edge, edge), name=f"place {number}")
     for number, (y, x) in enumerate(places, 1)
 ]
+answers = [asp.run({"file": each, "detrend": "none"}, steel, mean_pressure=200e6) for each in maps]
 sample = asp.pooled(answers)
 print(sample)
 

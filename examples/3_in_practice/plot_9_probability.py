@@ -14,14 +14,13 @@ import asperity as asp
 from asperity.stress.cycles.survival import weibull_exponent
 
 edge, scatter, volume = 100e-6, 0.1, 1e-9  # 1 mm³ of stressed volume in a specimen
-steel = asp.Body(210e9, 0.3, fatigue_torsion=450e6, fatigue_bending=700e6, residual_stress=-200e6)
-answers = []
+limits = {"fatigue_torsion": 450e6, "fatigue_bending": 700e6}
+steel = asp.Body(young=210e9, poisson=0.3, **limits, residual_stress=-200e6)
+asked, answers = {"fatigue_scatter": scatter, "fatigue_volume": volume}, []
 for seed in (1, 2, 3):
     height = asp.self_affine((64, 64), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=seed, length=edge)
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name=f"ring {seed}")
-    answers.append(
-        asp.run(surface, steel, mean_pressure=150e6, fatigue_scatter=scatter, fatigue_volume=volume)
-    )
+    answers.append(asp.run(surface, steel, mean_pressure=150e6, cycles=asked))
 sample = asp.pooled(answers)
 
 # %%
@@ -34,8 +33,8 @@ for area in (1e-6, 1e-5, 1e-4):
 # The volume above a share of the limit, for each map: the result if no scatter is given.
 figure, axes = plt.subplots(figsize=(6, 4), layout="compressed")
 for answer in answers:
-    table = answer.fatigue()
-    axes.semilogy(table["share"], table["volume_per_area_m"] * 1e6, label=answer.face.name)
+    above = answer.found["cycles"]["lower"]["fatigue_volume"]
+    axes.semilogy(above["fatigue_share"], above * 1e6, label=answer.face.name)
 axes.set(xlabel="Dang Van stress over limit", ylabel="volume above per area (µm)", ylim=(1e-3, None))
 axes.legend()
 plt.show()
@@ -46,9 +45,9 @@ plt.show()
 flat, cycles = np.zeros((16, 16)), []
 for pressure in (1e9, 1.5e9):
     hertz = asp.HertzContact.from_radii(8e-3, np.inf, 115e9, largest_pressure=pressure)
-    passage = asp.MovingContact(flat, flat, steel.layer, edge, shifts=41, hertz=hertz)
+    passage = asp.MovingContact(flat, flat, asp.Layer(210e9, 0.3), edge, shifts=41, hertz=hertz)
     depths = hertz.half_width_x * np.linspace(0, 2, 41)
-    found = asp.stress_cycles(passage.in_body("lower"), depths, fatigue_torsion=450e6, fatigue_bending=700e6)
+    found = asp.stress_cycles(passage.in_body("lower"), depths, **limits)
     cycles.append(asp.cracks_per_area(found, scatter, volume))
 power = np.log(cycles[1] / cycles[0]) / np.log(1.5)
 print(f"exponent {power:.3f}, m + 1 = {weibull_exponent(scatter) + 1:.3f}")

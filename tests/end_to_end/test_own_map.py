@@ -1,4 +1,4 @@
-"""From the files of every instrument family, by command, configuration and Python, to one answer.
+"""From the files of every instrument family, by command, case file and Python, to one answer.
 
 The examples of the pages for users run as they stand.
 """
@@ -10,19 +10,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from project import ROOT
 
 import asperity as asp
 from asperity.cli.main import main
 from asperity.core.packages import absent
-from asperity.engineering import Body, run
 from asperity.engineering.face import read_face
 from asperity.results import dataset
+from asperity.settings.map import Map
 from asperity.settings.study import read_study
 
 DATA = ROOT / "tests/data"
-OWN_MAP = (ROOT / "docs/own_map.md").read_text(encoding="utf-8")
-OWN_STUDY = (ROOT / "docs/own_study.md").read_text(encoding="utf-8")
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
+OWN_MAP, OWN_STUDY = PAGES["own_map.md"], PAGES["own_study.md"]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
@@ -35,32 +36,34 @@ def answers(monkeypatch, tmp_path):
         found.append(answer)
         return [Path(folder) / "report.html"]
 
-    monkeypatch.setattr("asperity.engineering.write_answer", keep)
+    monkeypatch.setattr("asperity.engineering.output.write_answer", keep)
     monkeypatch.chdir(tmp_path)
-    shutil.copy(DATA / "steel.x3p", tmp_path)
+    for name in ("steel", "lapped", "ring", "honed", "ring_1", "ring_2", "ring_3"):
+        shutil.copy(DATA / "steel.x3p", tmp_path / f"{name}.x3p")
     return found
 
 
 COMMAND = ["run", "steel.x3p", "--despike", "8", "--out", "steel"]
 LOADS = {
-    "mean_pressure": ("pressure", "50 MPa", 50e6),
-    "force": ("force", "0.3 N", 0.3),
-    "approach": ("approach", "200 nm", 200e-9),
-    "area_fraction": ("area_fraction", "0.03", 0.03),
+    "mean_pressure": ("50 MPa", 50e6),
+    "force": ("0.3 N", 0.3),
+    "approach": ("200 nm", 200e-9),
+    "area_fraction": ("0.03", 0.03),
 }
 
 
 @pytest.mark.parametrize("kind", LOADS)
 def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
-    setting, text, value = LOADS[kind]
+    text, value = LOADS[kind]
     steel = ["--young", "210 GPa", "--poisson", "0.3"]
-    assert main([*COMMAND, *steel, f"--{setting.replace('_', '-')}", text]) == 0
-    (tmp_path / "steel.yaml").write_text(f"engineering: {{young: 210 GPa, poisson: 0.3, {setting}: {text}}}")
-    assert main([*COMMAND, "--config", "steel.yaml"]) == 0
-    settings = asp.MapOptions(despike=8)
-    answers.append(run(DATA / "steel.x3p", Body(210e9, 0.3), **{kind: value}, map_options=settings))
+    assert main([*COMMAND, *steel, f"--{kind.replace('_', '-')}", text]) == 0
+    bodies = "map: {file: steel.x3p, despike: 8}\nbody: {young: 210 GPa, poisson: 0.3}\n"
+    (tmp_path / "steel.yaml").write_text(f"{bodies}load: {{{kind}: {text}}}\n")
+    assert main(["run", "steel.yaml"]) == 0
+    settings = {"file": DATA / "steel.x3p", "despike": 8}
+    answers.append(asp.run(settings, asp.Body(young=210e9, poisson=0.3), **{kind: value}))
     found = [answer.contact for answer in answers]
-    indenter = read_face(DATA / "steel.x3p", settings).face
+    indenter = read_face(Map(**settings)).face
     # The library's force is that on the whole cell, its approach the position of the indenter.
     imposed = {"force": 4 * value, "approach": value + indenter.height.min()}.get(kind, value)
     layer = asp.Layer(210e9, 0.3)
@@ -73,7 +76,11 @@ def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
 
 
 FIRST_MINUTES = re.findall(r"^    (asperity (?:info|run) .*)$", README + OWN_MAP, re.MULTILINE)
-ADDED = re.findall(r"^\| [^|]+ \| `(--[^|]*)\|", OWN_MAP, re.MULTILINE)
+ADDED = [
+    flags
+    for row in re.findall(r"^\| [^|]+ \| (`--[^|]*)\|", OWN_MAP, re.MULTILINE)
+    for flags in re.findall(r"`(--[^`]+)`", row)
+]
 
 
 def test_the_first_commands_of_the_pages_run(answers, capsys):
@@ -86,6 +93,7 @@ def test_the_first_commands_of_the_pages_run(answers, capsys):
     assert "asperity run takes peaks as upward, fills points without data and mirrors the map" in printed
     assert "report    steel/report.html" in printed
     assert len(answers) == 1
+    assert len(ADDED) >= 12
 
 
 def test_stages_in_si_run_in_a_row(answers, capsys):
@@ -98,39 +106,64 @@ def test_stages_in_si_run_in_a_row(answers, capsys):
     assert "GPa at depth" in printed
 
 
+@pytest.mark.parametrize("flags", ADDED)
+def test_every_flag_of_the_table_can_be_added(flags, answers):
+    words = shlex.split(flags)
+    load = [] if {"--force", "--approach", "--area-fraction"} & {*words} else ["--mean-pressure", "50 MPa"]
+    assert main(["run", "steel.x3p", "--young", "210 GPa", "--poisson", "0.3", *load, *words, "--check"]) == 0
+
+
+def question(name):
+    """A check that a question has a result."""
+    return lambda answer: name in answer.found
+
+
 EFFECTS = {
-    "--boundary free": lambda answer: answer.face.boundary == "free",
-    "--form cylinder": lambda answer: "form of a cylinder along x" in answer.face.done[-1],
-    "--counter-shift": lambda answer: answer.case.counter_map.shift == pytest.approx((10e-6, -4e-6)),
-    "--friction": lambda answer: answer.case.friction == 0.3,
-    "--sliding-direction": lambda answer: answer.case.sliding_direction == 30.0,
-    "--despike": lambda answer: answer.face.treatment.spikes == 4,
+    "ball": lambda answer: answer.face.boundary == "free",
+    "bearing": lambda answer: answer.case.hertz_contact.largest_pressure == pytest.approx(1.255e9, rel=1e-3),
+    "coating": lambda answer: {*answer.bodies["lower"].materials} == {"coating", "base"},
+    "conduction": question("conduction"),
+    "cylinder": lambda answer: "form of a cylinder along x" in answer.face.done[-1],
+    "fatigue": lambda answer: "fatigue_volume" in answer.found["cycles"]["lower"],
+    "fields": lambda answer: {"principal_1"} < {*answer.peaks()["quantity"]},
+    "film": lambda answer: 0.84 < answer.found["film"] < 0.85,  # erf 1 = 0.8427
+    "filters": lambda answer: answer.unfiltered is not None,
+    "hertz_ball": lambda answer: answer.case.cell_pressure == 1.2e9,
+    "hertz_roller": lambda answer: answer.case.cell_pressure == pytest.approx(1.2e9 * 0.96**0.5),
+    "instrument": lambda answer: answer.face.treatment.spikes > 0,
+    "layer": lambda answer: answer.bodies["lower"].layer.height == pytest.approx(3e-6),
+    "leak": lambda answer: answer.found["leak"].flow is not None,
+    "load_curve": lambda answer: len(answer.found["load_curve"].frame()) == 3,
+    "moving_faces": lambda answer: {*answer.found["cycles"]} == {"lower", "upper"},
+    "partial_slip": question("partial_slip"),
+    "rolling": None,  # 200 positions
+    "run_in": lambda answer: answer.found["run_in"].depths[0] > 0,
+    "sample": None,  # test_pooled.py
+    "two_faces": lambda answer: answer.case.counter_map.shift == pytest.approx((10e-6, -4e-6)),
 }
-"""Option of the table → its effect on an answer."""
+"""Case file of the pages → its effect on the answer, None for one that is only checked."""
 
 
-@pytest.mark.parametrize("added", ADDED)
-def test_every_option_of_the_table_can_be_added(added, answers):
-    base = ["run", "steel.x3p", "--young", "210 GPa", "--poisson", "0.3", "--out", "steel/"]
-    examples = re.findall(r"`(--[^`]+)`", "`" + added)
-    shutil.copy("steel.x3p", "lapped.x3p")
-    for example in examples:
-        words = shlex.split(example)
-        if words == ["--pressure"]:  # named as what the others replace
-            continue
-        if "--viscosity" in words and absent(["reynoldsflow"]):
-            continue
-        if words[0] == "--config":
-            content = re.search(r"`({young[^`]+)`", added)[1]
-            Path(words[1]).write_text(content, encoding="utf-8")
-        loads = {"--force", "--approach", "--area-fraction", "--hertz-pressure"}
-        load = [] if loads & set(words) else ["--pressure", "50 MPa"]
-        more = shlex.split(examples[0]) if words[0] == "--form" else []  # "with it"
-        more += shlex.split(examples[0]) if words[0] == "--counter-turned-about" else []
-        assert main([*base, *more, *words, *load]) == 0
-        for option, holds in EFFECTS.items():
-            assert option not in " ".join([*more, *words]) or holds(answers[-1])
-    assert answers
+@pytest.mark.parametrize("name", EFFECTS)
+def test_every_case_of_the_pages_runs(name, answers, tmp_path):
+    """A page shows the groups beside the link to the file."""
+    file = ROOT / f"docs/cases/{name}.yaml"
+    shutil.copy(file, tmp_path)
+    link = rf"`([^`\n]+)`[^`\n]*\(cases/{name}.yaml\)"
+    (shown,) = {groups for page in PAGES.values() for groups in re.findall(link, page)}
+    case = yaml.safe_load(file.read_text(encoding="utf-8"))
+    for group, values in yaml.safe_load(f"{{{shown}}}").items():
+        assert case[group] == values or values.items() <= case[group].items()
+    if name == "leak" and absent(["reynoldsflow"]):
+        pytest.skip("needs reynoldsflow")
+    effect = EFFECTS[name]
+    assert main(["run", f"{name}.yaml", *([] if effect else ["--check"])]) == 0
+    assert effect is None or effect(answers[-1])
+
+
+def test_pages_show_every_case():
+    linked = {name for page in PAGES.values() for name in re.findall(r"\(cases/(\w+)\.yaml\)", page)}
+    assert linked == {path.stem for path in (ROOT / "docs/cases").glob("*.yaml")} == {*EFFECTS}
 
 
 def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys):

@@ -32,7 +32,7 @@ def test_line_contact_against_point_forces(traction):
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_ball_against_closed_forms(friction):
-    """Pixels of the pressure: 1e-3, in the surface with friction 2e-3, close to the edge 1e-2."""
+    """To rounding; the mean over directions converges slowly in the surface around the contact only."""
     ball = Hertz(1.0, 5.0)
     contact = asp.HertzContact(ball.largest_pressure, 1.0, 1.0)
     x = np.array([0.0, 0.3, -0.6, 0.95, 1.4])
@@ -40,8 +40,39 @@ def test_ball_against_closed_forms(friction):
     for depth in DEPTHS:
         exact = SlidingSphere(ball, friction).stress(0.2, x, depth, 0.3)
         error = np.abs(found(depth) - exact).max(axis=1) / ball.largest_pressure
-        assert error.max() < 1e-2
-        assert error[[0, 1, 2, 4]].max() < (2.5e-3 if friction else 1e-3)
+        assert error[:4].max() < 1e-11
+        assert error[4] < (1e-11 if depth > 1 / 40 else 1e-3)
+
+
+@pytest.mark.parametrize("ratio", [3.0, 20.0, 80.0])
+def test_ellipse_against_point_forces(ratio):
+    """Boussinesq's solution (Johnson, Eq. 3.19) over the pressure, inside and outside the contact.
+
+    Gauss's rule along the radius and equal steps of the angle err by less than 1e-6 at this depth.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(180 + 11 * int(ratio))
+    radius, nu, z, count = (nodes + 1) / 2, 0.3, 0.4, 120 + 36 * int(ratio)
+    angle = 2 * np.pi * np.arange(count) / count
+    radius = np.sin(np.pi / 2 * radius)  # √(1 − r²) is smooth in the arc sine of r
+    load = (np.pi / 4 * weights * radius * (1 - radius**2))[:, None] * ratio * 2 * np.pi / angle.size
+    loaded_x, loaded_y = radius[:, None] * np.cos(angle), ratio * radius[:, None] * np.sin(angle)
+    places = np.array([[0.0, 0.9], [0.6, 0.5], [0.2, 1.3]])
+    found = asp.HertzContact(1.0, ratio, 1.0).stress(ratio * places[:, 0], places[:, 1], HALF_SPACE)(z)
+    for (y, x), stress in zip(places * [ratio, 1.0], found, strict=True):
+        x, y = x - loaded_x, y - loaded_y
+        r2, rho = x**2 + y**2, np.sqrt(x**2 + y**2 + z**2)
+        plane = (1 - 2 * nu) / (rho * (rho + z))  # (1 − z/ρ)/r²
+
+        def along(u, v, plane=plane, r2=r2, rho=rho):
+            return (
+                plane * (u**2 - v**2) / r2 + (1 - 2 * nu) * z * v**2 / (r2 * rho**3) - 3 * z * u**2 / rho**5
+            )
+
+        xy = 2 * plane * x * y / r2 - (1 - 2 * nu) * x * y * z / (r2 * rho**3) - 3 * x * y * z / rho**5
+        normal = 3 * z**2 / rho**5
+        fields = along(x, y), along(y, x), -normal * z, normal * y, normal * x, xy
+        exact = [float((load * field).sum()) / (2 * np.pi) for field in fields]
+        np.testing.assert_allclose(stress, exact, atol=1e-6)
 
 
 @pytest.mark.parametrize("wide", ["y", "x"])
@@ -59,7 +90,7 @@ def test_ellipse_and_strip_against_closed_forms(wide):
     traction = (0.0, 0.2) if wide == "y" else (0.0, -0.2)
     for depth in DEPTHS:
         exact = EllipticHertz(3.0, 1.0, 2.0).stress_on_axis(depth, 0.3)[order]
-        np.testing.assert_allclose(ellipse(depth)[0, :3], exact, atol=4e-4)
+        np.testing.assert_allclose(ellipse(depth)[0, :3], exact, atol=1e-11)
         exact = LineHertz(1.0, 2.0).stress(0.4, depth, 0.3, traction)[turned]
         np.testing.assert_allclose(below(depth)[0], exact, atol=1e-12)
 

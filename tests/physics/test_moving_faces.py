@@ -39,6 +39,19 @@ def test_smooth_counter_face_has_cycles_of_smooth_body(direction):
             np.testing.assert_allclose(found[name], smooth[name], rtol=2e-6)
 
 
+@pytest.mark.parametrize(("bottom", "friction"), [("bonded", 0.2), ("frictionless", 0.0)])
+def test_layer_has_cycles_of_smooth_body(bottom, friction):
+    """From the surface to the bottom, to the rounding of states in single precision."""
+    rough, layer = face(32, 1), asp.Layer(1.0, 0.3, 0.2, bottom)
+    contact = asp.solve(rough, layer, **LOAD)
+    smooth = asp.stress_cycles(contact, **LIMITS, friction=friction, tolerance=0)
+    moving = asp.MovingContact(0 * rough, rough, layer, shifts=32, **LOAD, friction=friction)
+    found = asp.stress_cycles(moving.in_body("lower"), **LIMITS, tolerance=0)
+    assert found["cycle_depth"][-1] == layer.height
+    for name in ("shear_range", "dang_van", "shakedown_upper", "shakedown_lower"):
+        np.testing.assert_allclose(found[name], smooth[name], rtol=1e-5)
+
+
 def test_two_equal_wavy_faces():
     """Their sum is one wave of amplitude 2A |cos(k s/2)| at every shift s: Westergaard's contact."""
     nodes, shifts, amplitude, pressure = 256, 16, 1e-3, 2e-3
@@ -171,6 +184,11 @@ HERTZ = {"mean_pressure": None, "hertz": asp.HertzContact(1e-2, np.inf, 9.0)}
 test_wrong_argument_is_refused = refuses(
     (lambda: moving(shifts=7), "shifts = 7: at least 8 are needed, for steps of half of the shortest wave"),
     (lambda: moving(**HERTZ, slide_to_roll=0.5), "shifts = 16: at least 144 are needed"),
+    (
+        lambda: moving(**HERTZ, slide_to_roll=1.99),
+        "wavelength_short = 0.25: at least .* or a smaller slide_to_roll: .* 10000 are the most",
+    ),
+    (lambda: moving(**HERTZ, at=(0.5, 0.0)), "at = 0.5 0: 0 is needed along the axis of the roller"),
     (
         lambda: moving(sliding_direction=30),
         "sliding_direction = 30: .* 29.7449, by 4 nodes along y",

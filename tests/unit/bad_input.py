@@ -27,7 +27,8 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 
 CONFIGS = [
     ("contact: {tolerance: '1e-6'}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed"),
-    ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
+    ("contact: {area: 0.1}", "contact.area: unknown key; did you mean area_fraction?"),
+    ("contact: {young: 0.1}", "contact.young: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
     ("surfaces: {hurst_02: {wavelength_short: 0.5}}", "wavelength_short = 0.5: at most wavelength_long = 0."),
@@ -50,7 +51,7 @@ CONFIGS = [
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
     ("contact: {area_fraction: 0.1, approach: 0.1}", "contact.approach = 0.1: not accepted together with"),
-    ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-6 with p"),
+    ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-06 with"),
     ("", "overlay.yaml: keys with values are needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
     ("seeds: [1]\ncontact: {}\nseeds: [2]", "'seeds' is given twice, again in line 3"),
@@ -99,7 +100,7 @@ def shortest(wavelength, band=BAND):
 COMMANDS = [
     ("polish", 2, "invalid choice: 'polish'"),
     ("solve s.nc", 2, "the following arguments are required: --out"),
-    ("solve s.nc --out x.nc --area 0.1", 2, "--area 0.1: not accepted; did you mean --"),
+    ("solve s.nc --out x.nc --area 0.1", 2, "--area: not accepted; did you mean --"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "--poisson: 0.2 0.2: a list of 1 to 16 distinct items"),
@@ -123,7 +124,7 @@ COMMANDS = [
     ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as"),
     ('plan {"hurst":[', 1, "YAML is needed; "),
     # options and loads of solve
-    ("run map.x3p --poison 0.3", 2, "--poison 0.3: not accepted; did you mean --poisson?"),
+    ("run map.x3p --poison 0.3", 2, "--poison: not accepted; did you mean --poisson?"),
     (f"{RUN} --hertz-pressure 1GPa", 2, "--hertz-pressure: needs --radius"),
     (f"{RUN} --radius 5mm --at 0 0.5 --area-fraction 0.1", 2, "--area-fraction: Hertz pressure, force or m"),
     (f"{RUN} --radius 5mm --at 0.9 0.9 --hertz-pressure 1GPa", 2, "--at = 0.9 0.9: a place inside the cont"),

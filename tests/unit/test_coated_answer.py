@@ -10,8 +10,8 @@ from small_study import SURFACE, results_of
 from test_engineering import a_rough_map
 
 import asperity as asp
-from asperity.cli.main import main
 from asperity import Body, run
+from asperity.cli.main import main
 from asperity.core.errors import InputError
 from asperity.engineering import write_answer
 from asperity.engineering.case import solid_of

@@ -6,6 +6,7 @@ import doctest
 import re
 import runpy
 import shutil
+from typing import get_args
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -15,6 +16,7 @@ from project import ROOT
 
 import asperity
 import asperity.engineering
+from asperity.engineering.case import Case, is_question
 
 PUBLIC = sorted(set(asperity.__all__) - {"__version__", "reference"})
 DOCSTRINGS = [*((asperity, name) for name in PUBLIC), (asperity.engineering, "Case")]
@@ -72,6 +74,29 @@ def test_gallery_example_runs(path, monkeypatch):
 def test_api_page_lists_every_public_name():
     listed = re.findall(r"^   ~asperity\.(\w+)$", (ROOT / "docs/api.rst").read_text("utf-8"), re.MULTILINE)
     assert sorted(listed) == PUBLIC
+
+
+@pytest.mark.parametrize("name", ["cases.md", "materials.md"])
+def test_tables_of_settings_are_current(name):
+    made = runpy.run_path(str(ROOT / "docs/make_tables.py"))
+    assert made["page"](name) == (ROOT / "docs" / name).read_text("utf-8")
+
+
+def test_case_page_names_every_question():
+    page = (ROOT / "docs/cases.md").read_text("utf-8")
+    questions = {
+        name for name, field in Case.model_fields.items() if any(map(is_question, get_args(field.annotation)))
+    }
+    assert len(questions) >= 10
+    assert questions == {*re.findall(r"^\| `(\w+)` \|.*\|.*\|", page.split("<!--")[0], re.MULTILINE)}
+
+
+def test_materials_of_the_page_are_known(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (own,) = re.findall(r"```yaml\n(.*?)```", (ROOT / "docs/materials.md").read_text("utf-8"), re.DOTALL)
+    (tmp_path / "materials.yaml").write_text(own, encoding="utf-8")
+    case = Case(map="a.x3p", body={"material": "my steel"}, load={"force": 1.0}, materials="materials.yaml")
+    assert (case.body.young, case.body.poisson, case.body.hardness) == (205e9, 0.29, 3.2e9)
 
 
 @pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])

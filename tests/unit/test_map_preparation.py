@@ -143,6 +143,5 @@ def test_a_line_scan_without_positions_and_with_gaps(tmp_path):
     found = read_map(tmp_path / "z.txt", **said)
     assert (found.height.shape, found.missing) == ((4, 5), 4)
     (tmp_path / "xz.txt").write_text("0 1\n1 2\n3 1\n4 2\n5 5\n")
-    said.pop("physical_size")
-    found = read_map(tmp_path / "xz.txt", **said)
+    found = read_map(tmp_path / "xz.txt", **said | {"physical_size": None, "unit": "um um"})
     assert (found.height.shape, found.missing, found.length) == ((4, 6), 4, pytest.approx((4e-6, 6e-6)))

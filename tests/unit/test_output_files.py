@@ -205,9 +205,9 @@ def test_second_process_does_not_write(folder, answer, capsys):
         host, process, _ = system.process_name().replace(str(os.getpid()), str(first.pid)).rsplit(".", 2)
         assert status(*RUN) == 1
         said = capsys.readouterr().err
-        assert f"out: process {process} on {host} writes an answer into it; wait until it ends" in said
+        assert f"out: process {process} on {host} writes into it; wait until it ends" in said
         assert said.count("\n") == 1
-        with pytest.raises(DatasetError, match="writes an answer into it"):
+        with pytest.raises(DatasetError, match="writes into it"):
             write_answer(answer, "out")
         assert Path("out/.unfinished-of-the-first").is_dir()
         first.kill()
@@ -221,7 +221,7 @@ def test_a_lock_of_another_host_is_kept(folder, capsys):
     lock = Path("out") / LOCK.format("elsewhere.7.1700000000.ab")
     lock.touch()
     assert status(*RUN) == 1
-    assert "process 7 on elsewhere writes an answer into it; wait" in capsys.readouterr().err
+    assert "process 7 on elsewhere writes into it; wait" in capsys.readouterr().err
     assert os.listdir("out") == [lock.name]
     lock.unlink()
     with locked(Path("out")), locked(Path("out")):  # one thread locks it again

@@ -45,12 +45,12 @@ def hide(folder, *names):
 
 
 def environment(folder):
-    """Environment of the tests, with the library of the project in `folder`."""
-    own = folder / ".venv/bin"
+    """Environment of the tests, with the library of the project in `folder`, or else the one under test."""
+    own, library = folder / ".venv/bin", folder / "src"
     binaries = own if own.exists() else Path(sys.executable).parent
     return os.environ | {
         "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(folder / "src"),
+        "PYTHONPATH": str(library if library.exists() else ROOT / "src"),
     }
 
 

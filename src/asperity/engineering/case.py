@@ -60,45 +60,46 @@ class Case(Settings):
     (50000000.0, 0.3)
     """
 
-    map: Map = setting(..., "The height map that is pressed, peaks upward; or the name of its file alone.")
-    body: Body = setting(..., "The body, whose surface is the map.")
-    counter_body: Body | None = setting(
-        None,
-        "The counter body. Which of the two is rough does not matter as long as the slopes are small.",
-        default_text="rigid and flat",
-    )
-    load: Load = setting(..., "The load.")
+    map: Map = setting(...)
+    """The height map that is pressed, peaks upward; or the name of its file alone."""
+    body: Body = setting(...)
+    """The body, whose surface is the map."""
+    counter_body: Body | None = setting(None, default_text="rigid and flat")
+    """The counter body. Which of the two is rough does not matter as long as the slopes are small."""
+    load: Load = setting(...)
+    """The load."""
     fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
-        ("von_mises",), "Fields of the stress whose peaks are listed and that are drawn."
+        ("von_mises",)
     )
+    """Fields of the stress whose peaks are listed and that are drawn."""
     materials: str | None = setting(
-        None,
-        "File with materials of your own.",
-        default_text=f"`{MATERIALS}` beside the case, if there is one",
-        accepts="the name of a file",
+        None, default_text=f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
     )
-    film: Film | None = setting(None, "A film carries a part of the load.", default_text="not asked")
-    run_in: RunIn | None = setting(None, "Run-in: first loads flatten the map.", default_text="not asked")
-    sliding: Sliding | None = setting(None, "Full sliding.", default_text="no friction")
+    """File with materials of your own."""
+    film: Film | None = setting(None, default_text="not asked")
+    """A film carries a part of the load."""
+    run_in: RunIn | None = setting(None, default_text="not asked")
+    """Run-in: first loads flatten the map."""
+    sliding: Sliding | None = setting(None, default_text="no friction")
+    """Full sliding."""
     conduction: Conduction | None = setting(
-        None,
-        "Contact conductance.",
-        default_text="asked if both bodies give a conductivity or resistivity themselves",
+        None, default_text="asked if both bodies give a conductivity or resistivity themselves"
     )
-    leak: Leak | None = setting(None, "Percolation and leakage through the gap.", default_text="not asked")
-    partial_slip: PartialSlip | None = setting(None, "Partial slip.", default_text="not asked")
-    load_curve: LoadCurve | None = setting(None, "Load curve.", default_text="not asked")
+    """Contact conductance."""
+    leak: Leak | None = setting(None, default_text="not asked")
+    """Percolation and leakage through the gap."""
+    partial_slip: PartialSlip | None = setting(None, default_text="not asked")
+    """Partial slip."""
+    load_curve: LoadCurve | None = setting(None, default_text="not asked")
+    """Load curve."""
     yielding: Yielding | None = setting(
-        None, "Yield.", default_text="asked if a body or its material has a yield stress"
+        None, default_text="asked if a body or its material has a yield stress"
     )
-    cycles: Cycles | None = setting(
-        None,
-        "Stress cycles: rolling, sliding, fatigue and shakedown.",
-        default_text="asked if a body gives fatigue limits itself",
-    )
-    sample: SampleOfMaps | None = setting(
-        None, "Several maps of one surface are pooled.", default_text="one map, or several that are compared"
-    )
+    """Yield."""
+    cycles: Cycles | None = setting(None, default_text="asked if a body gives fatigue limits itself")
+    """Stress cycles: rolling, sliding, fatigue and shakedown."""
+    sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
+    """Several maps of one surface are pooled."""
 
     @model_validator(mode="wrap")
     @classmethod
@@ -255,13 +256,10 @@ class Case(Settings):
             return loaded
         pressure = contact.mean_pressure / carried
         smooth = hertz_contact(load, "mean_pressure", pressure, self.solid.effective_modulus)
-        y, x = (
-            share * width if share else 0.0
-            for share, width in zip(load.at, (smooth.half_width_y, smooth.half_width_x), strict=True)
-        )
         sliding = self.sliding_of(name)
         sliding["friction"] *= carried
-        return replace(loaded, background=smooth.background(y, x, loaded.layer, **sliding))
+        below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
+        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
 
     @property
     def counter_map(self) -> CounterMap | None:

@@ -151,4 +151,5 @@ def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:
     """Results of a contact and of the analysis of its stress."""
     load = contact.mean_pressure / contact.solid.effective_modulus
     plastic = contact.plastic_area > 0
-    return OnGrid(contact.pressure, load, contact.gradient_rms_contact, contact.grid, stress, plastic)
+    numbers = contact.pressure, load, contact.gradient_rms_contact, contact.grid
+    return OnGrid(*numbers, stress, plastic, contact.height)

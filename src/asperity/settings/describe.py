@@ -1,9 +1,9 @@
-"""Tables of all settings of the study, in Markdown."""
+"""Tables of all settings, in Markdown."""
 
 from collections.abc import Iterable, Iterator
 
 from asperity.settings.configuration import Configuration
-from asperity.settings.model import Entry, accepted, described, entries
+from asperity.settings.model import Entry, Settings, accepted, described, entries
 
 MARK = "<!-- settings: python -m asperity.settings describe config/README.md -->\n"
 """Line of the README after which everything is generated."""
@@ -11,15 +11,23 @@ MARK = "<!-- settings: python -m asperity.settings describe config/README.md -->
 _HEAD = ["| key | accepts | unit | default | meaning |", "|---|---|---|---|---|"]
 
 
-def describe() -> str:
-    """All settings: a table for each section of a configuration, and one for settings outside sections."""
-    whole = described(Configuration)
+def describe(root: type[Settings] = Configuration, title: str = "Settings of the whole study") -> str:
+    """All settings of a class: a table for each group, and one of this title for settings outside groups."""
+    whole = described(root)
     sections = whole["properties"]
     alone = {key: entry for key, entry in sections.items() if entry.get("type") != "object"}
-    parts = ["### Settings of the whole study", whole["description"], table(alone.items())]
+    parts = [f"### {title}", whole["description"], table(alone.items())]
+    known: dict[str, Entry] = {}
     for key, entry in sections.items():
-        if key not in alone:
-            parts += [f"### `{key}`", entry["description"], table(_rows(key, entry))]
+        if key in alone:
+            continue
+        parts += [f"### `{key}`", entry["description"]]
+        below = entry.get("properties")
+        if twin := next((other for other, each in known.items() if below and each == below), None):
+            parts[-1] += f" Settings as in `{twin}`."
+        elif rows := [*_rows(key, entry)]:
+            parts += [table(rows)]
+        known[key] = below or {}
     return "\n\n".join(parts) + "\n"
 
 

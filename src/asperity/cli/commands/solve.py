@@ -18,7 +18,6 @@ from asperity.settings.check import default
 from asperity.settings.configuration import Contact
 from asperity.settings.load import UNITS
 from asperity.settings.model import SettingsError
-from asperity.settings.sections import complete_map
 from asperity.study.progress_and_log import ProgressBar
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import read_surface
@@ -101,7 +100,7 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
         found = read_stage(path, "surface")
         edge = cell_length(found) if unit_system(found) == SI_UNITS else None
         return (*in_cell_lengths(found, settings_of(found)), edge)
-    parameters = complete_map({"label": path.stem.replace("$", r"\$"), "file": str(path), **given})
+    parameters = {"label": path.stem.replace("$", r"\$"), "file": str(path), **given}
     try:
         surface = read_surface(parameters)
     except MapError as error:

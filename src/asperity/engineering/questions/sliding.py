@@ -47,19 +47,12 @@ class Sliding(Question):
     without friction.
     """
 
-    friction: Number = setting(
-        0.0,
-        "Coefficient of friction in full sliding. It enters the stress; the pressure is computed without"
-        " friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom.",
-        ge=0,
-        le=MAX_FRICTION,
-        example=0.1,
-    )
-    direction: Direction = setting(
-        "x",
-        "Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards"
-        " y. The traction on the body has this direction.",
-    )
+    friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
+    """Coefficient of friction in full sliding. It enters the stress; the pressure is computed without
+    friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
+    direction: Direction = setting("x")
+    """Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards
+    y. The traction on the body has this direction."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
