@@ -7,7 +7,7 @@ import pytest
 from samples import HALF_SPACE, refuses
 
 import asperity as asp
-from asperity.engineering.case import Body, Case, HertzPlace, Load
+from asperity.engineering.case import Case, solid_of
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, LineHertz, von_mises
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -141,12 +141,13 @@ def test_cell_has_the_stress_of_the_wavy_ball():
     assert np.abs(without / whole - 1).max() > 0.5
 
 
-def a_case(at=(0.0, 0.0), kind="hertz_pressure", load=1e9, radius_y=50e-3, **more):
+def a_case(at=(0.0, 0.0), kind="hertz_pressure", load=1e9, radius_y=50e-3, radius_x=5e-3, **more):
     edge = 10e-6
     height = asp.self_affine((32, 32), 0.8, edge / 2, edge / 4, rms_height=1e-10, seed=1, length=edge)
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name="ground")
-    place = HertzPlace(5e-3, radius_y, at)
-    return Case(surface, Body(210e9, 0.3), Body(210e9, 0.3), Load(kind, load), hertz=place, **more)
+    steel = asp.Body(young=210e9, poisson=0.3)
+    load = {kind: load, "radius_x": radius_x, "radius_y": radius_y, "at": at}
+    return Case(**{"map": surface, "body": steel, "counter_body": steel, "load": load} | more)
 
 
 def test_nearly_smooth_map_has_the_answer_of_hertz():
@@ -156,7 +157,7 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
     contact = case.hertz_contact
     assert answer.contact.mean_pressure == pytest.approx(1e9 * np.sqrt(0.75), rel=1e-6)
     stress = answer.bodies["lower"].stress
-    below = contact.stress(0.0, 0.5 * contact.half_width_x, case.lower.layer)
+    below = contact.stress(0.0, 0.5 * contact.half_width_x, solid_of(case.body))
     exact = [float(von_mises(below(depth)[0])) for depth in stress["plane_depth"].values]
     np.testing.assert_allclose(stress["mean_von_mises"].values[0], exact, rtol=3e-3)
     forced = a_case(kind="force", load=200.0)
@@ -170,30 +171,37 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
 
 
 @pytest.mark.parametrize(
-    "extra", [{"radius_y": "80 mm"}, {"form": "cylinder"}, {"form": "cylinder", "cylinder_axis": "x"}]
+    ("radii", "expected"),
+    [
+        (("5 mm",), (5e-3, 5e-3)),
+        (("5 mm", "80 mm"), (5e-3, 80e-3)),
+        (("5 mm", "inf"), (5e-3, np.inf)),
+        (("inf", "5 mm"), (np.inf, 5e-3)),
+    ],
 )
-def test_settings_make_the_same_case(extra):
-    settings = {
-        "map": "a.x3p",
-        "young": "210 GPa",
-        "poisson": 0.3,
-        "hertz_pressure": "1 GPa",
-        "radius": "5 mm",
-        "at": [0.0, 0.0],
-    }
-    case = Case.of(settings | extra)
-    assert Case.of(case.settings()) == case
-    assert case.options.radius is None
+def test_settings_make_the_same_case(radii, expected):
+    load = {"hertz_pressure": "1 GPa", "at": [0.0, 0.0]} | dict(zip(("radius_x", "radius_y"), radii, strict=False))
+    case = Case.read({"map": "a.x3p", "body": {"young": "210 GPa", "poisson": 0.3}, "load": load})
+    assert Case.read(case.written()) == case
+    assert case.load.radii == expected
+    assert case.map.radius is None
 
+
+COATED = {"young": 2e11, "poisson": 0.3, "coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.2}}
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: a_case(at=(0.9, 0.9)), "at = 0.9 0.9: a place inside the contact"),
-    (lambda: a_case(kind="approach"), "approach: Hertz pressure, force or mean pressure is needed"),
-    (lambda: a_case(kind="force", radius_y=np.inf), "force: the Hertz pressure is needed under a roller"),
-    (lambda: asp.engineering.answer_of(a_case(load=1e7)), "radius: a Hertz contact wider than the map, 10 µ"),
+    (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
+    (lambda: a_case(at=(0.2, 0.0), radius_y=np.inf), "load.at = 0.2 0: .*across the axis of the roller"),
+    (lambda: a_case(kind="approach"), "load.approach: hertz_pressure, force or mean_pressure is needed"),
+    (lambda: a_case(kind="force", radius_y=np.inf), "load.force: the Hertz pressure is needed under a roller"),
+    (lambda: a_case(body=COATED), "body.coating: half-spaces are needed in a Hertz contact"),
+    (
+        lambda: asp.run(a_case(load=1e7)),
+        "2 problems:\n  load.radius_y: a Hertz contact wider than the map, 10 µm along y, is needed",
+    ),
     (lambda: asp.HertzContact(1.0, np.inf, np.inf), "half_width_y = inf.*at most one of them infinite"),
     (lambda: asp.HertzContact.from_radii(1.0, 1.0, 1.0), "exactly one of largest_pressure and force"),
-    (lambda: HertzPlace(np.inf, np.inf), "radius_x = inf, radius_y = inf"),
+    (lambda: a_case(radius_x=np.inf, radius_y=np.inf), "load.radius_y = inf: at most one of the radii is infinite"),
     (
         lambda: asp.LoadedSolid(
             np.ones((8, 8)), asp.Grid((8, 8)), HALF_SPACE, "free", background=lambda depth: None

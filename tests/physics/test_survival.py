@@ -64,11 +64,12 @@ def test_residual_stress_moves_the_mean_stress():
 @pytest.fixture(scope="module")
 def answers():
     edge, known = 2e-4, {"periodic": True, "unit": "m"}
-    steel = asp.Body(210e9, 0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8, residual_stress=-1e8)
+    limits = {"fatigue_torsion": 3e8, "fatigue_bending": 4.8e8, "residual_stress": -1e8}
+    steel = asp.Body(young=210e9, poisson=0.3, **limits)
     heights = (asp.self_affine((32, 32), 0.8, 1e-4, 5e-5, 1e-7, seed, length=edge) for seed in (1, 2, 3))
     maps = (asp.HeightMap(height, (edge, edge), **known, name="ground") for height in heights)
-    settings = {"mean_pressure": 30e6, "fatigue_scatter": 0.1, "fatigue_volume": 1e-12}
-    return [asp.run(each, steel, **settings) for each in maps]
+    cycles = {"fatigue_scatter": 0.1, "fatigue_volume": 1e-12}
+    return [asp.run(each, steel, mean_pressure=30e6, cycles=cycles) for each in maps]
 
 
 def test_probability_of_an_area_with_its_interval(answers):
@@ -84,14 +85,18 @@ def test_probability_of_an_area_with_its_interval(answers):
     assert isinstance(sample, Sample)
 
 
-def case(**settings):
-    body = asp.Body(210e9, 0.3)
-    return asp.run(np.zeros(3), body, mean_pressure=1e6, **settings)
+def case(**cycles):
+    body = asp.Body(young=210e9, poisson=0.3)
+    return asp.run("a.x3p", body, mean_pressure=1e6, cycles=cycles)
 
 
 test_wrong_argument_is_refused = refuses(
     (lambda: weibull_exponent(2), "scatter = 2: a number from 0.01 to 1 is needed"),
     (lambda: asp.cracks_per_area(xr.Dataset(), 0.1, 1.0), "cycles: a result of stress_cycles with fatigue"),
-    (lambda: case(fatigue_scatter=0.1), "fatigue_scatter, fatigue_volume: both are needed"),
-    (lambda: case(fatigue_scatter=0.1, fatigue_volume=1e-9), "fatigue_scatter = 0.1: fatigue limits are nee"),
+    (lambda: case(fatigue_scatter=2, fatigue_volume=1e-9), "cycles.fatigue_scatter = 2: a number ≥ 0.01 and"),
+    (lambda: case(fatigue_scatter=0.1), "3 problems:\n  cycles: both fatigue_scatter and fatigue_volume ar"),
+    (
+        lambda: case(fatigue_scatter=0.1, fatigue_volume=1e-9),
+        "2 problems:\n  cycles.fatigue_scatter = 0.1: fatigue limits of a body are needed",
+    ),
 )

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Self, get_args
+from typing import Annotated, Any, Self, get_args
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from asperity.contact import Contact
 from asperity.core.units import shown_si
@@ -34,7 +34,7 @@ from asperity.settings.body import Body
 from asperity.settings.load import UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import own_materials
-from asperity.settings.model import ContradictionError, Settings, one_of, setting
+from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, setting
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.planes.fields import FIELDS
 
@@ -68,7 +68,9 @@ class Case(Settings):
     """The counter body. Which of the two is rough does not matter as long as the slopes are small."""
     load: Load = setting(...)
     """The load."""
-    fields: tuple[one_of(FIELDS), ...] = setting(("von_mises",), min_length=1)  # type: ignore[valid-type]
+    fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
+        ("von_mises",)
+    )
     """Fields of the stress whose peaks are listed and that are drawn."""
     materials: str | None = setting(
         None, default_text=f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
@@ -94,7 +96,7 @@ class Case(Settings):
         None, default_text="asked if a body or its material has a yield stress"
     )
     """Yield."""
-    cycles: Cycles | None = setting(None, default_text="asked if a body gives fatigue limits itself")
+    cycles: Cycles | None = setting(None, default_text="asked if a body gives fatigue limits or a residual stress itself")
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
     sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
     """Several maps of one surface are pooled."""
@@ -120,7 +122,7 @@ class Case(Settings):
         """Constants that exclude each other, and groups of one body that stand in the other."""
         if self.body.map is not None:
             yield "body.map", ": not accepted; the map of the body is the group `map`"
-        if self.map.form == "cylinder" and self.map.radius is None:
+        if "form" in self.map.model_fields_set and self.map.radius is None:
             yield "map.form", ": needs map.radius"
         if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
             yield "map.cylinder_axis", ": needs map.form: cylinder"

@@ -45,6 +45,8 @@ class OfMaterial(Settings):
             # The hardness of a coated body is not that of its material.
             and not (name == "hardness" and value.get("coating") is not None)
         }
+        if not {"fatigue_torsion", "fatigue_bending"} <= {**value, **filled}.keys():  # one alone says nothing
+            filled = {name: constant for name, constant in filled.items() if not name.startswith("fatigue")}
         found = made({**value, **filled})
         found.model_fields_set.difference_update(filled)
         found._of_table = tuple(filled)
@@ -135,4 +137,6 @@ class Body(OfMaterial):
             name, other = "fatigue_torsion", "fatigue_bending"
             name, other = (name, other) if self.fatigue_bending is None else (other, name)
             raise ContradictionError((name, f": needs {other}"))
+        if self.residual_stress is not None and self.fatigue_torsion is None:
+            raise ContradictionError(("residual_stress", ": needs fatigue_torsion and fatigue_bending"))
         return self

@@ -163,6 +163,9 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
         )
     in_hertz_contact = not value.keys().isdisjoint(Hertz.model_fields.keys() - UNITS.keys())
     given = [name for name in UNITS if name in value]
+    if in_hertz_contact and (others := [name for name in given if name not in Hertz.model_fields]):
+        text = ": hertz_pressure, force or mean_pressure is needed in a Hertz contact"
+        raise ContradictionError(*((name, text) for name in others))
     if not in_hertz_contact and len(given) != 1:
         text = f": exactly one of them is needed, {' and '.join(given) or 'none'} given"
         raise ContradictionError((", ".join(UNITS), text))

@@ -16,10 +16,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from itertools import pairwise
+from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, get_args
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetPydanticSchema,
@@ -45,10 +47,16 @@ Entry = Mapping[str, Any]
 OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
 """Keywords of an entry that are not those of the standard."""
 
-Number = Annotated[float, Strict()]
+
+def _plain_number(value: Any) -> Any:
+    """A number of NumPy as one of Python."""
+    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
+
+
+Number = Annotated[float, BeforeValidator(_plain_number), Strict()]
 """A number; text and truth values are refused."""
 
-Whole = Annotated[int, Strict()]
+Whole = Annotated[int, BeforeValidator(_plain_number), Strict()]
 """A whole number that is written as one: 2048.0 is refused."""
 
 YesNo = Annotated[bool, Strict()]

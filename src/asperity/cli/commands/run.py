@@ -156,6 +156,8 @@ def _problems_of_several(
         yield from (
             f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:])
         )
+        if any(job.case is not None and job.case.sample is not None for job in jobs.values()):
+            yield "sample: needs --pooled"
     if options.only and options.only not in names:
         yield f"--only {options.only}: one of {', '.join(names)} is needed"
     if folder is None or options.only:

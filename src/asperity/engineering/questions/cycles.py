@@ -74,9 +74,9 @@ class Cycles(Question):
 
     @classmethod
     def is_implied(cls, case: Case) -> bool:
-        """True if a body gives fatigue limits itself."""
-        bodies = case.groups_of_bodies.values()
-        return any("fatigue_torsion" in body.model_fields_set for body in bodies)
+        """True if a body gives fatigue limits or a residual stress itself."""
+        given = {name for body in case.groups_of_bodies.values() for name in body.model_fields_set}
+        return not given.isdisjoint(("fatigue_torsion", "residual_stress"))
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """What cycles need, and what they do not go with."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainValidator, WithJsonSchema
@@ -25,10 +27,10 @@ def _direction(value: Any) -> str | float:
     """Direction x or y, or an angle in degrees."""
     if value in ("x", "y"):
         return str(value)
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise NeededError("x, y or an angle in degrees from x towards y") from None
+    with suppress(TypeError, ValueError):
+        if not isinstance(value, bool) and math.isfinite(angle := float(value)):
+            return angle
+    raise NeededError("x, y or an angle in degrees from x towards y")
 
 
 Direction = Annotated[

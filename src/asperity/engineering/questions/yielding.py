@@ -116,7 +116,7 @@ class Yielding(Question):
             between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
             error, per_area = part.grid_error("volume_above_yield"), found.fraction * last
             yield row("volume above yield", found.volume, "m^3", shown_si(found.volume, "m^3", 3))
-            yield row("volume above yield per area", per_area, "m").by(error * per_area)
+            yield row("volume above yield per area", per_area, "m").by(error * found.fraction * last)
             yield row("share above yield", found.fraction, "1", share).by(error * found.fraction)
             yield row("deepest point above yield", last, "m", between)
         peaks = answer.peaks().query("body == @body and quantity == 'von_mises'")
