@@ -133,7 +133,9 @@ class Row(NamedTuple):
         """The estimate and its error as text; empty where there is none."""
         if not self.error > 0:
             return ""
-        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(self.estimate, self.unit)
+        factor, symbol = (
+            (1.0, "") if self.unit == "1" else scaled_unit([self.estimate, self.error], self.unit)
+        )
         if self.name in IN_PER_CENT:
             factor, symbol = 0.01, "%"
         return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
@@ -469,18 +471,20 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
         return
     yield row("yield stress", limit)
     volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
+    per_area, error = ((volume or 0.0) / answer.face.map_area, body.volume_error / answer.face.map_area)
+    shown, source = shown_si(per_area, "m"), "the pixels and planes"
+    of_area = _row(group, "volume above yield per area", per_area, "m", shown, body.limits, error, source)
     if volume is None or depths is None or fraction is None:
         yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
-        yield row("volume above yield per area", 0.0, "m")
+        yield of_area
     else:
         first, last = depths
         factor, symbol = scaled_unit([last], "m")
         share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
         between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
-        error = body.grid_error("volume_above_yield")
         yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
-        yield row("volume above yield per area", fraction * last, "m", "", error * fraction * last)
-        yield row("share above yield", fraction, "1", share, error * fraction)
+        yield of_area
+        yield _row(group, "share above yield", fraction, "1", share, body.limits, error / last, source)
         yield row("deepest point above yield", last, "m", between)
     all_peaks = answer.peaks().query("body == @name_of_body and quantity == 'von_mises'")
     below = all_peaks["depth_m"] > (body.body.coating or -1.0)
@@ -560,7 +564,7 @@ def _row(
         values, words = limit_of(limits, name), "for vanishing pixels"
         estimate, error = values["estimate"], values["estimate"] * values["error"]
     if not np.isfinite(estimate) or not error > 0:
-        return Row(group, name, value, unit, shown)
+        return Row(group, name, value, unit, shown, *((estimate, 0.0) if error == 0 else ()))
     row = Row(group, name, value, unit, shown, estimate, error)
     number = row.with_error if name in LIMITS else row.with_error[row.with_error.index("±") :]
     return row._replace(shown=f"{shown}; {number} {words}")

@@ -22,8 +22,10 @@ from asperity.fourier.grid import Grid
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.cycles.criteria import Criteria
 from asperity.stress.cycles.stress_cycles import Cycles, stress_cycles
+from asperity.stress.exceedance import Exceedance
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
+from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
 
 BOXES = 4
@@ -146,7 +148,6 @@ RESOLUTION_ERRORS = {
     "principal_1": ((1.6, 0.75), (0.42, 0.25)),
     "principal_3": ((1.2, 1.5), (0.07, 0.25)),
     "hydrostatic": ((1.2, 1.5), (0.07, 0.25)),
-    "volume_above_yield": ((0.45, 1.5), (2.0, 2.0)),
     "shear_range": ((2.9, 1.5), (0.45, 0.25)),
     "dang_van": ((1.4, 1.5), (0.55, 0.25)),
     "shakedown_lower": ((1.0, 1.5), (0.28, 0.25)),
@@ -192,8 +193,10 @@ class BodyAnswer:
         of the largest magnitude of any other field.
     volume_above_yield : float or None
         Volume under the map whose von Mises stress is above yield; None without a yield stress.
+    volume_error : float
+        Error of that volume by pixels and planes; NaN where there is no estimate.
     depths_above_yield : (first, last) or None
-        Depths between which there are such points, interpolated between planes.
+        Depths between which there are such points.
     fraction_above_yield : float or None
         That volume over the volume from the surface to the last of these depths.
     planes : dict
@@ -213,6 +216,7 @@ class BodyAnswer:
     limits: xr.Dataset
     largest: dict[str, Extreme]
     volume_above_yield: float | None
+    volume_error: float
     depths_above_yield: tuple[float, float] | None
     fraction_above_yield: float | None
     planes: dict[str, tuple[float, Grid, Array]]
@@ -241,10 +245,8 @@ class BodyAnswer:
 
     def grid_error(self, number: str) -> float:
         """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate."""
-        area = self.limits["area_fraction"]
-        found, best = (float(area.sel(kind=kind)) for kind in ("on_grid", "estimate"))
         share, power = RESOLUTION_ERRORS[number][self.limits.attrs["plastic_area"] > 0]
-        return share * float(abs(found / best - 1) / max(1 - best, 0.01)) ** power
+        return share * resolution(self.limits) ** power
 
     @property
     def largest_von_mises(self) -> float:
@@ -294,8 +296,8 @@ def body_answer(
         Gives the cycles, if the faces move against each other.
     """
     body, layer = case.bodies[name], case.bodies[name].layer
-    watch = _Extremes(case.fields, layer, body.yield_stress)
     contact = pressed.contact if isinstance(pressed, PartialSlip) else pressed
+    watch = _Extremes(case.fields, layer, body.yield_stress, contact.boundary == "periodic")
     loaded = pressed.in_body(name) if pressed is not contact else case.loaded_body(contact, name)
     sliding, cycles = case.sliding_of(name), None
     limits = {each: getattr(body, each) for each in ("fatigue_torsion", "fatigue_bending", "yield_stress")}
@@ -322,14 +324,15 @@ def body_answer(
     main = stress.sel(quantity=list(ESTIMATED))
     estimated = continuum_on_grids(contact, half, main, name, case.loaded_body)
     progress(0.8, 1.0)
-    volume, depths, fraction = None, None, None
-    if body.yield_stress is not None:
-        planes = stress["plane_depth"].values
-        volume = float(np.trapezoid(watch.above, planes)) * face.map_area
-        in_body = np.where(planes > (layer.interface or -1.0), stress["largest_von_mises"].values.ravel(), 0)
-        depths = _depths_above(body.yield_stress, in_body, planes)
+    volume, error, depths, fraction = None, np.nan, None, None
+    if (yielding := watch.yielding) is not None:
+        in_body = np.nextafter(layer.interface, np.inf) if layer.interface else 0.0
+        yielding.finish(largest_von_mises_between(stress, in_body, np.inf).value)
+        count = int((peaks(stress, "von_mises")["peak_value"] > body.yield_stress).sum())
+        volume, depths = yielding.volume * face.map_area, yielding.depths
+        error = yielding.error(estimated, count) * face.map_area
         if depths is not None:
-            fraction = volume / (face.map_area * depths[1]) if depths[1] else 0.0
+            fraction = yielding.volume / depths[1]
     largest = {}
     for name_of_field, at_nodes in watch.found.items():
         found = _between_nodes(name_of_field, at_nodes, stress)
@@ -345,6 +348,7 @@ def body_answer(
         estimated,
         largest,
         volume,
+        error,
         depths,
         fraction,
         watch.planes,
@@ -363,20 +367,6 @@ def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> 
     return Extreme(float(values[best]), float(depths[best]), np.nan, np.nan)
 
 
-def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
-    """Depths between which a stress is above a limit, from its largest value in each plane."""
-    above = np.flatnonzero(largest > limit)
-    if not above.size:
-        return None
-
-    def crossing(plane: int, beyond: int) -> float:
-        if not 0 <= beyond < depths.size:
-            return float(depths[plane])
-        return float(np.interp(limit, largest[[beyond, plane]], depths[[beyond, plane]]))
-
-    return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)
-
-
 def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
     """The extreme value at the nodes, or the largest peak between them if that is larger."""
     if field not in stress["quantity"].values:
@@ -391,7 +381,7 @@ def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
 
 
 class _Extremes:
-    """Extreme values of fields, and the share of each plane above a limit, from a stream of planes.
+    """Extreme values of fields, and the volume above yield, from a stream of planes.
 
     Attributes
     ----------
@@ -399,27 +389,29 @@ class _Extremes:
         Field → its extreme value so far, and its place in the cell.
     planes : dict
         Field to be drawn → depth, grid and values of the plane of its extreme value so far.
-    above : list of float
-        Share of each plane whose von Mises stress is above the limit; 0 in a coating.
+    yielding : Exceedance or None
+        Where the von Mises stress is above yield, below a coating; None without a yield stress.
     interface : dict
         As of `BodyAnswer`.
     """
 
-    def __init__(self, drawn: Sequence[str], layer: Layer, limit: float | None) -> None:
+    def __init__(
+        self, drawn: Sequence[str], layer: Layer, yield_stress: float | None, periodic: bool
+    ) -> None:
         self.interface: dict[str, list[float]] = {}
         self.found: dict[str, Extreme] = {}
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
-        self.above: list[float] = []
+        self.yielding = None if yield_stress is None else Exceedance(yield_stress, periodic)
         self._sizes: dict[str, float] = {}
         self._fields, self._drawn = list(dict.fromkeys((*DIRECTION, *drawn))), drawn
-        self._poisson, self._limit, self._face = layer.poisson, limit, layer.interface or -1.0
+        self._poisson, self._face = layer.poisson, layer.interface or -1.0
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
         invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
-        if self._limit is not None:
-            is_above = (invariants["von_mises"] > self._limit) & (plane.depth > self._face)
-            self.above.append(float(np.mean(is_above)))
+        if self.yielding is not None and plane.depth > self._face:
+            values = invariants["von_mises"].reshape(plane.grid.shape)
+            self.yielding.add(plane.depth, plane.grid, values)
         if self._face <= plane.depth <= np.nextafter(self._face, np.inf):
             xx, zz, xz, yz = (plane.field(name, self._poisson) for name in ("xx", "zz", "xz", "yz"))
             found = xx.flat[np.abs(xx).argmax()], zz.max(), np.hypot(xz, yz).max()

@@ -392,7 +392,8 @@ def decay_lengths(profiles: xr.Dataset, prefix: str = "") -> tuple[Array, Array]
     lengths = []
     for along_depth, in_plane, reference in zip(*(profiles[name].values for name in names), strict=True):
         below = depth >= reference
-        below_reference = half_length(depth[below] - reference, along_depth[below] / in_plane[0])
-        lengths.append((below_reference, half_length(lag, in_plane / in_plane[0])))
+        variance = in_plane[0] or np.nan  # that of a uniform plane is 0
+        below_reference = half_length(depth[below] - reference, along_depth[below] / variance)
+        lengths.append((below_reference, half_length(lag, in_plane / variance)))
     found = np.array(lengths).T
     return found[0], found[1]
