@@ -2,9 +2,9 @@
 
     python benchmarks/volume.py    # writes docs/volume.csv and prints it, in ten minutes
 
-Random surfaces are pressed with 2, 4, 8 and 32 pixels on their shortest wavelength under the same load, a third
-of them under a hardness. The yield stress is a share of the largest stress on 32 pixels. A stated error covers
-the true one if the volume is within it of that on 32 pixels.
+Random surfaces are pressed with 2, 4, 8 and 32 pixels on their shortest wavelength under the same load, a
+third of them under a hardness. The yield stress is a share of the largest stress on 32 pixels. A stated error
+covers the true one if the volume is within it of that on 32 pixels.
 """
 
 import argparse

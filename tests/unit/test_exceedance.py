@@ -1,5 +1,7 @@
 """Volume above a limit: closed forms, stress on fine planes, and depths of a smooth contact."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -19,7 +21,7 @@ def filled(planes, limit, largest=np.inf):
 
 @pytest.mark.parametrize("limit", [0.5, 0.9, 0.99])
 def test_ball_between_nodes_and_planes(limit):
-    """1 − r²/s² is above L in a ball of s √(1 − L), here of 8 to 1 spacings; 16 samples of a box leave 4 %."""
+    """1 − r²/s² is above L in a ball of s √(1 − L), of 8 to 1 spacings; 16 samples of a box leave 4 %."""
     grid, size, centre = Grid((48, 48)), 12 / 48, np.array([0.513, 0.507, 0.211])
     y, x = grid.coordinates()
     square = (y[:, None] - centre[0]) ** 2 + (x - centre[1]) ** 2
@@ -47,9 +49,7 @@ def test_rough_contact_against_fine_planes(over_yield, allowed):
     depths, fine = asp.depth_grid(solid.grid, 0.3), Grid((256, 256))
     pressure = Fourier(fine).inverse(resample(Fourier(solid.grid).forward(solid.pressure), solid.grid, fine))
     found = planes_of(solid, depths)
-    dense = np.unique(
-        np.concatenate([np.linspace(*pair, 5) for pair in zip(depths, depths[1:], strict=False)])
-    )
+    dense = np.unique(np.concatenate([np.linspace(*pair, 5) for pair in pairwise(depths)]))
     exact = planes_of(asp.LoadedSolid(pressure, fine, solid.layer), dense)
     limit = max(values.max() for *_, values in exact) / over_yield
     volume = np.trapezoid([np.mean(values > limit) for *_, values in exact], dense)

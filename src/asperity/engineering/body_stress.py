@@ -325,7 +325,7 @@ def body_answer(
     estimated = continuum_on_grids(contact, half, main, name, case.loaded_body)
     progress(0.8, 1.0)
     volume, error, depths, fraction = None, np.nan, None, None
-    if (yielding := watch.yielding) is not None:
+    if (yielding := watch.yielding) is not None and body.yield_stress is not None:
         in_body = np.nextafter(layer.interface, np.inf) if layer.interface else 0.0
         yielding.finish(largest_von_mises_between(stress, in_body, np.inf).value)
         count = int((peaks(stress, "von_mises")["peak_value"] > body.yield_stress).sum())

@@ -129,7 +129,8 @@ class Exceedance:
         ends = np.array([-up / 2 if above else 0.0, down / 2 if below else 0.0])
         _add_boxes(
             here.values,
-            *sides,
+            sides[0],
+            sides[1],
             (above is None, below is None),
             (up, down),
             here.depth,
