@@ -227,6 +227,12 @@ def second_differences(height: Array) -> Array:
     return found
 
 
+def resolution(estimates: xr.Dataset) -> float:
+    """Relative correction of the area over the share out of contact: small where patches are resolved."""
+    found, best = (float(estimates["area_fraction"].sel(kind=kind)) for kind in ("on_grid", "estimate"))
+    return float(abs(found / best - 1) / max(1 - best, 0.01))
+
+
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
     """The dataset of `asperity.continuum` from the results on two grids under the same load.
 
