@@ -1,11 +1,11 @@
 """Errors of `asperity.continuum` on surfaces that are not isotropic and Gaussian.
 
-    python benchmarks/kinds.py    # writes docs/kinds.csv and prints it, in five minutes on one core
+    python benchmarks/kinds.py    # writes docs/kinds.csv and prints it, in six minutes on one core
 
-Surfaces with a lay of 2:1 to 20:1, straight ridges, plateaus, skewed heights of both signs, and two scales are
-pressed with 2, 4 and 8 nodes on their shortest wavelength, and with 24 under the same load. The factors of
-`OF_DEPARTURE` were chosen on kinds that are not among these: turned and wavy grooves, crossed grooves, parabolas
-and powers of Gaussian heights, bumps at random places, and heights that are cut off softly.
+Surfaces with a lay of 2:1 to 20:1, straight ridges, plateaus, skewed heights of both signs, and two scales
+are pressed with 2, 4 and 8 nodes on their shortest wavelength, and with 24 under the same load. The factors
+of `OF_DEPARTURE` were chosen on kinds that are not among these: turned and wavy grooves, parabolas and powers
+of Gaussian heights, bumps at random places, and heights that are cut off softly.
 """
 
 import argparse

@@ -19,6 +19,14 @@ PAIR += ["--set", "counter_body.yield_stress=2 GPa", "--set", "counter_body.hard
 COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--mean-pressure", "400 MPa", "--despike", "5", "--pooled"]
 
 
+@pytest.fixture(scope="module", autouse=True)
+def without_pictures():
+    """They take most of the time, and are those of one map (`test_run_command`)."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
+        yield
+
+
 @pytest.fixture(scope="module")
 def maps(tmp_path_factory):
     return bearing.write_maps(tmp_path_factory.mktemp("maps"), (60, 80))

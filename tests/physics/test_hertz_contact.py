@@ -180,7 +180,9 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
     ],
 )
 def test_settings_make_the_same_case(radii, expected):
-    load = {"hertz_pressure": "1 GPa", "at": [0.0, 0.0]} | dict(zip(("radius_x", "radius_y"), radii, strict=False))
+    load = {"hertz_pressure": "1 GPa", "at": [0.0, 0.0]} | dict(
+        zip(("radius_x", "radius_y"), radii, strict=False)
+    )
     case = Case.read({"map": "a.x3p", "body": {"young": "210 GPa", "poisson": 0.3}, "load": load})
     assert Case.read(case.written()) == case
     assert case.load.radii == expected
@@ -193,7 +195,10 @@ test_wrong_argument_is_refused = refuses(
     (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
     (lambda: a_case(at=(0.2, 0.0), radius_y=np.inf), "load.at = 0.2 0: .*across the axis of the roller"),
     (lambda: a_case(kind="approach"), "load.approach: hertz_pressure, force or mean_pressure is needed"),
-    (lambda: a_case(kind="force", radius_y=np.inf), "load.force: the Hertz pressure is needed under a roller"),
+    (
+        lambda: a_case(kind="force", radius_y=np.inf),
+        "load.force: the Hertz pressure is needed under a roller",
+    ),
     (lambda: a_case(body=COATED), "body.coating: half-spaces are needed in a Hertz contact"),
     (
         lambda: asp.run(a_case(load=1e7)),
@@ -201,7 +206,10 @@ test_wrong_argument_is_refused = refuses(
     ),
     (lambda: asp.HertzContact(1.0, np.inf, np.inf), "half_width_y = inf.*at most one of them infinite"),
     (lambda: asp.HertzContact.from_radii(1.0, 1.0, 1.0), "exactly one of largest_pressure and force"),
-    (lambda: a_case(radius_x=np.inf, radius_y=np.inf), "load.radius_y = inf: at most one of the radii is infinite"),
+    (
+        lambda: a_case(radius_x=np.inf, radius_y=np.inf),
+        "load.radius_y = inf: at most one of the radii is infinite",
+    ),
     (
         lambda: asp.LoadedSolid(
             np.ones((8, 8)), asp.Grid((8, 8)), HALF_SPACE, "free", background=lambda depth: None

@@ -241,7 +241,10 @@ COATING = {"coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.3}}
 test_wrong_case_is_refused = refuses(
     (lambda: case(counter={"map": "a.x3p"}), "counter_body.map: needs cycles.shifts, for the stress cycles"),
     (lambda: case({"slide_to_roll": 0.1}), "cycles.slide_to_roll = 0.1: needs cycles.shifts"),
-    (lambda: case({"shifts": 8, "slide_to_roll": 0.1}), "cycles.shifts = 8: .* slide_to_roll without a Hertz"),
+    (
+        lambda: case({"shifts": 8, "slide_to_roll": 0.1}),
+        "cycles.shifts = 8: .* slide_to_roll without a Hertz",
+    ),
     (lambda: case({"shifts": 8}, options={"periodic": "none"}), "cycles.shifts = 8: .* map.periodic = none"),
     (lambda: case({"shifts": 8}, options={"radius": 1e-3}), "cycles.shifts = 8: .* a radius of the map"),
     (lambda: case({"shifts": 8}, load_curve={"loads": [1e7]}), "cycles.shifts = 8: .* a load curve"),

@@ -127,7 +127,10 @@ SLIPPING = STEEL.replaced(layer={"height": 5e-6, "bottom": "frictionless"})
 
 test_wrong_load_is_refused = refuses(
     (lambda: run(a_rough_map(), STEEL, mean_pressure=1e6, fields="xx"), "fields = 'xx': a list of"),
-    (lambda: run(a_rough_map(), STEEL), "load.mean_pressure, hertz_pressure, .*: exactly one of them is needed, none"),
+    (
+        lambda: run(a_rough_map(), STEEL),
+        "load.mean_pressure, hertz_pressure, .*: exactly one of them is needed, none",
+    ),
     (
         lambda: run(a_rough_map(), SLIPPING, force=1.0, sliding={"friction": 0.4}),
         "sliding.friction = 0.4: .*frictionless, which bears no shear",

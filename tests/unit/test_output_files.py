@@ -162,8 +162,9 @@ def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
     for case in ("saved.yaml", "out/case.yaml"):
         capsys.readouterr()
         assert status("run", case, "--out", "again") == 2
-        assert f"{case}: checksums.counter_map: other.txt has changed since" in capsys.readouterr().err.replace(
-            "out/../", ""
+        assert (
+            f"{case}: checksums.counter_map: other.txt has changed since"
+            in capsys.readouterr().err.replace("out/../", "")
         )
     assert status("run", "saved.yaml", "--counter-map", "mine.txt", "--out", "again") == 0
 

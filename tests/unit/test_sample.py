@@ -1,6 +1,7 @@
 """Maps of one surface as a sample: means, intervals, and what is pooled per area."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from samples import refuses
 
@@ -67,6 +68,35 @@ def test_largest_of_an_area_is_met(draw):
     medians = {"exponential": np.log(24000 / np.log(2)), "uniform": 1.0}
     medians["rayleigh"] = np.sqrt(2 * medians["exponential"])
     assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
+
+
+def test_largest_is_not_below_the_observed():
+    """Also where one peak lies far above the others."""
+    maps = [np.append(np.random.default_rng(seed).random(30), 1.0 + 2.0 * (seed == 0)) for seed in range(4)]
+    found = largest_on(maps, 4e-6, 4e-6)
+    assert found.high >= found.value >= 3.0
+
+
+def test_identical_bodies_are_one_row():
+    """Under friction, whose direction is opposite in the other body."""
+    maps = [a_map(seed, 96) for seed in (1, 2)]
+    answers = [run(each, STEEL, STEEL, mean_pressure=2e9, friction=0.2) for each in maps]
+    sample, peaks = asp.pooled(answers), pd.concat([answer.peaks() for answer in answers])
+    found = sample.largest(2 * EDGE**2).set_index("quantity")
+    assert list(found.index) == ["pressure", "von_mises"]
+    observed = peaks.groupby("quantity")["value_Pa"].max()
+    assert (found["value_Pa"] >= observed[found.index]).all()
+
+
+def test_few_peaks_have_no_percentile(answers):
+    """The 99th percentile of fewer than 100 peaks is the largest one, or between the two largest."""
+    for answer in answers:
+        stress = answer.bodies["lower"].stress
+        count = asp.peaks(stress, "von_mises", selection="under_contact").sizes["peak"]
+        names = {row.name for row in answer.rows}
+        assert 10 <= count < 100
+        assert "90th percentile of the peaks" in names
+        assert "99th percentile of the peaks" not in names
 
 
 test_what_is_no_sample_is_refused = refuses(

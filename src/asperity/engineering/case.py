@@ -96,7 +96,9 @@ class Case(Settings):
         None, default_text="asked if a body or its material has a yield stress"
     )
     """Yield."""
-    cycles: Cycles | None = setting(None, default_text="asked if a body gives fatigue limits or a residual stress itself")
+    cycles: Cycles | None = setting(
+        None, default_text="asked if a body gives fatigue limits or a residual stress itself"
+    )
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
     sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
     """Several maps of one surface are pooled."""

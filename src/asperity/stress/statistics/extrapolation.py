@@ -40,7 +40,7 @@ import xarray as xr
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, gradient, resample
-from asperity.stress.peaks.selection import has_percentile, peak_numbers
+from asperity.stress.peaks.selection import peak_numbers
 from asperity.stress.statistics.covariance import decay_lengths
 
 LEAST_NODES = 200
@@ -136,7 +136,7 @@ OF_DEPARTURE = {
     "decay_length_plane": (0.0, 0.12, 4.4),
 }
 """Number → least relative error of a surface that departs fully from an isotropic Gaussian one, over the cuts
-of the straight boundary, the unresolved gradient, and the change of the pressure from half of the nodes to all."""
+of straight boundaries, the unresolved gradient, and the change of the pressure from half the nodes to all."""
 
 OF_DEPARTURE_OF_PRESSURE = {"p90": (1.2, 0.15, 3.2), "p99": (0.3, 0.3, 1.1), "largest": (0.25, 0.47, 0.2)}
 """The same for the peaks of the pressure."""
@@ -146,6 +146,11 @@ CURVED_RUN = 2.0
 
 PRESSURE_LEVELS = (np.arange(4096) + 0.5) / 4096
 """Shares of the nodes at which the distributions of the pressure are compared."""
+
+UNRESOLVED_EDGES = 0.2, 3.0
+"""Share of the squared gradient over the contact in waves that half of the nodes do not hold, above which the
+stress has no estimate at sharp edges and crests: where the kurtosis of the curvature is that of a surface
+that departs fully from a Gaussian one, or this share is as many times that of the whole surface."""
 
 STRAIGHT = 1e-3
 """Largest difference of the pressure along a line, over the largest pressure, along straight ridges."""
@@ -205,12 +210,27 @@ def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0) ->
     return ""
 
 
+def reason_against_stress(found: xr.Dataset) -> str:
+    """Why peaks allow no estimate, from the numbers on a grid as of `numbers_on`; empty if they do."""
+    if found["along_lines"] <= STRAIGHT:
+        return "the ridges are straight, and the peaks along them are rounding errors"
+    if found["unresolved_edges"]:
+        return "half of the pixels do not hold the edges of the heights in contact"
+    return ""
+
+
 def second_differences(height: Array) -> Array:
     """Curvature of periodic heights times the squared spacing."""
     found = -4 * height
     for axis in (0, 1):
         found += np.roll(height, 1, axis) + np.roll(height, -1, axis)
     return found
+
+
+def resolution(estimates: xr.Dataset) -> float:
+    """Relative correction of the area over the share out of contact: small where patches are resolved."""
+    found, best = (float(estimates["area_fraction"].sel(kind=kind)) for kind in ("on_grid", "estimate"))
+    return float(abs(found / best - 1) / max(1 - best, 0.01))
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
@@ -231,13 +251,14 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
         best = error = found * np.nan
     else:
         found, best, error = extrapolated_numbers(fine, other, lost)
-        if fine.stress is not None:
-            for name in ("p90", "p99"):
-                enough = has_percentile(found["peak_count"], PERCENTILES[name])
-                best[name], error[name] = best[name].where(enough), error[name].where(enough)
     outputs = [name for name in OUTPUTS if name in found]
     joined = xr.concat([kind[outputs] for kind in (found, other, best, error)], "kind", coords="minimal")
-    return joined.assign_coords(kind=list(KINDS)).assign_attrs({"reason": reason} if reason else {})
+    reasons = {"reason": reason}
+    if fine.stress is not None and not reason:
+        reasons["reason_of_stress"] = reason_against_stress(found)
+    attributes = {name: text for name, text in reasons.items() if text}
+    least = 0.0 if reason else float(error["least"])
+    return joined.assign_coords(kind=list(KINDS)).assign_attrs(attributes, least_error=least)
 
 
 def extrapolated_numbers(
@@ -267,9 +288,8 @@ def extrapolated_numbers(
     best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
     if fine.stress is not None:
         best.update(_quantiles(peak_numbers(fine.stress, levels, best["peak_count"])))
-        lines = (np.ptp(fine.pressure, axis).max() for axis in (0, 1))
-        if min(lines) <= STRAIGHT * fine.pressure.max():  # peaks along straight ridges are rounding errors
-            for name in (*PERCENTILES, "peak_quantile", *DEPTHS):
+        if reason_against_stress(found):
+            for name in (*PERCENTILES, "peak_quantile", "largest_von_mises", *DEPTHS):
                 best[name] = best[name] * np.nan
     error = xr.Dataset()
     of_area, of_gradient = (
@@ -290,7 +310,8 @@ def extrapolated_numbers(
     if fine.stress is not None:
         error.update(_errors_of_stress(found, other, lost))
     error.update(_at_least(error, found, other))
-    error = error.where(best[list(error)].notnull())
+    for name in {*best} & {*error}:
+        error[name] = error[name].where(best[name].notnull())
     if fine.stress is not None:
         missed = abs(best["peak_count"] / found["peak_count"].where(found["peak_count"] > 0) - 1)
         shares = [OF_MISSED.get(str(name), OF_MISSED_COMPONENT) for name in found["quantity"].values]
@@ -311,7 +332,10 @@ def extrapolated_numbers(
 
 
 def _at_least(error: xr.Dataset, found: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
-    """Relative errors that are not below those of a surface that is not isotropic and Gaussian."""
+    """Relative errors not below those of a surface that is not isotropic and Gaussian.
+
+    ``least`` is the least one of the largest von Mises stress.
+    """
     change = np.square(found["pressure_quantile"] - other["pressure_quantile"]).mean()
     change = np.sqrt(change / np.square(found["pressure_quantile"]).mean())
     measures = found["straight_boundary"], found["unresolved"], change
@@ -321,7 +345,7 @@ def _at_least(error: xr.Dataset, found: xr.Dataset, other: xr.Dataset) -> xr.Dat
             share * measure for share, measure in zip(shares, measures, strict=True)
         )
 
-    raised = xr.Dataset()
+    raised = xr.Dataset({"least": least(OF_DEPARTURE["largest_von_mises"])})
     for name, shares in OF_DEPARTURE.items():
         if name in error:
             smallest = least(shares)
@@ -361,6 +385,7 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
     edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
     area = float(touching.mean())
     ordered = np.sort(results.pressure, axis=None)
+    along_lines = min(np.ptp(results.pressure, axis).max() for axis in (0, 1))
     ranks = (np.arange(ordered.size) + 0.5) / ordered.size
     quantiles = np.interp(PRESSURE_LEVELS, ranks, ordered)
     numbers = xr.Dataset(
@@ -368,6 +393,7 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
             "spacing": results.grid.spacing[0],
             "area_fraction": area,
             "boundary": edges / touching.size,
+            "along_lines": along_lines / max(ordered[-1], 1e-300),
             "straight_boundary": _straight_boundary(touching),
             "pressure_quantile": ("level_of_pressure", quantiles),
             "gradient_rms_contact": results.gradient,
@@ -409,7 +435,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     half of the nodes along both edges do not hold, over that of all waves.
     """
     if results.height is None:
-        return {"departure": 0.0, "unresolved": 0.0}
+        return {"departure": 0.0, "unresolved": 0.0, "unresolved_edges": False}
     grid = results.grid
     fourier, half = Fourier(grid), Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
     modes = fourier.forward(results.height)
@@ -422,11 +448,15 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
         (measure - first) / (last - first)
         for measure, (first, last) in ((anisotropy, ANISOTROPY), (abs(kurtosis - 3), KURTOSIS))
     ]
-    lost = gradient(modes - resample(resample(modes, grid, half), half, grid), fourier)
-    share = np.sum((lost[0] ** 2 + lost[1] ** 2)[touching]) / max(np.sum(squared[touching]), 1e-300)
+    lost_y, lost_x = gradient(modes - resample(resample(modes, grid, half), half, grid), fourier)
+    lost = lost_y**2 + lost_x**2
+    share = np.sum(lost[touching]) / max(np.sum(squared[touching]), 1e-300)
+    least, times = UNRESOLVED_EDGES
+    is_sharp = kurtosis > 3 + KURTOSIS[1] or share * squared.mean() > times * lost.mean()
     return {
         "departure": float(np.clip(max(departures), 0, 1)),
         "unresolved": float(np.sqrt(share / (1 + share))),
+        "unresolved_edges": bool(share > least and is_sharp),
     }
 
 
