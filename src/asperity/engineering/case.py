@@ -41,6 +41,9 @@ from asperity.stress.planes.fields import FIELDS
 LARGEST_LOAD = 1e6
 """Largest mean pressure over the effective modulus, and approach over the edge of the map."""
 
+PRESSED = ("young", "poisson", "hardness", "coating", "layer", "map")
+"""Settings of a body on which its contact depends."""
+
 MATERIALS = "materials.yaml"
 """Name of a user's own table of materials beside the case file."""
 
@@ -277,7 +280,21 @@ class Case(Settings):
         if isinstance(self.load, Hertz):
             load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
         asked = dict.fromkeys((*self.questions, "run_in", "film"))
-        return self.replaced(**{**asked, "sliding": self.sliding, "load": load})
+        bodies = {  # without the constants that imply questions
+            name: Body(**{each: getattr(body, each) for each in PRESSED if getattr(body, each) is not None})
+            for name, body in self.groups_of_bodies.items()
+        }
+        return self.replaced(**{**asked, **bodies, "sliding": self.sliding, "load": load})
+
+    def written(self) -> dict[str, Any]:
+        """The settings that are given, as a file holds them: loads of a curve with their unit, too."""
+        found, kind = super().written(), self.load.kind
+        if self.load_curve is not None and kind != "area_fraction":
+            found["load_curve"]["loads"] = [
+                each if isinstance(each, str) else shown_si(each, UNITS[kind], 15)
+                for each in self.load_curve.loads
+            ]
+        return found
 
 
 def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float) -> HertzContact:

@@ -88,4 +88,4 @@ def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact |
     if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
         return None
     under = case.under(mean_pressure=contact.mean_pressure)
-    return press(face, under.replaced(body=case.body.replaced(hardness=hardness)))
+    return press(face, under.replaced(body=under.body.replaced(hardness=hardness)))

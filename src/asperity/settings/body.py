@@ -52,6 +52,10 @@ class OfMaterial(Settings):
         found._of_table = tuple(filled)
         return found
 
+    def gives(self, name: str) -> bool:
+        """True if the group itself gives a constant, not its material."""
+        return name in self.model_fields_set and getattr(self, name) is not None
+
     @property
     def of_table(self) -> tuple[str, ...]:
         """Names of the constants that come from the table of materials."""

@@ -288,10 +288,11 @@ def _job(
             problems += error.renamed(lambda name: name_of(f"map.{name}")).lines  # type: ignore[attr-defined]
         except ValueError as error:
             problems.append(str(error))
-    for name, each in zip(("map", "counter_map"), rough.files if rough else (), strict=False):
+    files = rough.files if rough else ()
+    for name, path, each in zip(("map", "counter_map"), read, files, strict=False):
         if checksums.get(name, each.sha256) != each.sha256:
             problems.append(
-                f"{file}: {CHECKSUMS}.{name}: {one_line(each.path)} has changed since; delete the key to run"
+                f"{file}: {CHECKSUMS}.{name}: {one_line(path)} has changed since; delete the key to run"
                 " it as it is now"
             )
     return Job(case, rough, out, [*problems, *missing], read)

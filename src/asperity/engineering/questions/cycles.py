@@ -75,8 +75,8 @@ class Cycles(Question):
     @classmethod
     def is_implied(cls, case: Case) -> bool:
         """True if a body gives fatigue limits or a residual stress itself."""
-        given = {name for body in case.groups_of_bodies.values() for name in body.model_fields_set}
-        return not given.isdisjoint(("fatigue_torsion", "residual_stress"))
+        bodies, limits = case.groups_of_bodies.values(), ("fatigue_torsion", "residual_stress")
+        return any(body.gives(name) for body in bodies for name in limits)
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """What cycles need, and what they do not go with."""
