@@ -15,7 +15,7 @@ from asperity.results import dataset
 from asperity.results.lock import locked
 from asperity.settings.study import read_study
 from asperity.study import progress_and_log
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
@@ -27,7 +27,7 @@ def test_killed_study_continues_without_loss(killed_study, own_study, monkeypatc
     monkeypatch.chdir(own_study.folder)
     config = read_study(OWN[1:])
     surface = make_surface(config["surfaces"]["fine"], 1)
-    contact = solve_contact(surface, config["layer"], config["contact"])
+    contact = press_surface(surface, config["layer"], config["contact"])
     stress = stress_of_seed(contact, config["layer"], config["stress"])
     for stage, expected in {"surface": surface, "contact": contact, "stress": stress}.items():
         written = dataset.read(own_study.results / stage / "fine/seed1.nc")
