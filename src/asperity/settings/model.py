@@ -364,7 +364,7 @@ def accepted(entry: Entry) -> str:
         fewest, most = entry.get("minItems", 0), entry.get("maxItems")
         count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
         items = f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items" if most != 1 else "1 item"
-        return f"a list of {items}, each {accepted(entry.get('items') or entry['prefixItems'][0])}"
+        return f"a list of {items}, each {accepted(item_of(entry))}"
     if "maxLength" in entry:
         return f"{_TYPES[entry['type']]} of {entry['minLength']} to {entry['maxLength']} characters"
     signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
@@ -399,7 +399,7 @@ def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
         If it is not accepted; the message says what is needed instead.
     """
     entry = entry_of(root, key)
-    items = entry.get("items", entry) if isinstance(given, list) else entry
+    items = item_of(entry) if isinstance(given, list) else entry
     read = [scalar(text, items) for text in given] if isinstance(given, list) else scalar(given, items)
     try:
         return check_of(root, key).validate_python(read, context={"units": True})
@@ -407,6 +407,11 @@ def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
         found: Any = error.errors(include_url=False)[0]
         words, refused = (items, given[found["loc"][0]]) if found["loc"] else (entry, given)
         raise NeededError(_needed(found, words), refused) from None
+
+
+def item_of(entry: Entry) -> Entry:
+    """Description of an item of a list; of anything else the entry itself."""
+    return entry.get("items") or entry.get("prefixItems", [entry])[0]
 
 
 def scalar(text: str, entry: Entry) -> Any:
@@ -468,7 +473,7 @@ def _below(entry: Entry, part: Any) -> Entry | None:
     if part in entry.get("properties", {}):
         return entry["properties"][part]
     if entry.get("type") == "array":
-        return entry.get("items") or entry["prefixItems"][0]
+        return item_of(entry)
     named = entry.get("additionalProperties")
     return named if isinstance(named, Mapping) else None
 
