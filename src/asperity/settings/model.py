@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, get_args
 
 from pydantic import (
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     GetPydanticSchema,
@@ -47,16 +46,10 @@ Entry = Mapping[str, Any]
 OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
 """Keywords of an entry that are not those of the standard."""
 
-
-def _plain_number(value: Any) -> Any:
-    """A number of NumPy as one of Python."""
-    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
-
-
-Number = Annotated[float, BeforeValidator(_plain_number), Strict()]
+Number = Annotated[float, Strict()]
 """A number; text and truth values are refused."""
 
-Whole = Annotated[int, BeforeValidator(_plain_number), Strict()]
+Whole = Annotated[int, Strict()]
 """A whole number that is written as one: 2048.0 is refused."""
 
 YesNo = Annotated[bool, Strict()]
@@ -204,6 +197,16 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
         """Key and rest of the message of settings of the group that exclude each other."""
         yield from ()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, values: Any) -> Any:
+        """The values, with numbers of NumPy as those of Python."""
+        return (
+            {name: _plain_numbers(each) for name, each in values.items()}
+            if isinstance(values, dict)
+            else values
+        )
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if found := tuple(self.contradictions()):
@@ -217,6 +220,13 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
     def written(self) -> dict[str, Any]:
         """The settings that are given, as a file holds them, with their units."""
         return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+
+
+def _plain_numbers(value: Any) -> Any:
+    """A number of NumPy as one of Python, also in a list."""
+    if isinstance(value, (list, tuple)):
+        return [_plain_numbers(each) for each in value]
+    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
 
 
 def _one_of(schema: dict[str, Any]) -> None:
