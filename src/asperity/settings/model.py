@@ -436,8 +436,11 @@ def scalar(text: str, entry: Entry) -> Any:
 
 def problems(root: type[BaseModel], error: ValidationError) -> Iterator[Problem]:
     """A problem for each part of an error of `pydantic`, each key once."""
-    known = set()
-    for each in error.errors(include_url=False):
+    known, found = set(), error.errors(include_url=False)
+    in_lists = {each["loc"][:-1] for each in found}
+    for each in found:
+        if each["type"] == "too_short" and each["loc"] in in_lists:  # refused items are not counted
+            continue
         for problem in _problems_of(root, each):
             if problem not in known:
                 known.add(problem)
