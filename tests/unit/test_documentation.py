@@ -15,11 +15,10 @@ import pytest
 from project import ROOT
 
 import asperity
-import asperity.engineering
 from asperity.engineering.case import Case, is_question
 
 PUBLIC = sorted(set(asperity.__all__) - {"__version__", "reference"})
-DOCSTRINGS = [*((asperity, name) for name in PUBLIC), (asperity.engineering, "Case")]
+DOCSTRINGS = [(asperity, name) for name in PUBLIC]
 PAGES = ("README.md", "docs/index.md", "docs/contact.md", "docs/two_bodies.md", "docs/paraview.md")
 BLOCKS = {
     f"{page} {number}": block

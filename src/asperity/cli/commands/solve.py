@@ -19,7 +19,7 @@ from asperity.settings.configuration import Contact
 from asperity.settings.load import UNITS
 from asperity.settings.model import SettingsError
 from asperity.study.progress_and_log import ProgressBar
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import path_problem
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
         raise error.renamed(flag) from None
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
-        result = solve_contact(surface, layer, contact, progress=progress)
+        result = press_surface(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
     si, scale = bool(edge and modulus), 1.0
     if edge and modulus:

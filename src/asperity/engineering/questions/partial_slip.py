@@ -55,7 +55,7 @@ class SlipResult:
 
 
 class PartialSlip(Question):
-    """Partial slip under a tangential load, instead of full sliding; see `asperity.partial_slip`."""
+    """Partial slip under a tangential load, instead of full sliding; see `asperity.contact.partial_slip`."""
 
     tangential_force: Force | None = setting(None, default_text="a displacement is given", example="50 mN")
     """Tangential force on the map, at most friction times load. Below that limit part of the contact

@@ -28,8 +28,7 @@ the sum of three measures of the grid with factors for each number (`OF_DEPARTUR
 departure of the surface from an isotropic Gaussian one. `benchmarks/kinds.py` tests it on other kinds of
 surfaces than those on which the factors were chosen.
 
-Under a hardness the errors are
-larger, and there is no estimate of depths and decay lengths.
+Under a hardness the errors are larger, and there is no estimate of depths and decay lengths.
 """
 
 from collections.abc import Iterable, Sequence
@@ -162,7 +161,7 @@ OUTPUTS = (
     *("area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
     *(*DEPTHS, *DECAYS),
 )
-"""Numbers of `asperity.continuum`."""
+"""Numbers of `asperity.continuum_limit`."""
 
 KINDS = ("on_grid", "on_half", "estimate", "error")
 
@@ -234,7 +233,7 @@ def resolution(estimates: xr.Dataset) -> float:
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
-    """The dataset of `asperity.continuum` from the results on two grids under the same load.
+    """The dataset of `asperity.continuum_limit` from the results on two grids under the same load.
 
     Parameters
     ----------
@@ -436,13 +435,13 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     """
     if results.height is None:
         return {"departure": 0.0, "unresolved": 0.0, "unresolved_edges": False}
-    grid = results.grid
+    grid, height = results.grid, results.height / max(np.ptp(results.height), 1e-300)
     fourier, half = Fourier(grid), Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
-    modes = fourier.forward(results.height)
+    modes = fourier.forward(height)
     along_y, along_x = gradient(modes, fourier)
     both, squared = 2 * np.mean(along_y * along_x), along_y**2 + along_x**2
     anisotropy = np.hypot(np.mean(along_x**2 - along_y**2), both) / max(squared.mean(), 1e-300)
-    bend = second_differences(results.height)
+    bend = second_differences(height)
     kurtosis = np.mean(bend**4) / max(np.mean(bend**2) ** 2, 1e-300)
     departures = [
         (measure - first) / (last - first)
