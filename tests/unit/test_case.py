@@ -121,12 +121,12 @@ def test_every_setting_is_explained():
 
 @pytest.fixture
 def small_maps(tmp_path, monkeypatch):
-    """Three maps of 24 x 24 points in place of those of the templates; nothing is drawn."""
+    """Three maps of 24 x 24 points of 4 µm in place of those of the templates; nothing is drawn."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     for number in (1, 2, 3):
-        height = asp.self_affine((24, 24), 0.8, 24.0, 12.0, rms_height=0.05, seed=number, length=48.0)
-        head = "# Width: 48 um\n# Height: 48 um\n# Value units: um"
+        height = asp.self_affine((24, 24), 0.8, 48.0, 24.0, rms_height=0.05, seed=number, length=96.0)
+        head = "# Width: 96 um\n# Height: 96 um\n# Value units: um"
         np.savetxt(f"ground_{number}.txt", height, header=head, comments="", fmt="%.6f")
 
 
