@@ -18,7 +18,7 @@ from asperity.paper.claims.report import WORDS
 from asperity.paper.claims.verdicts import CLAIMS, decide
 from asperity.settings.study import read_study
 from asperity.stress.analysis import SOUGHT
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
@@ -35,7 +35,7 @@ def statistics(hurst: float, nodes: int, loads: dict[tuple[float, int], float]) 
         surface = make_surface({"hurst": hurst, **BAND, "points": 64 * nodes}, seed)
         load = {"mean_pressure": loads[hurst, seed]} if (hurst, seed) in loads else {"area_fraction": 0.1}
         chosen = {name: config["contact"][name] for name in ("method", "tolerance", "precision")}
-        contact = solve_contact(surface, config["layer"], chosen | load)
+        contact = press_surface(surface, config["layer"], chosen | load)
         loads.setdefault((hurst, seed), float(contact["mean_pressure"]))
         quantities = [*SOUGHT, "xy"]
         stress = stress_of_seed(contact, config["layer"], config["stress"], ["free"], quantities)

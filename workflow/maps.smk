@@ -1,5 +1,6 @@
 # Many maps of one surface: a job for the answer of each, and then their means. Maps, bodies and load are in a case file
 # with a list of maps: snakemake --snakefile workflow/maps.smk --config case=pool.yaml --cores 2
+import re
 import shlex
 import subprocess
 import sys
@@ -21,12 +22,15 @@ if "sample" not in POOL or not isinstance(FILES, list):
     sys.exit(f"maps: {config['case']}: the group `sample` and a list of maps are needed")
 
 CASE, OUT = config["case"], config.get("out", POOL.get("out", "pooled"))
+for named in (CASE, OUT, *FILES):
+    if re.search("[{}]", named):  # Snakemake takes words in braces for wildcards
+        sys.exit(f"maps: {named}: a name without braces is needed")
 MAPS = dict(zip(names_of_maps(FILES), FILES, strict=True))
-RUN = [sys.executable, "-m", "asperity", "run", CASE, "--out", OUT]
+RUN = [sys.executable, "-m", "asperity", "run", CASE, f"--out={OUT}"]
 
 
 wildcard_constraints:
-    name="|".join(MAPS),
+    name="|".join(map(re.escape, MAPS)),
 
 
 # Before the first job: errors of the maps are reported before anything is computed.
@@ -58,4 +62,4 @@ rule answer:
     log:
         f"{OUT}/logs/{{name}}.log",
     shell:
-        f"{shlex.join(RUN)} --only {{wildcards.name:q}} > {{log:q}} 2>&1"
+        f"{shlex.join(RUN)} --only={{wildcards.name:q}} > {{log:q}} 2>&1"

@@ -32,7 +32,7 @@ from asperity.results.dataset import grid_of
 from asperity.settings.study import read_study
 from asperity.stress.statistics.covariance import half_length
 from asperity.study.small_studies import computed_once, rendered
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
@@ -95,7 +95,7 @@ def numbers_of(parameters: Mapping[str, Any], seed: int, settings: Mapping[str, 
     found = []
     for area in sorted({*contact_settings["path_area_fractions"], contact_settings["area_fraction"]}):
         of_area = {**contact_settings, "area_fraction": area, "path_area_fractions": []}
-        contact = solve_contact(surface, settings["layer"], of_area)
+        contact = press_surface(surface, settings["layer"], of_area)
         layer = settings["layer"]
         stress = compute_stress(contact, layer, settings["stress"])[layer["lateral"]]
         high = seed_statistics(surface, contact, stress).sel(quantity="von_mises", level=0.99, drop=True)

@@ -202,3 +202,66 @@ def write_nms(path, raw, pixel):
     struct.pack_into("<2d", heading, 16, 0.0, 65.534)  # µm: a step is 1 nm
     struct.pack_into("<2I2d", heading, 1368, nx, ny, pixel, pixel)
     path.write_bytes(bytes(heading) + raw.astype("<u2").tobytes())
+
+
+def write_gsf(path, height, edges, *, units=("m", "m"), padding=0):
+    """Heights in the unit of z, edges (y, x) in that of x and y; `padding` makes the heading longer."""
+    ny, nx = height.shape
+    lines = [
+        "Gwyddion Simple Field 1.0",
+        f"XRes = {nx}",
+        f"YRes = {ny}",
+        f"XReal = {edges[1]!r}",
+        f"YReal = {edges[0]!r}",
+    ]
+    lines += [f"{key} = {unit}" for key, unit in zip(("XYUnits", "ZUnits"), units, strict=True) if unit]
+    heading = "\n".join([*lines, f"Title = {'z' * (padding + 1)}", ""]).encode()
+    path.write_bytes(heading + b"\0" * (4 - len(heading) % 4) + height.astype("<f4").tobytes())
+
+
+def write_esri(path, height, pixel, gap=-9999):
+    ny, nx = height.shape
+    head = f"ncols {nx}\nnrows {ny}\nxllcorner 0.0\nyllcorner 0.0\ncellsize {pixel}\nNODATA_value {gap}\n"
+    rows = (" ".join(f"{gap if np.isnan(z) else z:.9g}" for z in row) for row in height[::-1])
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
+def write_surfer(path, height, pixel, columns=10):
+    """Rows are broken after so many numbers, as Surfer does."""
+    ny, nx = height.shape
+    low, high = np.nanmin(height), np.nanmax(height)
+    ends = f"0 {(nx - 1) * pixel}\n0 {(ny - 1) * pixel}\n{low:.9g} {high:.9g}\n"
+    numbers = ["1.70141e+38" if np.isnan(z) else f"{z:.9g}" for z in height.ravel()]
+    rows = (" ".join(numbers[start : start + columns]) for start in range(0, len(numbers), columns))
+    path.write_text(f"DSAA\n{nx} {ny}\n{ends}" + "\n".join(rows) + "\n")
+
+
+def write_keyence(path, height, pixel_nm):
+    """Table of heights in µm of the program of a laser microscope."""
+    ny, nx = height.shape
+    entries = [
+        ("Model", "VK-X200 Series"),
+        ("XY Calibration", f"{pixel_nm:.3f}", "nm"),
+        ("Output image data", "Height"),
+        ("Horizontal", nx),
+        ("Vertical", ny),
+        ("Unit", "um"),
+        (),
+        ("Height",),
+        *([f"{z:.6f}" for z in row] for row in height),
+    ]
+    path.write_text("\n".join(",".join(f'"{field}"' for field in entry) for entry in entries) + "\n")
+
+
+def write_zygo(path, height, pixel):
+    """Points with numbers of pixels and heights in µm; the pixel is in m."""
+    ny, nx = height.shape
+    head = ["Zygo XYZ Data File - Format 1", '1 9 1 0 "Mon Jan 06 09:00:00 2020"', "0 0 0 0 0 0"]
+    head += [f"0 0 {nx} {ny}", '""', '""', '""', f"0 0.5 6.328e-07 0 1 10 {pixel:.9g} 1578300000"]
+    head += [f'{nx} {ny} 5 0 0 0 "10X"', *(3 * ["0 0 0 0 0 0"]), '""', "#"]
+    rows = [
+        f"{x} {y} {'No Data' if np.isnan(height[y, x]) else f'{height[y, x]:.9g}'}"
+        for y in range(ny)
+        for x in range(nx)
+    ]
+    path.write_text("\n".join([*head, *rows, "#"]) + "\n")

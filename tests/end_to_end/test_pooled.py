@@ -13,9 +13,18 @@ from asperity.cli.main import main
 sys.path.append(str(Path(__file__).parents[1] / "data"))
 import bearing
 
-STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--yield", "2 GPa", "--hardness", "6 GPa"]
-PAIR = [part.replace("--", "--counter-") for part in STEEL]
-COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--pressure", "400 MPa", "--despike", "5", "--pooled"]
+STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--yield-stress", "2 GPa", "--hardness", "6 GPa"]
+PAIR = ["--counter-young", "210 GPa", "--counter-poisson", "0.3"]
+PAIR += ["--set", "counter_body.yield_stress=2 GPa", "--set", "counter_body.hardness=6 GPa"]
+COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--mean-pressure", "400 MPa", "--despike", "5", "--pooled"]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def without_pictures():
+    """They take most of the time, and are those of one map (`test_run_command`)."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +36,7 @@ def maps(tmp_path_factory):
 def folder(maps, tmp_path_factory):
     out = tmp_path_factory.mktemp("answers") / "bearing"
     files = [*map(str, maps["ring"]), "--counter-map", *map(str, maps["counter"])]
-    assert main(["run", *files, *COMMAND, "--area", "0.1 mm2", "--out", str(out)]) == 0
+    assert main(["run", *files, *COMMAND, "--set", "sample.area=0.1 mm2", "--out", str(out)]) == 0
     return out
 
 
@@ -54,7 +63,7 @@ def test_the_folder_holds_means_of_all_maps(folder):
 def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):
     """The same bits from answers of other processes; a changed map is named."""
     case = yaml.safe_load((folder / "case.yaml").read_text(encoding="utf-8"))
-    assert len(case["map"]) == len(case["counter_map_sha256"]) == 3
+    assert len(case["map"]["file"]) == len(case["checksums"]["counter_map"]) == 3
     before = (folder / "sample.csv").read_bytes()
     (folder / "ring_2/case.yaml").unlink()
     assert main(["run", str(folder / "case.yaml"), "--out", str(folder), "--only", "ring_2"]) == 0
@@ -74,8 +83,8 @@ def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--area", "2 mm2"], "--area = 2 mm²: an area > 0 and ≤ 0.36 mm² is needed, 100 times"),
-        (["--area", "2 mm"], "--area '2 mm': an area > 0 with its unit"),
+        (["--set", "sample.area=2 mm2"], "area = 2 mm²: an area > 0 and ≤ 0.36 mm² is needed, 100 times"),
+        (["--set", "sample.area=2 mm"], "sample.area = '2 mm': an area > 0 with its unit"),
         (["--counter-map", "a", "b"], "--counter-map: 2 files are given; one, or one for each MAP"),
         (["--only", "ring_4"], "--only ring_4: one of ring_1, ring_2, ring_3 is needed"),
     ],

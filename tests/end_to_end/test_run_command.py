@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from asperity import Body, run
 from asperity.cli.main import main
 from asperity.core.units import to_si
-from asperity.engineering import Body, run, write_answer
+from asperity.engineering import write_answer
 from asperity.results import dataset
 from asperity.surface.reading.height_map import HeightMap
 
@@ -45,7 +46,7 @@ def path(steel, tmp_path_factory):
     return save(steel, tmp_path_factory.mktemp("maps") / "steel.asc")
 
 
-COMMAND = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa", "--yield", "1.5 GPa"]
+COMMAND = ["--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "50 MPa", "--yield-stress", "1.5 GPa"]
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +91,7 @@ RESULTS = {"surface.nc", "contact.nc", "stress.nc", *TABLES}
 def loads_in(folder):
     """Loads of all results in a folder that say theirs."""
     settings = [dataset.settings_of(dataset.read(path)) for path in folder.glob("*.nc")]
-    found = {to_si(each["pressure"], "pressure") for each in settings}
+    found = {to_si(each["load"]["mean_pressure"], "pressure") for each in settings}
     tables = [pd.read_csv(path).set_index("name")["value"] for path in folder.glob("answer.csv")]
     return found | {round(table["mean pressure, nominal"], -3) for table in tables}
 
@@ -99,7 +100,7 @@ def loads_in(folder):
 def two_answers():
     rng = np.random.default_rng(1)
     surface = HeightMap(1e-8 * rng.normal(size=(16, 16)), (16e-6, 16e-6), name="small", periodic=True)
-    return [run(surface, Body(210e9, 0.3), mean_pressure=load) for load in (50e6, 60e6)]
+    return [run(surface, Body(young=210e9, poisson=0.3), mean_pressure=load) for load in (50e6, 60e6)]
 
 
 class Killed(BaseException):
@@ -180,43 +181,53 @@ def test_files_that_run_has_not_written_are_kept(path, tmp_path, refused):
 
 
 def test_everything_wrong_is_named_at_once(tmp_path, refused):
-    wrong = "--young 210 --poisson 0.7 --pressure 50m --force 3N --bottom bonded --counter-young 70GPa"
-    lines = refused("run", tmp_path / "none.x3p", *wrong.split(), "--rigid").splitlines()
+    wrong = (
+        "--young 210 --poisson 0.7 --mean-pressure 50m --force 3N --counter-young 70GPa --counter-poisson x"
+        " --set body.layer.bottom=bonded --set lek.viscosity=1 --set cycles.shifts=1"
+    )
+    lines = refused("run", tmp_path / "none.x3p", *wrong.split()).splitlines()
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
     assert starts == [
-        *("--young", "--poisson", "--pressure"),
-        *("--pressure", "--rigid", "--bottom", "--counter-young", str(tmp_path / "none.x3p")),
+        *("--young", "--poisson", "body.layer.height", "--counter-poisson", "load.mean_pressure"),
+        *("cycles.shifts", "lek", str(tmp_path / "none.x3p")),
     ]
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
+    assert "did you mean leak?" in lines[-2]
 
 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        ("--fatigue-torsion 3MPa --fatigue-bending 9MPa", "--fatigue-torsion: 0.5 to 1 times"),
+        ("body.fatigue_torsion=3MPa body.fatigue_bending=9MPa", "body.fatigue_torsion: 0.5 to 1 times"),
         (
-            "--counter-young 1GPa --counter-poisson 0.3 --counter-fatigue-torsion 3MPa "
-            "--counter-fatigue-bending 9MPa",
-            "--counter-fatigue-torsion: 0.5 to 1 times",
+            "counter_body.young=1GPa counter_body.poisson=0.3 counter_body.fatigue_torsion=3MPa "
+            "counter_body.fatigue_bending=9MPa",
+            "counter_body.fatigue_torsion: 0.5 to 1 times",
         ),
-        ("--counter-fatigue-torsion 3MPa --counter-fatigue-bending 4MPa", "--counter-fatigue-bending: needs"),
-        ("--hardness 1MPa", "--hardness = 1 MPa: more than the pressure"),
+        ("counter_body.fatigue_torsion=3MPa counter_body.fatigue_bending=4MPa", "--counter-young: missing"),
+        ("body.fatigue_torsion=3MPa", "body.fatigue_torsion: needs fatigue_bending"),
+        ("body.residual_stress=-3MPa", "body.residual_stress: needs fatigue_torsion"),
+        ("body.hardness=1MPa", "body.hardness = 1 MPa: more than the pressure"),
+        ("map.form=cylinder", "map.form: needs map.radius"),
+        ("map.cylinder_axis=x", "map.cylinder_axis: needs map.form: cylinder"),
+        ("sample.area=10mm2", "sample: needs --pooled"),
     ],
 )
 def test_a_case_that_contradicts_itself_is_refused(words, line, path, tmp_path, refused):
-    assert line in refused("run", path, *COMMAND, *words.split(), "--out", tmp_path / "out")
+    given = [word for setting in words.split() for word in ("--set", setting)]
+    assert line in refused("run", path, *COMMAND, *given, "--out", tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-def test_a_configuration_can_say_the_materials(path, tmp_path, capsys, refused):
+def test_a_case_file_can_say_the_materials(path, tmp_path, capsys, refused):
     config = tmp_path / "steel.yaml"
     config.write_text(
-        "engineering: {young: 210 GPa, poisson: 0.3, force: 1 N,"
-        " counter_young: 70 GPa, counter_poisson: 0.33}"
+        "body: {young: 210 GPa, poisson: 0.3}\nload: {force: 1 N}\ncounter_body: {young: 70 GPa, poisson: 0.33}"
     )
     out = tmp_path / "out"
-    given = ["run", str(path), "--config", str(config)]
-    assert main([*given, "--counter-yield", "1 GPa", "--fields", "xx", "--out", str(out)]) == 0
+    given = ["run", str(path), "--case", str(config)]
+    more = ["--set", "counter_body.yield_stress=1 GPa", "--set", "fields=[xx]"]
+    assert main([*given, *more, "--out", str(out)]) == 0
     printed = capsys.readouterr().out
     assert "E = 210 GPa, ν = 0.3 against E = 70 GPa, ν = 0.33, force imposed: 1 N" in printed
     assert (out / "stress_lower.nc").exists()
@@ -224,9 +235,9 @@ def test_a_configuration_can_say_the_materials(path, tmp_path, capsys, refused):
     assert {path.stem for path in out.glob("*.png")} == {"height", "pressure", *drawn}
     assert set(pd.read_csv(out / "peaks.csv")["quantity"]) == {"pressure", "xx"}
     assert dataset.read(out / "stress_upper.nc").attrs["yield_stress"] == 1e9
-    config.write_text("engineering: {young: 210, pressure: 1 GPa, colour: red}")
+    config.write_text("body: {young: 210}\nload: {mean_pressure: 1 GPa}\ncolour: red")
     errors = refused(*given, "--poisson", "0.3", "--out", out)
-    assert "steel.yaml: young = 210: a pressure > 0" in errors
+    assert "steel.yaml: body.young = 210: a pressure > 0" in errors
     assert "steel.yaml: colour: unknown key" in errors
 
 
@@ -234,11 +245,11 @@ def test_a_saved_case_is_repeated(path, tmp_path, refused, without_pictures):
     """With every kind of option: texts, numbers, lists, files; from another folder than it was saved in."""
     shutil.copy(path, tmp_path / "lapped.asc")
     given = (
-        "--despike 8 --wavelength-short 8um --points 64 --boundary free --friction 0.2 "
-        "--sliding-direction 30 --counter-young 70GPa --counter-poisson 0.33 --counter-map lapped.asc "
-        "--counter-turned-about x --fields xx --counter-shift"
+        "--despike 8 --periodic none --friction 0.2 --sliding-direction 30 --counter-young 70GPa "
+        "--counter-poisson 0.33 --counter-map lapped.asc --set map.wavelength_short=8um --set map.points=64 "
+        "--set counter_body.map.turned_about=x --set fields=[xx] --set"
     )
-    command = ["run", str(path), *COMMAND, *given.split(), "2 um", "-4 um"]
+    command = ["run", str(path), *COMMAND, *given.split(), "counter_body.map.shift=[2 um, -4 um]"]
     (tmp_path / "cases").mkdir()
     with chdir(tmp_path):
         assert main([*command, "--out", "first", "--save", "cases/case.yaml"]) == 0
@@ -249,7 +260,7 @@ def test_a_saved_case_is_repeated(path, tmp_path, refused, without_pictures):
     assert answers[0] == answers[1] == answers[2]
     case.write_text(case.read_text().replace("despike", "despik"))
     said = refused("run", case, "--out", tmp_path / "second")
-    assert "case.yaml: despik: unknown key; did you mean despike?" in said
+    assert "case.yaml: map.despik: unknown key; did you mean despike?" in said
 
 
 def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):

@@ -23,12 +23,12 @@ FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-answers-"))
 NO_PICTURES = mock.patch("asperity.engineering.output.pictures", return_value=[])
 WHOLE = {"surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv", "report.html"}
 POINTS, EDGE = 16, 16e-6
-CASE = "map: mine.txt\nyoung: 210 GPa\npoisson: 0.3\n"
+CASE = "map: mine.txt\nbody: {young: 210 GPa, poisson: 0.3}\n"
 
 LOADS = {
-    "pressure": "--pressure 50MPa",
-    "curve": "--pressure 20MPa 50MPa",
-    "steps": "--pressure 5MPa 50MPa --steps 3",
+    "pressure": "--mean-pressure 50MPa",
+    "curve": "--mean-pressure 50MPa --set load_curve.loads=[20MPa]",
+    "steps": "--mean-pressure 50MPa --set load_curve.loads=[5MPa] --set load_curve.steps=3",
     "force": "--force 10mN",
     "approach": "--approach 40nm",
     "area": "--area-fraction 0.1",
@@ -37,18 +37,19 @@ SECOND = "--counter-young 70GPa --counter-poisson 0.33"
 OPTIONS = {
     "hardness": "--hardness 3GPa",
     "soft": "--hardness 1MPa",
-    "yield": "--yield 1GPa",
+    "yield": "--yield-stress 1GPa",
     "second": SECOND,
-    "conductivity": f"{SECOND} --conductivity 50 --counter-conductivity 200",
-    "resistivity": f"{SECOND} --resistivity 1e-7 --counter-resistivity 3e-8 --counter-hardness 2GPa",
-    "fatigue": "--fatigue-torsion 300MPa --fatigue-bending 480MPa",
+    "conductivity": f"{SECOND} --set body.conductivity=50 --set counter_body.conductivity=200",
+    "resistivity": f"{SECOND} --set body.resistivity=1e-7 --set counter_body.resistivity=3e-8 "
+    "--set counter_body.hardness=2GPa",
+    "fatigue": "--set body.fatigue_torsion=300MPa --set body.fatigue_bending=480MPa",
     "friction": "--friction 0.3 --sliding-direction 30",
-    "layer": "--layer-height 5um",
-    "free": "--boundary free",
-    "counter map": "--counter-map other.txt --counter-turned-about x",
-    "fields": "--fields xx von_mises",
-    "points": "--points 24",
-    "treatment": "--detrend curvature --despike 8 --wavelength-short 3um",
+    "layer": "--set body.layer.height=5um",
+    "free": "--periodic none",
+    "counter map": f"{SECOND} --counter-map other.txt --set counter_body.map.turned_about=x",
+    "fields": "--set fields=[xx,von_mises]",
+    "points": "--set map.points=24",
+    "treatment": "--detrend curvature --despike 8 --set map.wavelength_short=3um",
 }
 SAVED = ("saved.yaml", "out/case.yaml", "out/more.yaml", "case.yaml")
 LOST = ("mine.txt", "other.txt", "foreign.yaml", "notes.txt", "", ".", "mine.txt/new.yaml", "out/answer.csv")
@@ -80,9 +81,10 @@ def command_of(case):
     for text in (LOADS[case["load"]], *(OPTIONS[name] for name in case["options"])):
         for option in text.split("--")[1:]:
             name, *values = option.split()
-            if name not in given:
+            key = values[0].partition("=")[0] if name == "set" else name
+            if key not in given:
                 words += [f"--{name}", *values]
-            given.add(name)
+            given.add(key)
     return words
 
 

@@ -70,7 +70,8 @@ def is_documented(name, error):
     if name not in DOCUMENTED or not isinstance(error, (ValueError, TypeError)):
         return True
     begins = "|".join(filter(None, DOCUMENTED[name].splitlines()))
-    return bool(re.match(f"(.*: )?({begins})", str(error), re.DOTALL))
+    problems = error.problems if isinstance(error, errors.InputError) else [str(error)]
+    return all(re.match(f"(.*: )?({begins})", problem, re.DOTALL) for problem in problems)
 
 
 def searched(name, number, ends, outcomes):

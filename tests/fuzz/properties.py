@@ -34,7 +34,6 @@ from inputs import (
 )
 
 import asperity as asp
-from asperity import engineering
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
@@ -315,8 +314,8 @@ elastic = st.fixed_dictionaries(
         "young": number(1e-3, 1e12),
         "poisson": number(-0.99, 0.5),
         "yield_stress": strengths,
-        "height": st.none() | number(1e-6, 10),
-        "bottom": choice("bonded", "frictionless", "free"),
+        "layer": st.none()
+        | st.fixed_dictionaries({"height": number(1e-6, 10), "bottom": choice("bonded", "frictionless")}),
     },
     optional={"hardness": strengths, "conductivity": strengths, "resistivity": strengths},
 )
@@ -349,15 +348,14 @@ cases = st.fixed_dictionaries(
 
 def try_run(case):
     """The answer for a map: its contact and stress are finite."""
-    upper = None if case["upper"] is None else engineering.Body(**case["upper"])
-    answer = engineering.run(
-        asp.HeightMap(**case["map"]),
-        engineering.Body(**case["lower"], **case["fatigue"]),
-        upper,
-        **{case["kind"]: case["value"]},
-        friction=case["friction"],
-        sliding_direction=case["direction"],
-        map_options=asp.MapOptions(**case["settings"]),
+    *loads, load = case["value"] if isinstance(case["value"], list) else [case["value"]]
+    answer = asp.run(
+        {"file": asp.HeightMap(**case["map"]), **case["settings"]},
+        case["lower"] | case["fatigue"],
+        case["upper"],
+        **{case["kind"]: load},
+        **({"load_curve": {"loads": loads}} if loads else {}),
+        sliding={"friction": case["friction"], "direction": case["direction"]},
     )
     numbers = asdict(answer.numbers)
     if not numbers["contact_nodes"]:
@@ -454,13 +452,17 @@ wavelength_long = .*: no wave
 """,
     "treatment": TREATED,
     "run": rf"""{TREATED}{STRESSED}
-sliding_direction = .* stress cycles
-(conductivity|resistivity) = .*: (a second|half-spaces)
-\w+ = .*: a list of rising values
-hardness = .*: more than the pressure
+sliding\.direction = .* stress cycles
+sliding\.friction = .* which bears no shear
+conduction: a counter_body is needed
+conduction: conductivity or resistivity of both bodies
+(counter_)?body\.(conductivity|resistivity): missing
+(counter_)?body\.layer: not accepted
+load_curve\.loads = .*: a list of rising values
+(counter_)?body\.hardness = .*: more than the pressure
 area_fraction = .*: less is needed
-approach = .*: (less than|a length from)
-(mean_pressure|force) = .*: a mean pressure of less
+load\.approach = .*: (less than|a length from)
+load\.(mean_pressure|force) = .*: a mean pressure of less
 """,
 }
 """Property → begins of refusals of arguments that are in their ranges, but do not go together, a line each.

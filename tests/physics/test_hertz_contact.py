@@ -7,7 +7,7 @@ import pytest
 from samples import HALF_SPACE, refuses
 
 import asperity as asp
-from asperity.engineering.case import Body, Case, HertzPlace, Load
+from asperity.engineering.case import Case, solid_of
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, LineHertz, von_mises
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -32,7 +32,7 @@ def test_line_contact_against_point_forces(traction):
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_ball_against_closed_forms(friction):
-    """Pixels of the pressure: 1e-3, in the surface with friction 2e-3, close to the edge 1e-2."""
+    """To rounding; the mean over directions converges slowly in the surface around the contact only."""
     ball = Hertz(1.0, 5.0)
     contact = asp.HertzContact(ball.largest_pressure, 1.0, 1.0)
     x = np.array([0.0, 0.3, -0.6, 0.95, 1.4])
@@ -40,8 +40,39 @@ def test_ball_against_closed_forms(friction):
     for depth in DEPTHS:
         exact = SlidingSphere(ball, friction).stress(0.2, x, depth, 0.3)
         error = np.abs(found(depth) - exact).max(axis=1) / ball.largest_pressure
-        assert error.max() < 1e-2
-        assert error[[0, 1, 2, 4]].max() < (2.5e-3 if friction else 1e-3)
+        assert error[:4].max() < 1e-11
+        assert error[4] < (1e-11 if depth > 1 / 40 else 1e-3)
+
+
+@pytest.mark.parametrize("ratio", [3.0, 20.0, 80.0])
+def test_ellipse_against_point_forces(ratio):
+    """Boussinesq's solution (Johnson, Eq. 3.19) over the pressure, inside and outside the contact.
+
+    Gauss's rule along the radius and equal steps of the angle err by less than 1e-6 at this depth.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(180 + 11 * int(ratio))
+    radius, nu, z, count = (nodes + 1) / 2, 0.3, 0.4, 120 + 36 * int(ratio)
+    angle = 2 * np.pi * np.arange(count) / count
+    radius = np.sin(np.pi / 2 * radius)  # √(1 − r²) is smooth in the arc sine of r
+    load = (np.pi / 4 * weights * radius * (1 - radius**2))[:, None] * ratio * 2 * np.pi / angle.size
+    loaded_x, loaded_y = radius[:, None] * np.cos(angle), ratio * radius[:, None] * np.sin(angle)
+    places = np.array([[0.0, 0.9], [0.6, 0.5], [0.2, 1.3]])
+    found = asp.HertzContact(1.0, ratio, 1.0).stress(ratio * places[:, 0], places[:, 1], HALF_SPACE)(z)
+    for (y, x), stress in zip(places * [ratio, 1.0], found, strict=True):
+        x, y = x - loaded_x, y - loaded_y
+        r2, rho = x**2 + y**2, np.sqrt(x**2 + y**2 + z**2)
+        plane = (1 - 2 * nu) / (rho * (rho + z))  # (1 − z/ρ)/r²
+
+        def along(u, v, plane=plane, r2=r2, rho=rho):
+            return (
+                plane * (u**2 - v**2) / r2 + (1 - 2 * nu) * z * v**2 / (r2 * rho**3) - 3 * z * u**2 / rho**5
+            )
+
+        xy = 2 * plane * x * y / r2 - (1 - 2 * nu) * x * y * z / (r2 * rho**3) - 3 * x * y * z / rho**5
+        normal = 3 * z**2 / rho**5
+        fields = along(x, y), along(y, x), -normal * z, normal * y, normal * x, xy
+        exact = [float((load * field).sum()) / (2 * np.pi) for field in fields]
+        np.testing.assert_allclose(stress, exact, atol=1e-6)
 
 
 @pytest.mark.parametrize("wide", ["y", "x"])
@@ -59,7 +90,7 @@ def test_ellipse_and_strip_against_closed_forms(wide):
     traction = (0.0, 0.2) if wide == "y" else (0.0, -0.2)
     for depth in DEPTHS:
         exact = EllipticHertz(3.0, 1.0, 2.0).stress_on_axis(depth, 0.3)[order]
-        np.testing.assert_allclose(ellipse(depth)[0, :3], exact, atol=4e-4)
+        np.testing.assert_allclose(ellipse(depth)[0, :3], exact, atol=1e-11)
         exact = LineHertz(1.0, 2.0).stress(0.4, depth, 0.3, traction)[turned]
         np.testing.assert_allclose(below(depth)[0], exact, atol=1e-12)
 
@@ -110,12 +141,13 @@ def test_cell_has_the_stress_of_the_wavy_ball():
     assert np.abs(without / whole - 1).max() > 0.5
 
 
-def a_case(at=(0.0, 0.0), kind="hertz_pressure", load=1e9, radius_y=50e-3, **more):
+def a_case(at=(0.0, 0.0), kind="hertz_pressure", load=1e9, radius_y=50e-3, radius_x=5e-3, **more):
     edge = 10e-6
     height = asp.self_affine((32, 32), 0.8, edge / 2, edge / 4, rms_height=1e-10, seed=1, length=edge)
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name="ground")
-    place = HertzPlace(5e-3, radius_y, at)
-    return Case(surface, Body(210e9, 0.3), Body(210e9, 0.3), Load(kind, load), hertz=place, **more)
+    steel = asp.Body(young=210e9, poisson=0.3)
+    load = {kind: load, "radius_x": radius_x, "radius_y": radius_y, "at": at}
+    return Case(**{"map": surface, "body": steel, "counter_body": steel, "load": load} | more)
 
 
 def test_nearly_smooth_map_has_the_answer_of_hertz():
@@ -125,7 +157,7 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
     contact = case.hertz_contact
     assert answer.contact.mean_pressure == pytest.approx(1e9 * np.sqrt(0.75), rel=1e-6)
     stress = answer.bodies["lower"].stress
-    below = contact.stress(0.0, 0.5 * contact.half_width_x, case.lower.layer)
+    below = contact.stress(0.0, 0.5 * contact.half_width_x, solid_of(case.body))
     exact = [float(von_mises(below(depth)[0])) for depth in stress["plane_depth"].values]
     np.testing.assert_allclose(stress["mean_von_mises"].values[0], exact, rtol=3e-3)
     forced = a_case(kind="force", load=200.0)
@@ -139,30 +171,45 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
 
 
 @pytest.mark.parametrize(
-    "extra", [{"radius_y": "80 mm"}, {"form": "cylinder"}, {"form": "cylinder", "cylinder_axis": "x"}]
+    ("radii", "expected"),
+    [
+        (("5 mm",), (5e-3, 5e-3)),
+        (("5 mm", "80 mm"), (5e-3, 80e-3)),
+        (("5 mm", "inf"), (5e-3, np.inf)),
+        (("inf", "5 mm"), (np.inf, 5e-3)),
+    ],
 )
-def test_settings_make_the_same_case(extra):
-    settings = {
-        "map": "a.x3p",
-        "young": "210 GPa",
-        "poisson": 0.3,
-        "hertz_pressure": "1 GPa",
-        "radius": "5 mm",
-        "at": [0.0, 0.0],
-    }
-    case = Case.of(settings | extra)
-    assert Case.of(case.settings()) == case
-    assert case.options.radius is None
+def test_settings_make_the_same_case(radii, expected):
+    load = {"hertz_pressure": "1 GPa", "at": [0.0, 0.0]} | dict(
+        zip(("radius_x", "radius_y"), radii, strict=False)
+    )
+    case = Case.read({"map": "a.x3p", "body": {"young": "210 GPa", "poisson": 0.3}, "load": load})
+    assert Case.read(case.written()) == case
+    assert case.load.radii == expected
+    assert case.map.radius is None
 
+
+COATED = {"young": 2e11, "poisson": 0.3, "coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.2}}
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: a_case(at=(0.9, 0.9)), "at = 0.9 0.9: a place inside the contact"),
-    (lambda: a_case(kind="approach"), "approach: Hertz pressure, force or mean pressure is needed"),
-    (lambda: a_case(kind="force", radius_y=np.inf), "force: the Hertz pressure is needed under a roller"),
-    (lambda: asp.engineering.answer_of(a_case(load=1e7)), "radius: a Hertz contact wider than the map, 10 µ"),
+    (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
+    (lambda: a_case(at=(0.2, 0.0), radius_y=np.inf), "load.at = 0.2 0: .*across the axis of the roller"),
+    (lambda: a_case(kind="approach"), "load.approach: hertz_pressure, force or mean_pressure is needed"),
+    (
+        lambda: a_case(kind="force", radius_y=np.inf),
+        "load.force: the Hertz pressure is needed under a roller",
+    ),
+    (lambda: a_case(body=COATED), "body.coating: half-spaces are needed in a Hertz contact"),
+    (
+        lambda: asp.run(a_case(load=1e7)),
+        "2 problems:\n  load.radius_y: a Hertz contact wider than the map, 10 µm along y, is needed",
+    ),
     (lambda: asp.HertzContact(1.0, np.inf, np.inf), "half_width_y = inf.*at most one of them infinite"),
     (lambda: asp.HertzContact.from_radii(1.0, 1.0, 1.0), "exactly one of largest_pressure and force"),
-    (lambda: HertzPlace(np.inf, np.inf), "radius_x = inf, radius_y = inf"),
+    (
+        lambda: a_case(radius_x=np.inf, radius_y=np.inf),
+        "load.radius_y = inf: at most one of the radii is infinite",
+    ),
     (
         lambda: asp.LoadedSolid(
             np.ones((8, 8)), asp.Grid((8, 8)), HALF_SPACE, "free", background=lambda depth: None

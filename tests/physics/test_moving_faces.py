@@ -39,6 +39,19 @@ def test_smooth_counter_face_has_cycles_of_smooth_body(direction):
             np.testing.assert_allclose(found[name], smooth[name], rtol=2e-6)
 
 
+@pytest.mark.parametrize(("bottom", "friction"), [("bonded", 0.2), ("frictionless", 0.0)])
+def test_layer_has_cycles_of_smooth_body(bottom, friction):
+    """From the surface to the bottom, to the rounding of states in single precision."""
+    rough, layer = face(32, 1), asp.Layer(1.0, 0.3, 0.2, bottom)
+    contact = asp.solve(rough, layer, **LOAD)
+    smooth = asp.stress_cycles(contact, **LIMITS, friction=friction, tolerance=0)
+    moving = asp.MovingContact(0 * rough, rough, layer, shifts=32, **LOAD, friction=friction)
+    found = asp.stress_cycles(moving.in_body("lower"), **LIMITS, tolerance=0)
+    assert found["cycle_depth"][-1] == layer.height
+    for name in ("shear_range", "dang_van", "shakedown_upper", "shakedown_lower"):
+        np.testing.assert_allclose(found[name], smooth[name], rtol=1e-5)
+
+
 def test_two_equal_wavy_faces():
     """Their sum is one wave of amplitude 2A |cos(k s/2)| at every shift s: Westergaard's contact."""
     nodes, shifts, amplitude, pressure = 256, 16, 1e-3, 2e-3
@@ -165,11 +178,17 @@ def moving(**settings):
     return asp.MovingContact(face(16, 1), face(16, 2), PAIR, **settings)
 
 
+STEEL = asp.Body(young=210e9, poisson=0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
 HERTZ = {"mean_pressure": None, "hertz": asp.HertzContact(1e-2, np.inf, 9.0)}
 
 test_wrong_argument_is_refused = refuses(
     (lambda: moving(shifts=7), "shifts = 7: at least 8 are needed, for steps of half of the shortest wave"),
     (lambda: moving(**HERTZ, slide_to_roll=0.5), "shifts = 16: at least 144 are needed"),
+    (
+        lambda: moving(**HERTZ, slide_to_roll=1.99),
+        "wavelength_short = 0.25: at least .* or a smaller slide_to_roll: .* 10000 are the most",
+    ),
+    (lambda: moving(**HERTZ, at=(0.5, 0.0)), "at = 0.5 0: 0 is needed along the axis of the roller"),
     (
         lambda: moving(sliding_direction=30),
         "sliding_direction = 30: .* 29.7449, by 4 nodes along y",
@@ -184,7 +203,7 @@ test_wrong_argument_is_refused = refuses(
 
 def test_run_moves_two_maps():
     """The faces are those of both maps, the upper one turned over; each body has cycles of its own."""
-    edge, steel = 24e-6, asp.Body(210e9, 0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
+    edge = 24e-6
     low, high = (
         asp.self_affine((24, 24), 0.8, edge / 2, edge / 6, 2e-8, seed, length=edge) for seed in (1, 2)
     )
@@ -192,15 +211,16 @@ def test_run_moves_two_maps():
         asp.HeightMap(each, (edge, edge), periodic=True, unit="m", orientation="peaks up")
         for each in (low, high)
     ]
-    options = asp.MapOptions(detrend="none", wavelength_short=edge / 6)
+    surface = {"file": maps[0], "detrend": "none", "wavelength_short": edge / 6}
+    asked = {"cycles": {"shifts": 12}, "sliding": {"direction": "y"}}
+    answer = asp.run(surface, STEEL, STEEL.replaced(map=maps[1]), mean_pressure=5e8, **asked)
+    pair = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(210e9, 0.3))
     load = {"mean_pressure": 5e8, "shifts": 12, "sliding_direction": "y"}
-    answer = asp.run(maps[0], steel, steel, counter_map=maps[1], map_options=options, **load)
-    pair = asp.TwoBodies(steel.layer, steel.layer)
     direct = asp.MovingContact(low, -high[:, ::-1], pair, edge, wavelength_short=edge / 6, **load)
     limits = {"fatigue_torsion": 3e8, "fatigue_bending": 4.8e8, "tolerance": 1e-4}
     for body in ("lower", "upper"):
         found = asp.stress_cycles(direct.in_body(body), **limits)
-        own = answer.bodies[body].cycles
+        own = answer.found["cycles"][body]
         for name in ("shear_range", "dang_van"):
             assert own.attrs[f"worst_{name}"] == pytest.approx(found.attrs[f"worst_{name}"], rel=1e-3)
     groups = {row.group for row in answer.rows if row.name == "largest range of shear stress"}
@@ -209,15 +229,27 @@ def test_run_moves_two_maps():
     }
 
 
-def case(**settings):
+def case(cycles=None, counter=None, options=None, **groups):
     surface = asp.HeightMap(face(16, 1) * 1e-5, (1e-5, 1e-5), periodic=True, unit="m")
-    body = asp.Body(210e9, 0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
-    load = {} if "area_fraction" in settings else {"mean_pressure": 1e8}
-    return asp.run(surface, body, body, **load, **settings)
+    groups |= {} if cycles is None else {"cycles": cycles}
+    counter = STEEL.replaced(**counter or {})
+    return asp.run({"file": surface} | (options or {}), STEEL, counter, mean_pressure=1e8, **groups)
 
 
+SLIDING = {"friction": 0.1, "direction": 30}
+COATING = {"coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.3}}
 test_wrong_case_is_refused = refuses(
-    (lambda: case(counter_map="a.x3p"), "counter_map = 'a.x3p': shifts are needed for the stress cycles"),
-    (lambda: case(shifts=8, slide_to_roll=0.1), "shifts = 8: not accepted .* slide_to_roll without a Hertz"),
-    (lambda: case(shifts=8, map_options=asp.MapOptions(periodic="none")), "shifts = 8: .* boundary = 'free'"),
+    (lambda: case(counter={"map": "a.x3p"}), "counter_body.map: needs cycles.shifts, for the stress cycles"),
+    (lambda: case({"slide_to_roll": 0.1}), "cycles.slide_to_roll = 0.1: needs cycles.shifts"),
+    (
+        lambda: case({"shifts": 8, "slide_to_roll": 0.1}),
+        "cycles.shifts = 8: .* slide_to_roll without a Hertz",
+    ),
+    (lambda: case({"shifts": 8}, options={"periodic": "none"}), "cycles.shifts = 8: .* map.periodic = none"),
+    (lambda: case({"shifts": 8}, options={"radius": 1e-3}), "cycles.shifts = 8: .* a radius of the map"),
+    (lambda: case({"shifts": 8}, load_curve={"loads": [1e7]}), "cycles.shifts = 8: .* a load curve"),
+    (lambda: case({"shifts": 8}, COATING), "cycles.shifts = 8: .* a coating"),
+    (lambda: case({"shifts": 2}), "cycles.shifts = 2: at least .* are needed, for steps of half"),
+    (lambda: case(sliding=SLIDING), "sliding.direction = 30: x, y or a multiple of 90 is needed"),
+    (lambda: case({"shifts": 8}, sliding=SLIDING), "sliding.direction = 30: .* by 4 nodes along y"),
 )

@@ -193,7 +193,7 @@ def test_cycles_of_the_stream_of_the_analysis():
     alone = asp.stress_cycles(contact, depths, **names, threads=2)
     for name, field in watch.dataset().items():
         np.testing.assert_allclose(field, alone[name], rtol=1e-6, err_msg=name)
-        assert field.shape == ((461,) if name == "fatigue_volume" else (20, 64))
+        assert field.shape == {"fatigue_volume": (461,), "fatigue_mean": (33,)}.get(name, (20, 64))
     coarse = asp.stress_cycles(contact, depths, **names, tolerance=1e-4)
     assert coarse.attrs["worst_dang_van"][0] == pytest.approx(alone.attrs["worst_dang_van"][0], rel=1e-3)
 

@@ -1,7 +1,7 @@
 """Random configurations and command lines for hypothesis, and what every answer to them must fulfil.
 
 Strategies make inputs, most of them wrong. A `require_…` function asserts that such an input is accepted or
-answered with one line.
+answered with one line for each problem.
 """
 
 import contextlib
@@ -98,19 +98,19 @@ def places(tree):
 
 
 def refusal(config):
-    """Message for a configuration that is refused; empty if it is accepted."""
+    """Lines for a configuration that is refused; empty if it is accepted."""
     try:
         check(config)
     except InputError as error:
-        return str(error)
-    return ""
+        return error.lines
+    return ()
 
 
 def require_checked(config):
-    """The configuration is accepted or refused with one line."""
-    message = refusal(config)
-    assert message.isprintable()
-    assert len(message) < MAX_MESSAGE
+    """The configuration is accepted, or refused with a line for each problem."""
+    for line in refusal(config):
+        assert line.isprintable()
+        assert len(line) < MAX_MESSAGE
 
 
 def require_answered(words, files, folder):

@@ -1,6 +1,6 @@
 """Settings and results of a study small enough to run in a test."""
 
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.statistics import SeedResults
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
@@ -36,5 +36,5 @@ SETTINGS = {"name": "small", "seed": 1, "surface": SURFACE, "layer": LAYER, "con
 def results_of(seed, layer=LAYER, surface=SURFACE):
     """Surface, contact and stress of a seed."""
     made = make_surface(surface, seed)
-    contact = solve_contact(made, layer, CONTACT)
+    contact = press_surface(made, layer, CONTACT)
     return SeedResults(seed, made, contact, compute_stress(contact, layer, STRESS)[layer["lateral"]])

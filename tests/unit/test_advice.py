@@ -6,9 +6,11 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.engineering import Body, advice, run
+from asperity import Body, run
+from asperity.engineering import advice
+from asperity.settings.model import Settings
 
-STEEL = Body(210e9, 0.3, yield_stress=2e9)
+STEEL = Body(young=210e9, poisson=0.3, yield_stress=2e9)
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +35,8 @@ def changed(whole, changes):
             whole = whole | {name: value}
         elif isinstance(whole, xr.Dataset):
             whole = whole.assign_attrs({name: value})
+        elif isinstance(whole, Settings):
+            whole = whole.replaced(**{name: value})
         else:
             whole = (
                 replace(whole, **{name: value}) if is_dataclass(whole) else whole._replace(**{name: value})
@@ -58,11 +62,11 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
     ("changes", "level", "subject"),
     [
         ({STRESS: 2.1e9}, "warning", "stress beyond yield"),
-        ({STRESS: 2.1e9, "case.lower.hardness": 6e9}, "warning", "stress beyond yield"),
+        ({STRESS: 2.1e9, "case.body.hardness": 6e9}, "warning", "stress beyond yield"),
         ({"numbers.nominal_pressure": 6.1e9}, "warning", "load beyond the hardness"),
         ({STRESS: 5e9, f"{BODY}.yield_stress": None}, "warning", "stress beyond any yield stress"),
         ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
-        ({"numbers.area_fraction": 0.4, "case.load.value": 0.4}, "warning", "large real contact"),
+        ({"numbers.area_fraction": 0.4, "case.load.area_fraction": 0.4}, "warning", "large real contact"),
         ({"numbers.area_fraction": 0.25}, "warning", "another real contact"),
         ({f"{RECORD}.edge_step": 8.0}, "warning", "edges do not match"),
         (FREE, "warning", "contact at the edge of the map"),
@@ -99,16 +103,17 @@ def test_bodies_are_named_if_they_differ(sound):
     def told(upper):
         height = sound.face.height
         surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, orientation="lower face", unit="m")
-        answer = run(surface, replace(STEEL, yield_stress=1e8), upper, area_fraction=0.05)
+        answer = run(surface, STEEL.replaced(yield_stress=1e8), upper, area_fraction=0.05)
         return [each.text for each in answer.advice if each.subject == "stress beyond yield"]
 
-    assert ["of the upper body" in text for text in told(replace(STEEL, yield_stress=1e8))] == [False]
-    for text, name in zip(told(replace(STEEL, yield_stress=2e8)), ("lower", "upper"), strict=True):
+    assert ["of the upper body" in text for text in told(STEEL.replaced(yield_stress=1e8))] == [False]
+    for text, name in zip(told(STEEL.replaced(yield_stress=2e8)), ("lower", "upper"), strict=True):
         assert f"of the {name} body" in text
 
 
 def test_friction_on_a_thin_layer_is_warned_of(sound):
-    layer = {"case.lower": Body(1e6, 0.5, height=20.37e-6), "case.friction": 0.3}
+    rubber = Body(young=1e6, poisson=0.5, layer={"height": 20.37e-6})
+    layer = {"case.body": rubber, "case.sliding": {"friction": 0.3}}
     (found,) = (f for f in advice.advise(changed(sound, layer)) if f.subject == "friction in the contact")
     assert found.level == "warning"
     assert "wavelength 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height

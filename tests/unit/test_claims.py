@@ -29,7 +29,7 @@ from asperity.paper.claims.verdicts import (
     judge,
 )
 from asperity.stress.analysis import SOUGHT
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.statistics import QUANTILES, seed_statistics
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
@@ -238,7 +238,7 @@ def made_statistics(hurst, layer=LAYER, others=("free",)):
     """Numbers of one seed of a surface, under several conditions of the mean mode."""
     band = {"wavelength_long": 0.25, "wavelength_short": 0.0625, "rms_height": 1e-3, "points": 64}
     surface = make_surface({"hurst": hurst, **band}, 1)
-    contact = solve_contact(surface, layer, CONTACT | {"path_area_fractions": []})
+    contact = press_surface(surface, layer, CONTACT | {"path_area_fractions": []})
     stress = stress_of_seed(contact, layer, STRESS, others, [*SOUGHT, "xy"])
     return seed_statistics(surface, contact, stress).expand_dims(seed=[1]).assign_attrs(stress.attrs)
 

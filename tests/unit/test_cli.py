@@ -20,6 +20,14 @@ WAVES = "".join(" ".join(f"{0.01 * (a + b):.9f}" for b in COSINE) + "\n" for a i
 STEEL = ROOT / "tests/data/steel.x3p"
 
 
+def test_closed_streams_take_no_output():
+    """As of `>&-`: neither a traceback, nor a file that is opened later in their place."""
+    code = f"import os, sys; from asperity.cli.main import main; main(['info', {str(STEEL)!r}]); os.fstat(1)"
+    command = ["sh", "-c", '"$0" -c "$1" <&- >&-', sys.executable, code]
+    found = subprocess.run(command, capture_output=True, text=True)
+    assert (found.returncode, found.stderr) == (0, "")
+
+
 @pytest.mark.parametrize(
     ("figure", "stage"), [("7", "contact"), ("fig09", "statistics"), ("14", "statistics")]
 )

@@ -10,27 +10,30 @@ from small_study import SURFACE, results_of
 from test_engineering import a_rough_map
 
 import asperity as asp
+from asperity import Body, run
 from asperity.cli.main import main
 from asperity.core.errors import InputError
-from asperity.engineering import Body, Case, run, write_answer
+from asperity.engineering import write_answer
+from asperity.engineering.case import solid_of
 from asperity.settings.check import check
 from asperity.study.stages.contact import solid
 from asperity.views.source import sources
 
-COATING = {"coating": 2e-6, "coating_young": 400e9, "coating_poisson": 0.25}
-COATED = Body(210e9, 0.3, yield_stress=1e9, fatigue_torsion=300e6, fatigue_bending=480e6, **COATING)
-LAYER, STEEL = COATED.layer, asp.Layer(210e9, 0.3)
+COATING = {"thickness": 2e-6, "young": 400e9, "poisson": 0.25}
+LIMITS = {"yield_stress": 1e9, "fatigue_torsion": 300e6, "fatigue_bending": 480e6}
+COATED = Body(young=210e9, poisson=0.3, **LIMITS, coating=COATING)
+LAYER, STEEL = solid_of(COATED), asp.Layer(210e9, 0.3)
 
 
 @pytest.fixture(scope="module")
 def answer():
-    soft = {"coating": 1e-6, "coating_young": 20e9, "coating_poisson": 0.4, "coating_yield": 100e6}
-    return run(a_rough_map(), COATED, Body(110e9, 0.34, **soft), mean_pressure=[1e6, 60e6])
+    soft = {"thickness": 1e-6, "young": 20e9, "poisson": 0.4, "yield_stress": 100e6}
+    upper = Body(young=110e9, poisson=0.34, coating=soft)
+    return run(a_rough_map(), COATED, upper, mean_pressure=60e6, load_curve={"loads": [1e6]})
 
 
 def test_answer_tells_the_materials_apart(answer):
     """The limits of the base count below the coating alone."""
-    body = answer.bodies["lower"]
     rows = {row.name: row.value for row in answer.rows if row.group.startswith("stress in the lower")}
     planes = list(
         asp.stress_planes(
@@ -49,9 +52,9 @@ def test_answer_tells_the_materials_apart(answer):
         assert rows[f"largest von Mises stress in the {material}"] >= 0.999 * plane.fields["von_mises"].max()
     shear = np.hypot(planes[0].fields["xz"], planes[0].fields["yz"]).max()
     assert rows["largest shear stress on the interface"] == pytest.approx(shear, rel=1e-3)
-    assert body.depths_above_yield[0] >= LAYER.interface
-    assert body.cycles["cycle_depth"].values[0] > LAYER.interface
-    assert 1e6 < answer.curve.yield_loads["lower"] < 60e6
+    assert answer.found["yielding"]["lower"].depths[0] >= LAYER.interface
+    assert answer.found["cycles"]["lower"]["cycle_depth"].values[0] > LAYER.interface
+    assert 1e6 < answer.found["load_curve"].yield_loads["lower"] < 60e6
     texts = [advice.text for advice in answer.advice if "yield stress" in advice.text]
     assert any("of the base of the lower body" in text for text in texts)
     assert any("of the coating of the upper body" in text for text in texts)
@@ -68,8 +71,8 @@ def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
     )
     np.testing.assert_allclose(own, read, atol=1e-12 * float(abs(own).max()))  # rounding of E* = 1
     (source,) = sources({"": dataset}, None)
-    assert source.layers["upper"] == answer.case.upper.layer
-    assert Case.of(answer.case.settings()).bodies == answer.case.bodies
+    assert source.layers["upper"] == solid_of(answer.case.counter_body)
+    assert asp.Case.read(answer.case.written() | {"map": "a.x3p"}).bodies == answer.case.bodies
 
 
 test_wrong_coating_is_refused = refuses(
@@ -82,31 +85,30 @@ test_wrong_coating_is_refused = refuses(
     (lambda: asp.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Layer.*: one without a base"),
     (lambda: LAYER.green_tensor(1.0, 0.0), "base = Layer.*: None is needed"),
     (lambda: asp.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),
-    (lambda: Body(1e9, 0.3, coating=1e-6, coating_young=1e9), "coating_poisson: missing"),
-    (lambda: Body(1e9, 0.3, coating_yield=1e9), "coating: missing"),
-    (lambda: Body(1e9, 0.3, height=1e-6, **COATING), "coating = 2 µm: not accepted"),
-    (
-        lambda: run(a_rough_map(), Body(1e9, 0.3, bottom="frictionless", **COATING), force=1.0),
-        "coating = 2 µm",
-    ),
+    (lambda: COATED.replaced(coating={"thickness": 1e-6, "young": 1e9}), "coating.poisson: missing"),
+    (lambda: COATED.replaced(coating={"yield_stress": 1e9}), r"3 problems:\n  coating.young: missing"),
+    (lambda: COATED.replaced(layer={"height": 1e-6}), "coating: not accepted together with layer"),
+    (lambda: COATED.replaced(layer={"bottom": "frictionless"}), "layer.height: missing"),
+    (lambda: run({"file": "a.x3p", "periodic": "none"}, COATED, force=1.0), "body.coating: not accepted"),
 )
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--coating", "2 um"], "--coating: needs --coating-young"),
-        (["--coating", "2 um", "--bottom", "frictionless"], "--coating: not accepted together with --bottom"),
-        (["--coating", "2 um", "--boundary", "free"], "--boundary free: not accepted together with --coatin"),
-        (["--coating-yield", "1 GPa"], "--coating-yield: needs --coating"),
+        (["thickness=2 um"], "body.coating.young: missing; a pressure > 0 with its unit"),
+        (["yield_stress=1 GPa"], "body.coating.thickness: missing; a length > 0 with its unit"),
+        (["thickness=2", "young=1 GPa", "poisson=0.2"], "body.coating.thickness = 2: a length > 0"),
+        (["thick=2 um"], "body.coating.thick: unknown key; did you mean thickness?"),
     ],
 )
 def test_command_refuses_a_coating(options, message, capsys, tmp_path):
     path = tmp_path / "map.csv"
     np.savetxt(path, np.eye(8))
-    known = ["--young", "1 GPa", "--poisson", "0.3", "--pressure", "1 MPa", "--physical-size", "1", "1"]
+    known = ["--young", "1 GPa", "--poisson", "0.3", "--mean-pressure", "1 MPa", "--physical-size", "1", "1"]
+    more = [word for option in options for word in ("--set", f"body.coating.{option}")]
     with pytest.raises(SystemExit):
-        main(["run", str(path), "--unit", "um", *known, *options])
+        main(["run", str(path), "--unit", "um", *known, *more])
     assert message in capsys.readouterr().err
 
 

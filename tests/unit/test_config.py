@@ -43,6 +43,24 @@ def test_missing_or_empty_settings_are_accepted_or_named():
         assert any(messages), key
 
 
+def test_all_problems_are_named_at_once():
+    """Wrong values; then, where each value is accepted alone, those that do not fit together."""
+    name = next(iter(PAPER["surfaces"]))
+    wrong = {"seeds": [-1], "stres": {}, "layer": {"poisson": "0.3", "lateral": None}, "figures": "none"}
+    lines = refusal(merged(PAPER, wrong | {"surfaces": {name: {"hurst": 2}, "A": {}}}))
+    keys = {line.split(" = ")[0].split(":")[0] for line in lines}
+    parts = ("label", "hurst", "wavelength_long", "wavelength_short", "rms_height")
+    assert keys == {
+        *("seeds.0", "stres", "layer.poisson", "layer.lateral", "figures", f"surfaces.{name}.hurst"),
+        *("surfaces.'A'", *(f"surfaces.A.{part}" for part in parts)),
+    }
+    assert "stres: unknown key; did you mean stress?" in lines
+    both = {"stress": {"poisson": [0.1]}, "studies": {"mine": ["none"]}, "figures": "own"}
+    lines = refusal(merged(PAPER, both | {"accuracy": "reference", "contact": {"precision": "float32"}}))
+    found = [line.split(" ")[0] for line in lines]
+    assert found == ["studies.mine", "claims", "contact.tolerance", "stress.poisson"]
+
+
 @pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"approach": 0.001}])
 def test_a_load_replaces_that_beneath(load):
     """An overlay of the paper imposes another quantity, and needs not take back the paper's area."""

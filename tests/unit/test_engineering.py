@@ -8,8 +8,7 @@ import pytest
 from samples import invariants, refuses
 
 import asperity as asp
-from asperity import MapOptions
-from asperity.engineering import Body, run
+from asperity import Body, run
 from asperity.engineering.contact_numbers import contact_spots
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.reference.hertz import Hertz
@@ -18,8 +17,9 @@ from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.treatment.treatment import TreatedMap
 
 EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
-STEEL, ALUMINIUM = Body(210e9, 0.3), Body(70e9, 0.33)
-AS_IT_IS = MapOptions(detrend="none", periodic="declared")
+STEEL, ALUMINIUM = Body(young=210e9, poisson=0.3), Body(young=70e9, poisson=0.33)
+MODULUS = asp.Layer(STEEL.young, STEEL.poisson).effective_modulus
+AS_IT_IS = {"detrend": "none", "periodic": "declared"}
 
 
 def a_sphere():
@@ -49,8 +49,7 @@ def von_mises_on_axis(depth, poisson):
 @pytest.fixture(scope="module")
 def sphere():
     _, largest = hertz(STEEL)
-    body = Body(STEEL.young, STEEL.poisson, 0.5 * largest)
-    return run(a_sphere(), body, force=FORCE, map_options=AS_IT_IS)
+    return run({"file": a_sphere(), **AS_IT_IS}, STEEL.replaced(yield_stress=0.5 * largest), force=FORCE)
 
 
 def test_a_sphere_is_as_hertz_says(sphere):
@@ -72,24 +71,24 @@ def test_depths_above_yield_are_those_of_hertz(sphere):
     radius, _ = hertz(STEEL)
     depth = np.linspace(0, 2, 2001)
     above = depth[von_mises_on_axis(depth, STEEL.poisson) > 0.5] * radius
-    first, last = sphere.bodies["lower"].depths_above_yield
+    found = sphere.found["yielding"]["lower"]
+    first, last = found.depths
     assert (first, last) == pytest.approx((above[0], above[-1]), abs=0.02 * radius)
-    volume = sphere.bodies["lower"].volume_above_yield
-    assert 0.1 < volume / (radius**2 * (above[-1] - above[0])) < np.pi
-    assert sphere.bodies["lower"].fraction_above_yield == pytest.approx(volume / (EDGE**2 * last))
+    assert 0.1 < found.volume / (radius**2 * (above[-1] - above[0])) < np.pi
+    assert found.fraction == pytest.approx(found.volume / (EDGE**2 * last))
 
 
 def test_sliding_sphere_is_as_hamilton_goodman_say():
     """All extreme values, through run, for sliding along y; pixels of a fifteenth of the radius."""
     radius, largest = hertz(STEEL)
-    free = MapOptions(detrend="none", periodic="none")
-    answer = run(a_sphere(), STEEL, force=FORCE, friction=0.3, sliding_direction="y", map_options=free)
-    curvature = 2 * radius * STEEL.layer.effective_modulus / (np.pi * largest)
+    free = {"file": a_sphere(), "detrend": "none", "periodic": "none"}
+    answer = run(free, STEEL, force=FORCE, sliding={"friction": 0.3, "direction": "y"})
+    curvature = 2 * radius * MODULUS / (np.pi * largest)
     sphere = SlidingSphere(Hertz(radius, curvature_radius=curvature), 0.3)
     place = radius * np.linspace(-1.5, 1.5, 61)
     depth = radius * np.concatenate([[0.0], np.linspace(0.05, 1.2, 47)])
     stress = sphere.stress(place[:, None], place, depth[:, None, None], STEEL.poisson)
-    fields = invariants(stress * STEEL.layer.effective_modulus)
+    fields = invariants(stress * MODULUS)
     expected = {name: fields[name].max() for name in ("von_mises", "largest_shear", "principal_1")}
     expected |= {name: fields[name].min() for name in ("principal_3", "hydrostatic")}
     found = answer.bodies["lower"].largest
@@ -104,7 +103,7 @@ def test_sliding_sphere_is_as_hamilton_goodman_say():
 @pytest.fixture(scope="module")
 def both_rough():
     lower, upper = a_rough_map(seed=1), a_rough_map(seed=2)
-    return lower, upper, run(lower, STEEL, ALUMINIUM, counter_map=upper, mean_pressure=100e6)
+    return lower, upper, run(lower, STEEL, ALUMINIUM.replaced(map=upper), mean_pressure=100e6)
 
 
 def test_two_rough_maps_touch_at_summed_heights(both_rough):
@@ -123,13 +122,19 @@ def rough():
     return run(a_rough_map(), STEEL, mean_pressure=200e6)
 
 
-SLIPPING = Body(210e9, 0.3, height=5e-6, bottom="frictionless")
+SLIPPING = STEEL.replaced(layer={"height": 5e-6, "bottom": "frictionless"})
 
 
 test_wrong_load_is_refused = refuses(
-    (lambda: run(a_rough_map(), STEEL, mean_pressure=1e6, fields="xx"), "fields = 'xx': a list of names"),
-    (lambda: run(a_rough_map(), STEEL), ".*needed"),
-    (lambda: run(a_rough_map(), SLIPPING, force=1.0, friction=0.4), ".*frictionless bottom, which bears no"),
+    (lambda: run(a_rough_map(), STEEL, mean_pressure=1e6, fields="xx"), "fields = 'xx': a list of"),
+    (
+        lambda: run(a_rough_map(), STEEL),
+        "load.mean_pressure, hertz_pressure, .*: exactly one of them is needed, none",
+    ),
+    (
+        lambda: run(a_rough_map(), SLIPPING, force=1.0, sliding={"friction": 0.4}),
+        "sliding.friction = 0.4: .*frictionless, which bears no shear",
+    ),
 )
 
 
@@ -150,10 +155,8 @@ def test_stress_between_nodes_is_that_of_fourier_series(rough):
 def test_neighbouring_balls_are_compared_with_one_alone():
     waves = 1e-9 * np.cos(2 * np.pi * np.arange(32) / 32)
     flat = HeightMap(waves[:, None] + waves, (32e-6, 32e-6), name="nearly flat")
-    load = {"force": 0.3}
-    settings = MapOptions(periodic="declared", radius=RADIUS / 2)
-    beside = run(flat, STEEL, map_options=settings, **load)
-    alone = run(flat, STEEL, map_options=replace(settings, periodic="none"), **load)
+    ball = {"file": flat, "radius": RADIUS / 2, "detrend": "none"}
+    beside, alone = (run({**ball, "periodic": each}, STEEL, force=0.3) for each in ("declared", "none"))
     (told,) = (advice.text for advice in beside.advice if advice.subject == "neighbouring forms")
     pressure = beside.numbers.largest_pressure / alone.numbers.largest_pressure - 1
     area = beside.numbers.area_fraction / alone.numbers.area_fraction - 1
@@ -166,7 +169,7 @@ def test_cylinder_along_a_period_is_line_contact():
     """The stress is that of Hertz and the lateral stress ν p̄/(1 − ν) of the confined cell, which is told."""
     flat = HeightMap(1e-12 * np.random.default_rng(0).normal(size=(8, 128)), (10e-6, 160e-6), periodic=True)
     roller = {"radius": 1e-3, "form": "cylinder", "cylinder_axis": "y"}
-    answer = run(flat, STEEL, force=0.1, map_options=MapOptions(**roller, detrend="none"))
+    answer = run({"file": flat, "detrend": "none", **roller}, STEEL, force=0.1)
     told = {advice.subject: advice.text for advice in answer.advice}
     assert {"line contact", "mean lateral stress"} <= set(told)
     assert "is endless along y" in told["line contact"]
@@ -187,7 +190,7 @@ def test_patches_and_edges_carry_their_load():
     large = -((x[:, None] - 16e-6) ** 2 + (x - 16e-6) ** 2) / (2 * 200e-6)
     small = -((x[:, None] - 30e-6) ** 2 + (x - 47e-6) ** 2) / (2 * 20e-6)
     surface = HeightMap(np.maximum(large, small), (48e-6, 48e-6))
-    answer = run(surface, STEEL, force=0.05, map_options=MapOptions(detrend="none", periodic="none"))
+    answer = run({"file": surface, "detrend": "none", "periodic": "none"}, STEEL, force=0.05)
     numbers, pressure = answer.numbers, answer.contact.pressure
     assert numbers.patches == 2
     first, second = answer.spots.itertuples()
@@ -267,8 +270,8 @@ def test_a_spike_under_the_largest_pressure_is_told():
     height = surface.height.copy()
     height[20, 30] += 30e-6
     spiky = replace(surface, height=height)
-    options = (MapOptions(), MapOptions(despike=8))
-    answers = (run(spiky, STEEL, mean_pressure=90e6, map_options=each) for each in options)
+    maps = ({"file": spiky}, {"file": spiky, "despike": 8})
+    answers = (run(each, STEEL, mean_pressure=90e6) for each in maps)
     told, removed = ({advice.subject for advice in answer.advice} for answer in answers)
     assert {"largest pressure on a spike", "pressure above Young's modulus"} <= told
     assert not {"largest pressure on a spike", "despike of the map"} & removed

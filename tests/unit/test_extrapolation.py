@@ -117,6 +117,29 @@ def test_no_estimate_where_the_grid_allows_none(contact, reason):
     assert found.sel(kind=["estimate", "error"]).to_array().isnull().all()
 
 
+@pytest.mark.parametrize(("points", "phase"), [(80, 0.0), (100, 0.3), (128, 0.0), (128, 0.3), (256, 0.0)])
+def test_straight_ridges_are_within_the_error(points, phase):
+    """Contact of 3 % of a wave (Westergaard, J. Appl. Mech. 6 (1939) A49), 2 to 9 nodes wide."""
+    height = 1e-3 * np.cos(2 * np.pi * (np.arange(points) + phase) / points) * np.ones((points, 1))
+    load = np.pi * LAYER.effective_modulus * 1e-3 * np.sin(np.pi * 0.03 / 2) ** 2
+    contact = asp.solve(height, LAYER, mean_pressure=load)
+    found = asp.continuum(contact, stress_of(contact))
+    _, _, estimate, error = found["area_fraction"].values
+    assert abs(estimate - 0.03) <= estimate * error
+    assert "ridges are straight" in found.attrs["reason_of_stress"]
+    assert found["p99"].sel(kind="estimate").isnull().all()
+
+
+@pytest.mark.parametrize("kind", ["gaussian", "lay", "skewed"])
+def test_only_other_surfaces_have_a_least_error(kind):
+    """Errors of isotropic Gaussian surfaces are those that docs/continuum.md lists for them."""
+    height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=5)
+    length = (4.0, 1.0) if kind == "lay" else 1.0  # the same heights, four times as long along y
+    height = asp.johnson(height, 0.6, 1.0) if kind == "skewed" else height
+    least = asp.continuum(asp.solve(height, LAYER, length, area_fraction=0.1)).attrs["least_error"]
+    assert (least > 0) == (kind != "gaussian")
+
+
 def test_waves_below_four_nodes_are_estimated_too():
     """Two nodes on the shortest wave against eight; the area on two errs by a third."""
     coarse = contact_on(2, area_fraction=0.3)

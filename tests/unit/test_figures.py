@@ -9,7 +9,7 @@ from asperity.fourier.grid import Grid
 from asperity.paper.figures import cases, cell, figures_of, peaks
 from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.surface.roughness import surface_dataset
 
 
@@ -96,7 +96,7 @@ def test_copies_under_other_loads_are_one_surface(chain):
 def test_the_cell_of_an_oblong_map_is_drawn(tmp_path):
     waves = np.cos(2 * np.pi * np.arange(32) / 32)
     surface = surface_dataset(1e-3 * (waves[::2, None] + waves), Grid((16, 32), (0.5, 1.0)))
-    contact = solve_contact(surface, LAYER, CONTACT)
+    contact = press_surface(surface, LAYER, CONTACT)
     results = ({"one": data.assign_attrs(label="a")} for data in (surface, contact))
     cell.draw_rough(*results).savefig(tmp_path / "figure.png")
     assert (tmp_path / "figure.png").exists()

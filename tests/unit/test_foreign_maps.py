@@ -1,7 +1,6 @@
 """Maps as instruments and programs write them: each kind is made here, with heights that are known."""
 
 import re
-from dataclasses import replace
 
 import foreign_files
 import numpy as np
@@ -10,7 +9,8 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.engineering.face import CounterMap, read_face
+from asperity.engineering.face import read_face
+from asperity.settings.map import CounterMap, Map
 from asperity.surface.description import describe_map, map_warnings
 from asperity.surface.reading.agreement import repeated_height
 from asperity.surface.reading.height_map import MapError, MapOptions
@@ -54,7 +54,7 @@ def test_quoted_numbers_are_split_as_csv(tmp_path, text, height):
 def test_quoted_points_are_a_map(tmp_path):
     y, x = np.mgrid[:8, :6] * 0.5
     points = quoted(zip(x.flat, y.flat, HEIGHT.flat, strict=True), german)
-    for heading, unit, lateral in (("", "um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
+    for heading, unit, lateral in (("", "um um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
         (tmp_path / "map.csv").write_text(heading + points)
         found = read_map(tmp_path / "map.csv", unit=unit)
         assert found.length == pytest.approx((4 * lateral, 3 * lateral))
@@ -449,13 +449,18 @@ def test_shared_options_fill_what_files_omit(tmp_path):
     own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
     foreign_files.write_x3p(own, RAW)
     np.savez(bare, z=1e-3 * RAW, mask=RAW)
-    options = MapOptions(physical_size=("16 um", "12.1 um"), unit="um", channel="z")
-    assert read_face(own, options, shared=True).options == MapOptions()
-    assert read_face(bare, replace(options, channel=None), shared=True).options == options
-    with pytest.raises(MapError) as caught:
-        read_face(own, replace(options, channel=None))
-    assert [text.partition(":")[0] for text in caught.value.problems] == ["unit = 'um'", "physical_size"]
-    pair = read_face(bare, options, CounterMap(own))
+    known = {"physical_size": ("16 um", "12.1 um"), "unit": "um"}
+    options = Map(file=bare, **known, channel="z")
+    assert read_face(options.replaced(file=own), shared=True).options == Map(file=own)
+    assert read_face(Map(file=bare, **known), shared=True).options == options
+    alone = read_face(Map(file=own, **known)).face
+    assert [line.partition(":")[0] for line in alone.done if " is given, the" in line] == [
+        "unit",
+        "physical_size",
+    ]
+    turned = read_face(Map(file=own, **known), CounterMap(file=bare, **known)).face
+    assert not any(" is given, the" in line for line in turned.done)
+    pair = read_face(options, CounterMap(file=own, **known, channel="z"))
     assert pair.options == options
     assert pair.face.name == "b on a"
 

@@ -9,12 +9,16 @@ from samples import refuses
 from test_engineering import STEEL, a_rough_map
 
 import asperity as asp
+from asperity import Body, Case, run
 from asperity.core.packages import MissingPackageError, absent
-from asperity.engineering import Body, Case, run
 
 LOAD, FRICTION, AREA = 100e6, 0.3, (64e-6) ** 2
 LIMIT = FRICTION * LOAD * AREA
-HALF = {"mean_pressure": LOAD, "friction": FRICTION, "tangential_force": 0.5 * LIMIT}
+HALF = {
+    "mean_pressure": LOAD,
+    "sliding": {"friction": FRICTION},
+    "partial_slip": {"tangential_force": 0.5 * LIMIT},
+}
 
 
 @pytest.fixture(scope="module")
@@ -34,15 +38,24 @@ def test_numbers_are_those_of_partial_slip(fretting):
     assert found["tangential displacement"] == pytest.approx(slip.displacement, rel=1e-5)
     assert found["energy lost in a cycle ± force"] == pytest.approx(slip.lost_energy / 4, rel=1e-4)
     assert fretting.face.is_mirrored  # the cell holds four images of the map
-    assert found["tangential displacement"] == pytest.approx(
-        fretting.coarse["tangential displacement"], rel=0.1
-    )
+    on_half = fretting.found["partial_slip"].on_half
+    assert found["tangential displacement"] == pytest.approx(on_half.displacement, rel=0.1)
     assert any("by a factor of" in advice.text for advice in fretting.advice)
-    by_displacement = {"tangential_displacement": slip.displacement}
-    soft = replace(STEEL, yield_stress=200e6)
-    other = run(a_rough_map(), soft, soft, mean_pressure=LOAD, friction=FRICTION, **by_displacement)
+    by_displacement = {"partial_slip": {"tangential_displacement": slip.displacement}}
+    soft = STEEL.replaced(yield_stress=200e6)
+    other = run(a_rough_map(), soft, soft, **HALF | by_displacement)
     assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
     assert other.plastic.hardness == 600e6  # solved without the tangential displacement
+
+
+def test_larger_force_than_friction_slides():
+    answer = run(a_rough_map(), STEEL, **HALF | {"partial_slip": {"tangential_force": 2 * LIMIT}})
+    found = values(answer)
+    assert found["tangential force"] == pytest.approx(LIMIT, rel=1e-5)
+    assert found["sticking part of the contact"] == 0
+    (told,) = (advice for advice in answer.advice if advice.subject == "gross sliding")
+    assert told.warns
+    assert "245.8 mN is not below friction times load, 122.9 mN" in told.text
 
 
 def test_files_hold_the_slip(fretting, tmp_path):
@@ -50,19 +63,20 @@ def test_files_hold_the_slip(fretting, tmp_path):
     assert names >= {"slip.png", "shear_traction.png", "cycle.png", "cycle.csv"}
     stored = asp.read_result(tmp_path / "contact.nc")
     solid = asp.LoadedSolid.from_dataset(stored)
-    np.testing.assert_allclose(FRICTION * solid.sliding_pressure, fretting.slip.traction)
+    traction = fretting.found["partial_slip"].slip.traction
+    np.testing.assert_allclose(FRICTION * solid.sliding_pressure, traction)
     (plane,) = asp.stress_planes(solid, [0.0], fields=["xz"], friction=FRICTION)
-    np.testing.assert_allclose(plane.fields["xz"][0], fretting.slip.traction, atol=1e-9 * LOAD)
+    np.testing.assert_allclose(plane.fields["xz"][0], traction, atol=1e-9 * LOAD)
     assert "In full sliding" not in (tmp_path / "report.html").read_text("utf-8")
 
 
-SOFT = Body(2e9, 0.4)
-LEAK = {"flow_direction": "x", "viscosity": 1e-3, "pressure_difference": 1e5}
+SOFT = Body(young=2e9, poisson=0.4)
+LEAK = {"leak": {"direction": "x", "viscosity": 1e-3, "pressure_difference": 1e5}}
 
 
 def test_percolation_is_that_of_the_map():
     """A mirrored map, whose cell repeats, has the constrictions of one image without surroundings."""
-    answer = run(a_rough_map(), SOFT, mean_pressure=2e6, flow_direction="y")
+    answer = run(a_rough_map(), SOFT, mean_pressure=2e6, leak={"direction": "y"})
     found, contact, part = values(answer, "gap"), answer.contact, answer.face.part
     assert answer.face.is_mirrored
     assert (found["contact percolates along x"], found["gap percolates along y"]) == (0.0, 1.0)
@@ -86,12 +100,13 @@ def test_leak_through_a_mirrored_map(tmp_path):
     )
     flow = asp.film_flow(alone, 1e-3, 1e5, "x")
     assert found["leakage along x"] == pytest.approx(flow.flow_rate, rel=1e-6)
-    assert found["leakage along x"] == pytest.approx(answer.coarse["leakage along x"], rel=0.5)
+    assert found["leakage along x"] == pytest.approx(answer.found["leak"].on_half, rel=0.5)
     assert found["pressure flow factor"] == pytest.approx(flow.flow_factor, rel=1e-6)
-    np.testing.assert_allclose(answer.flow.pressure, flow.pressure, atol=1e-3 * 1e5)
+    np.testing.assert_allclose(answer.found["leak"].flow.pressure, flow.pressure, atol=1e-3 * 1e5)
     assert (tmp_path / "flow.png") in asp.write_answer(answer, tmp_path)
-    with pytest.raises(ValueError, match="flow_direction = 'x': a smaller load is needed"):
-        run(a_rough_map(), SOFT, area_fraction=1.0, **LEAK)
+    sealed = values(run(a_rough_map(), SOFT, area_fraction=1.0, **LEAK), "gap")
+    assert sealed["leakage along x"] == sealed["gap percolates along x"] == 0
+    assert "pressure flow factor" not in sealed
 
 
 def test_missing_solver_is_named_before_the_contact(monkeypatch):
@@ -102,28 +117,27 @@ def test_missing_solver_is_named_before_the_contact(monkeypatch):
         run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
 
 
-SETTINGS = {"map": "a.x3p", "young": "210 GPa", "poisson": 0.3, "force": "2 N", "friction": 0.3}
+def case_of(slip=None, body=None, **groups):
+    """A case of steel under 2 N with friction, and a tangential force unless the slip is given."""
+    slip = {"tangential_force": "0.5 N"} if slip is None else slip
+    known = {"map": "a.x3p", "load": {"force": "2 N"}, "sliding": {"friction": 0.3}, "partial_slip": slip}
+    body = {"young": "210 GPa", "poisson": 0.3} | (body or {})
+    return lambda: Case.read(known | {"body": body} | groups)
 
 
-def case_of(**changed):
-    return lambda: Case.of({**SETTINGS, "tangential_force": "0.5 N"} | changed)
-
-
-LAYER = {"layer_height": "5 um", "tangential_displacement": "1 nm"}
+DISPLACED, LAYER = {"tangential_displacement": "1 nm"}, {"height": "5 um"}
+HERTZ = {"hertz_pressure": "1 GPa", "radius_x": "9 mm"}
+LIMITS = {"fatigue_torsion": "300 MPa", "fatigue_bending": "480 MPa"}
 test_bad_cases = refuses(
-    (lambda: Case.of(SETTINGS | {"viscosity": 0.1}), "viscosity = 0.1: a pressure_difference is needed"),
-    (lambda: Case.of(SETTINGS | {"flow_direction": "z"}), "flow_direction = 'z': one of x, y"),
-    (case_of(tangential_force="0.7 N"), "tangential_force = 700 mN: at most 600 mN is needed"),
-    (case_of(tangential_displacement="1 nm"), "tangential_force = 500 mN: not accepted together"),
-    (case_of(hardness="5 GPa"), "tangential_force = 500 mN: an elastic contact"),
-    (case_of(fatigue_torsion="300 MPa", fatigue_bending="480 MPa"), "tangential_force = 500 mN: full slidin"),
-    (lambda: Case.of(SETTINGS | LAYER), "tangential_displacement = 1 nm: half-spaces"),
-    (
-        lambda: run(a_rough_map(), STEEL, **HALF | {"tangential_force": 2 * LIMIT}),
-        "tangential_force = 245.8 mN: at",
-    ),
-    (
-        lambda: run(a_rough_map(), Body(1e9, 0.3), area_fraction=0.1, friction=0.1, tangential_force=1.0),
-        "tangential_force = 1 N: at most",
-    ),
+    (case_of(leak={"viscosity": 0.1}), "leak.viscosity: needs leak.pressure_difference"),
+    (case_of(leak={"pressure_difference": "1 bar"}), "leak.pressure_difference: needs leak.viscosity"),
+    (case_of(leak={"direction": "z"}), "leak.direction = 'z': x or y is needed"),
+    (case_of(DISPLACED | {"tangential_force": "0.5 N"}), "partial_slip: exactly one of tangential_force and"),
+    (case_of({}), "partial_slip: exactly one of tangential_force and"),
+    (case_of(sliding={}), "partial_slip: needs sliding.friction, above 0"),
+    (case_of(body={"hardness": "5 GPa"}), "partial_slip: an elastic contact is needed, without hardness"),
+    (case_of(body=LIMITS), "partial_slip: not accepted with stress cycles"),
+    (case_of(load=HERTZ), "partial_slip: not accepted with a map in a Hertz contact"),
+    (case_of(load_curve={"loads": ["1 N"]}), "partial_slip: not accepted with load_curve"),
+    (case_of(DISPLACED, {"layer": LAYER}), "partial_slip.tangential_displacement: half-spaces are needed"),
 )

@@ -6,19 +6,18 @@ from samples import refuses
 from test_engineering import AS_IT_IS, EDGE, a_rough_map, a_sphere, hertz
 
 import asperity as asp
-from asperity.engineering import Body, run
-from asperity.engineering.case import loads_of
-from asperity.engineering.load_curve import yield_load
+from asperity import Body, Case, run
+from asperity.engineering.questions.load_curve import yield_load
 
-STEEL = Body(210e9, 0.3)
+STEEL = Body(young=210e9, poisson=0.3)
 
 
 def test_answer_is_that_of_the_last_load():
-    curve = run(a_rough_map(), STEEL, mean_pressure=[1e6, 10e6, 100e6])
+    curve = run(a_rough_map(), STEEL, mean_pressure=100e6, load_curve={"loads": [1e6, 10e6]})
     alone = run(a_rough_map(), STEEL, mean_pressure=100e6)
     np.testing.assert_array_equal(curve.contact.pressure, alone.contact.pressure)
-    assert alone.curve is None
-    table = curve.curve.frame()
+    assert "load_curve" not in alone.found
+    table = curve.found["load_curve"].frame()
     assert table["mean_pressure_Pa"].to_numpy() == pytest.approx([1e6, 10e6, 100e6])
     for name in ("area_fraction", "approach_m", "largest_pressure_Pa", "stiffness_Pa_m"):
         assert np.all(np.diff(table[name]) > 0)
@@ -35,9 +34,9 @@ def test_yield_of_a_sphere_begins_where_hertz_says():
     """Von Mises stress 0.62 p₀ at ν = 0.3 (Johnson 1985, Sec. 6.1); errors of the grid and the cell."""
     _, largest = hertz(STEEL)
     limit = 0.62 * largest / 2 ** (1 / 3)  # half of the load of the sphere: p₀ grows as its third root
-    body = Body(STEEL.young, STEEL.poisson, yield_stress=limit)
-    answer = run(a_sphere(), body, force=[0.2, 0.8], map_options=AS_IT_IS)
-    assert answer.curve.yield_loads["lower"] == pytest.approx(0.5 / EDGE**2, rel=0.05)
+    body, sphere = STEEL.replaced(yield_stress=limit), {"file": a_sphere(), **AS_IT_IS}
+    answer = run(sphere, body, force=0.8, load_curve={"loads": [0.2]})
+    assert answer.found["load_curve"].yield_loads["lower"] == pytest.approx(0.5 / EDGE**2, rel=0.05)
     (row,) = (row for row in answer.rows if row.name.startswith("mean pressure where yield"))
     assert row.shown.endswith("± 0.5 %")
 
@@ -50,22 +49,29 @@ def test_yield_beyond_the_curve_is_a_bound():
     assert yield_load(loads, stresses, 3.0, lambda load: load) == pytest.approx(3.0, rel=0.005)
 
 
-def pressures(*values, **settings):
-    return loads_of("pressure", {"pressure": [*values], **settings})
+def loads_of(*values, last, steps=None, kind="mean_pressure"):
+    """Loads in SI units of a curve that ends at a load."""
+    curve = {"loads": values} | ({} if steps is None else {"steps": steps})
+    case = Case(map="a.x3p", body=STEEL, load={kind: last}, load_curve=curve)
+    return case.load_curve.path(case)
 
+
+CONDUCTING = STEEL.replaced(conductivity=50.0)
 
 test_wrong_loads_are_refused = refuses(
-    (lambda: pressures("5 MPa", "1 MPa"), "pressure = '5 MPa 1 MPa': a list of rising values is needed"),
-    (lambda: pressures("5 MPa", steps=3), "pressure = '5 MPa': two values, the first and the last"),
-    (lambda: loads_of("area_fraction", {"area_fraction": [0.1, 0.1]}), "area_fraction = '0.1 0.1': a list"),
-    (lambda: run(a_rough_map(), STEEL, mean_pressure=[2e6, 1e6]), ".*rising"),
-    (lambda: run(a_rough_map(), Body(1.0, 0.3, conductivity=50.0), force=1.0), "conductivity = 50: a second"),
+    (lambda: loads_of("5 MPa", last="1 MPa"), "load_curve.loads = 5 MPa, 1 MPa: a list of rising values"),
+    (lambda: loads_of("1 MPa", 2e6, last="5 MPa", steps=3), "load_curve.loads = 2 values: a single one is n"),
+    (lambda: loads_of(last="5 MPa", steps=3), r"load_curve.loads = \(\): a list of 1 to 99 rising values"),
+    (lambda: loads_of(0.1, last=0.1, kind="area_fraction"), "load_curve.loads = 0.1, 0.1: a list of rising"),
+    (lambda: loads_of("5 N", last="1 MPa"), "load_curve.loads: '5 N': a mean pressure is needed"),
+    (lambda: run(a_rough_map(), CONDUCTING, force=1.0), "conduction: a counter_body is needed"),
+    (lambda: run(a_rough_map(), CONDUCTING, STEEL, force=1.0), "counter_body.conductivity: missing"),
     (lambda: asp.load_curve([]), ".*at least one is needed"),
 )
 
 
 def test_steps_are_in_equal_ratios():
-    assert pressures("1 MPa", "100 MPa", steps=3) == pytest.approx([1e6, 10e6, 100e6])
+    assert loads_of("1 MPa", last="100 MPa", steps=3) == pytest.approx([1e6, 10e6, 100e6])
 
 
 @pytest.mark.parametrize("nodes", [63, 64])  # the mean mode of rounding errors is 0 on even grids alone
@@ -80,9 +86,9 @@ def test_full_contact_is_infinitely_stiff(nodes, tmp_path):
     assert on_layer.area_fraction == 1
     assert on_layer.stiffness == pytest.approx(oedometric)
 
-    body = Body(200e9, 0.3, conductivity=50.0)
+    body = Body(young=200e9, poisson=0.3, conductivity=50.0)
     surface = asp.HeightMap(height, (1e-3, 1e-3), periodic=True, unit="m", name="sine")
-    answer = run(surface, body, Body(200e9, 0.3, conductivity=50.0), mean_pressure=[1e9, 10e9])
+    answer = run(surface, body, body, mean_pressure=10e9, load_curve={"loads": [1e9]})
     rows = {row.name: row for row in answer.rows}
     for name in ("thermal contact conductance", "stiffness"):
         assert rows[name].value == np.inf
@@ -91,7 +97,7 @@ def test_full_contact_is_infinitely_stiff(nodes, tmp_path):
     assert "<td>infinite</td>" in (tmp_path / "out" / "report.html").read_text()
 
 
-SOFT = Body(210e9, 0.3, hardness=4e9)
+SOFT = STEEL.replaced(hardness=4e9)
 LOAD = {"mean_pressure": 100e6}
 
 
@@ -113,7 +119,7 @@ def test_hardness_limits_the_pressure():
 
 
 def test_smaller_hardness_counts():
-    hard = Body(210e9, 0.3, hardness=8e9)
+    hard = STEEL.replaced(hardness=8e9)
     contacts = [run(a_rough_map(), *bodies, **LOAD).contact for bodies in ((SOFT, hard), (hard, SOFT))]
     for contact in contacts:
         assert contact.hardness == pytest.approx(4e9)
@@ -121,18 +127,21 @@ def test_smaller_hardness_counts():
 
 def test_yield_stress_suggests_a_hardness():
     """The answer is that of the elastic contact, with the plastic one beside it."""
-    elastic = run(a_rough_map(), Body(210e9, 0.3), **LOAD)
-    answer = run(a_rough_map(), Body(210e9, 0.3, yield_stress=4e9 / 3), **LOAD)
+    elastic = run(a_rough_map(), STEEL, **LOAD)
+    answer = run(a_rough_map(), STEEL.replaced(yield_stress=4e9 / 3), **LOAD)
     np.testing.assert_array_equal(answer.contact.pressure, elastic.contact.pressure)
     assert rows(elastic) == {}
     plastic, found = run(a_rough_map(), SOFT, **LOAD), rows(answer)
     assert found["plastic real contact"] == plastic.numbers.area_fraction > elastic.numbers.area_fraction
     assert found["load at the hardness"] == pytest.approx(rows(plastic)["load at the hardness"])
-    strong = run(a_rough_map(), Body(210e9, 0.3, yield_stress=100e9), **LOAD)
+    strong = run(a_rough_map(), STEEL.replaced(yield_stress=100e9), **LOAD)
     assert rows(strong) == {}
 
 
 test_wrong_hardness_is_refused = refuses(
-    (lambda: run(a_rough_map(), Body(1e9, 0.3, hardness=50e6), **LOAD), "hardness = 50 MPa: more than the p"),
-    (lambda: Body(210e9, 0.3, hardness=0.0), "hardness"),
+    (
+        lambda: run(a_rough_map(), STEEL.replaced(hardness=50e6), **LOAD),
+        "body.hardness = 50 MPa: more than the pressure 100 MPa is needed",
+    ),
+    (lambda: STEEL.replaced(hardness=0.0), "hardness = 0.0"),
 )

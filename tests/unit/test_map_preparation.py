@@ -80,7 +80,7 @@ def test_answer_says_what_a_filter_does():
     surface = HeightMap(1e-7 * ROUGH, (75e-6, 100e-6), unit="m", periodic=True)
     body, load = asp.Body(young=210e9, poisson=0.3), {"mean_pressure": 20e6}
     plain = asp.run(surface, body, **load)
-    answer = asp.run(surface, body, **load, map_options=MapOptions(s_filter="10 um"))
+    answer = asp.run({"file": surface, "s_filter": "10 um"}, body, **load)
     (note,) = [advice for advice in answer.advice if advice.subject == "filters"]
     assert f"{100 * answer.face.treatment.filtered_gradient:.0f} % of the rms gradient" in note.text
     assert answer.numbers.area_fraction > 1.5 * plain.numbers.area_fraction
@@ -121,11 +121,12 @@ def test_line_scan_is_pressed_in_plane_strain(tmp_path):
     write_wave(path, "x [mm] z [um]\n")
     with pytest.raises(MapError, match="not a line scan of 2 columns; set format to profile to take it"):
         read_map(path)
-    options = MapOptions(format="profile", orientation="peaks up", periodic="declared", detrend="none")
+    known = {"format": "profile", "orientation": "peaks up", "periodic": "declared", "detrend": "none"}
+    options = MapOptions(**known)
     assert read_map(path, options).length == pytest.approx((4e-3 / 256, 1e-3))
     body = asp.Body(young=100e9, poisson=0.3)
-    pressure = np.pi * body.layer.effective_modulus * 2e-7 / 1e-3 * np.sin(np.pi * 0.15) ** 2
-    answer = asp.run(path, body, mean_pressure=pressure, map_options=options)
+    pressure = np.pi * asp.Layer(100e9, 0.3).effective_modulus * 2e-7 / 1e-3 * np.sin(np.pi * 0.15) ** 2
+    answer = asp.run({"file": path, **known}, body, mean_pressure=pressure)
     assert answer.numbers.area_fraction == pytest.approx(0.3, abs=2 / 256)  # nodes at both ends
     largest = 2 * pressure / np.sin(np.pi * 0.15)  # in the middle of the contact
     assert answer.numbers.largest_pressure == pytest.approx(largest, rel=5e-3)  # discretisation, O(1 / nodes)
@@ -142,6 +143,5 @@ def test_a_line_scan_without_positions_and_with_gaps(tmp_path):
     found = read_map(tmp_path / "z.txt", **said)
     assert (found.height.shape, found.missing) == ((4, 5), 4)
     (tmp_path / "xz.txt").write_text("0 1\n1 2\n3 1\n4 2\n5 5\n")
-    said.pop("physical_size")
-    found = read_map(tmp_path / "xz.txt", **said)
+    found = read_map(tmp_path / "xz.txt", **said | {"physical_size": None, "unit": "um um"})
     assert (found.height.shape, found.missing, found.length) == ((4, 6), 4, pytest.approx((4e-6, 6e-6)))

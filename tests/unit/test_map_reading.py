@@ -88,16 +88,15 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
 @pytest.mark.parametrize(
     ("argument", "line"),
     [
-        ({"unit": "mm"}, "unit = 'mm': the file says nm; leave it out"),
-        ({"physical_size": ("1 mm", "1 mm")}, "physical_size: the file itself says 80000 x 96000 nm (y, x)"),
         ({"physical_size": ("80 um", "2 s")}, "physical_size = '2 s': a number with a unit of length"),
-        ({"height_factor": 2.0}, "height_factor = 2: the file says heights in nm; leave it out"),
+        ({"unit": "kg"}, "unit = 'kg': a unit of length is needed (nm, um, mm, m)"),
+        ({"unit": "m m m"}, "unit = 'm m m': a unit of length is needed"),
         ({"orientation": "up"}, "orientation = 'up': one of peaks up, lower face is needed"),
         ({"format": "jpeg"}, "format = 'jpeg': one of"),
         ({"format": "npy"}, "not a height map that can be read"),
     ],
 )
-def test_an_option_that_contradicts_the_file_is_refused(argument, line):
+def test_a_wrong_option_of_a_file_is_refused(argument, line):
     with pytest.raises(MapError, match=re.escape(line)):
         read_map(DATA / "steel.asc", **argument)
 
@@ -285,6 +284,30 @@ def test_the_description_says_what_a_map_is():
     assert [text.split(":")[0] for text in found.choices] == ["periodic", "undefined"]
 
 
+def test_roughness_is_that_of_measured_points(tmp_path):
+    """Waves of rms height 0.2 µm with a tilt of 0.5°, whose corner, or all outside a circle, is missing."""
+    y, x = np.mgrid[:200, :200] * 5.0
+    waves = 0.4 * np.sin(x / 20) * np.sin(y / 20)
+    tilted = waves + np.tan(np.radians(0.5)) * (x + y) / np.sqrt(2)
+    said = {"physical_size": ("1 mm", "1 mm"), "unit": "um", "orientation": "peaks up"}
+    for missing in (x + y > 1500, np.hypot(x - 500, y - 500) > 450):
+        np.save(tmp_path / "map.npy", np.where(missing, np.nan, tilted))
+        found = describe_map(tmp_path / "map.npy", MapOptions(**said)).properties
+        assert found["tilt"] == "0.5°"
+        rms = float(found["Sq"].split(" nm")[0])
+        assert rms == pytest.approx(1e3 * waves[~missing].std(), rel=2e-3)  # their own tilt
+        assert rms == pytest.approx(200, rel=0.01)
+
+
+def test_lengths_of_the_texture_are_positive():
+    """Also of ridges along a diagonal, along which the autocorrelation does not fall to 0.2 on the map."""
+    y, x = np.mgrid[:40, :40].astype(float)
+    for height in (np.sin((x - y) / 3), np.sin(x + y), np.abs(x - y)):
+        shortest, ratio, _ = texture(height, (1.0, 1.0))
+        assert 0 < shortest <= np.hypot(20, 20) + 1
+        assert 0 < ratio <= 1
+
+
 def test_doubts_about_a_map_name_their_option():
     rough = self_affine((64, 64), 0.8, 5e-5, 1e-5, rms_height=1e-7, seed=1, length=1e-4)
     x = np.linspace(-5e-5, 5e-5, 64)
@@ -320,7 +343,9 @@ def test_info_prints_description_or_one_line(capsys):
     assert "12 x 16 (y, x)" in printed
     assert "shown: Detail" in printed
     assert main(["info", str(DATA / "steel.asc"), "--unit", "kg", "--physical-size", "1", "2"]) == 0
-    assert "--physical-size: the file itself says 80000 x 96000 nm" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "overridden:   physical_size: 1 nm x 2 nm (y, x) is given, the file says 80 µm x 96 µm" in printed
+    assert "--unit = 'kg': a unit of length is needed" in printed
     assert main(["info", str(DATA / "steel.npy")]) == 0
     printed = capsys.readouterr().out
     assert "size:         not in the file" in printed

@@ -12,8 +12,8 @@ import xarray as xr
 from matplotlib.image import imread
 
 import asperity as asp
+from asperity import Body, run
 from asperity.core import markup
-from asperity.engineering import Body, run
 
 ROOT = Path(__file__).parents[2]
 LENGTH = (1.5e-4, 2e-4)

@@ -10,16 +10,17 @@ import pytest
 import yaml
 
 import asperity as asp
+from asperity import Body
 from asperity.cli.main import main
 from asperity.contact import METHODS
 from asperity.core import system
 from asperity.core.errors import DatasetError
-from asperity.engineering import Body, write_answer
+from asperity.engineering import write_answer
 from asperity.engineering.folder import LOCK, UNFINISHED, locked, names_of
 from asperity.surface.reading.height_map import HeightMap
 
 BODY = ["--young", "210 GPa", "--poisson", "0.3"]
-STEEL = [*BODY, "--pressure", "50 MPa"]
+STEEL = [*BODY, "--mean-pressure", "50 MPa"]
 
 
 @pytest.fixture
@@ -54,6 +55,7 @@ def status(*words):
 
 SOLVE = ["solve", "mine.txt", "--periodic", "mirrored", "--out"]
 RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
+COUNTER = ["--counter-map", "other.txt", "--counter-material", "100Cr6"]
 
 
 @pytest.mark.usefixtures("never")
@@ -61,8 +63,8 @@ RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
     ("words", "line"),
     [
         ([*RUN, "--save", "mine.txt"], "--save mine.txt: a name that ends in .yaml or .yml is needed"),
-        ([*RUN, "--config", "conf.yaml", "--save", "conf.yaml"], "--save conf.yaml: is read too"),
-        ([*RUN, "--save", "study.yaml"], "--save study.yaml: is not a case file, another name is needed"),
+        ([*RUN, "--case", "conf.yaml", "--save", "conf.yaml"], "--save conf.yaml: is read too"),
+        ([*RUN, "--save", "study.yaml"], "--save study.yaml: asperity has not written this file, another"),
         ([*RUN, "--save", "mine.txt/a.yaml"], "mine.txt is a file, the name of a folder is needed there"),
         ([*RUN, "--save", ""], "--save = '': a name is needed"),
         (["run", "mine.txt", *STEEL, "--out", "mine.txt/b"], "mine.txt is a file"),
@@ -73,9 +75,8 @@ RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
     ],
 )
 def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
-    Path("conf.yaml").write_text("friction: 0.1\n")
+    Path("conf.yaml").write_text("sliding: {friction: 0.1}\n")
     Path("study.yaml").write_text("contact: {area_fraction: 0.1}\n")
-    Path("case.yaml").write_text("map: mine.txt\nyoung: 210 GPa\npoisson: 0.3\npressure: 1 MPa\n")
     Path("used").mkdir()
     Path("used/section.png").write_text("precious")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
@@ -89,13 +90,20 @@ def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        ("--pressure 1e60MPa", "--pressure = 1e+54 TPa: a mean pressure of less than 230800 TPa is needed"),
+        ("--mean-pressure 1e60MPa", "--mean-pressure = 1e+54 TPa: a mean pressure of less than 230800 TPa"),
+        ("--mean-pressure 1e80MPa", "--mean-pressure = '1e80MPa': a pressure > 0 with its unit"),
         ("--force 1N --hardness 1kPa", "--hardness = 1 kPa: more than the pressure 976.6 MPa is needed"),
         ("--approach 1m", "--approach = 1 m: less than"),
-        ("--approach 1e6m --boundary free", "--approach = 1000000 m: a length from"),
-        ("--approach 1e-60m --layer-height 1um", "--approach = 1e-45 fm: a length from"),
-        ("--pressure 1MPa --points 32768", "--points: a cell of 65536 × 65536 nodes needs about 584 GB of m"),
-        ("--pressure 1MPa --points 32768 --boundary free", "of 32768 × 32768 nodes needs about 440 GB"),
+        ("--approach 1e6m --periodic none", "--approach = 1000000 m: a length from"),
+        ("--approach 1e-60m --set body.layer.height=1um", "--approach = 1e-45 fm: a length from"),
+        (
+            "--mean-pressure 1MPa --set map.points=32768",
+            "map.points: a cell of 65536 × 65536 nodes needs about 584 GB of m",
+        ),
+        (
+            "--mean-pressure 1MPa --set map.points=32768 --periodic none",
+            "of 32768 × 32768 nodes needs about 440 GB",
+        ),
     ],
 )
 def test_load_out_of_range_is_refused_before_computing(folder, capsys, words, line):
@@ -139,7 +147,7 @@ def test_exports_and_pictures_replace_only_own_files(folder, chain, capsys):
 def test_case_is_saved_in_its_own_folder(folder, without_pictures):
     for _ in range(2):
         assert status(*RUN, "--save", "out/case.yaml") == 0
-    assert yaml.safe_load(Path("out/case.yaml").read_text())["map"] == "../mine.txt"
+    assert yaml.safe_load(Path("out/case.yaml").read_text())["map"]["file"] == "../mine.txt"
     assert status("run", "out/case.yaml", "--out", "out") == 0
 
 
@@ -149,13 +157,14 @@ def without_pictures(monkeypatch):
 
 
 def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
-    assert status(*RUN, "--counter-map", "other.txt", "--save", "saved.yaml") == 0
+    assert status(*RUN, *COUNTER, "--save", "saved.yaml") == 0
     Path("other.txt").write_text(Path("other.txt").read_text().replace("0.1", "0.2"))
     for case in ("saved.yaml", "out/case.yaml"):
         capsys.readouterr()
         assert status("run", case, "--out", "again") == 2
-        assert f"{case}: counter_map_sha256: other.txt has changed since" in capsys.readouterr().err.replace(
-            "out/../", ""
+        assert (
+            f"{case}: checksums.counter_map: other.txt has changed since"
+            in capsys.readouterr().err.replace("out/../", "")
         )
     assert status("run", "saved.yaml", "--counter-map", "mine.txt", "--out", "again") == 0
 
@@ -166,9 +175,10 @@ def answer():
     surface = HeightMap(height, (16e-6, 16e-6), name="small", periodic=True)
     return asp.engineering.run(
         surface,
-        Body(210e9, 0.3, hardness=5e9, fatigue_torsion=3e8, fatigue_bending=5e8),
-        Body(70e9, 0.3),
-        mean_pressure=[20e6, 50e6],
+        Body(young=210e9, poisson=0.3, hardness=5e9, fatigue_torsion=3e8, fatigue_bending=5e8),
+        Body(young=70e9, poisson=0.3),
+        mean_pressure=50e6,
+        load_curve={"loads": [20e6]},
         fields=("von_mises", "xx"),
     )
 
@@ -196,9 +206,9 @@ def test_second_process_does_not_write(folder, answer, capsys):
         host, process, _ = system.process_name().replace(str(os.getpid()), str(first.pid)).rsplit(".", 2)
         assert status(*RUN) == 1
         said = capsys.readouterr().err
-        assert f"out: process {process} on {host} writes an answer into it; wait until it ends" in said
+        assert f"out: process {process} on {host} writes into it; wait until it ends" in said
         assert said.count("\n") == 1
-        with pytest.raises(DatasetError, match="writes an answer into it"):
+        with pytest.raises(DatasetError, match="writes into it"):
             write_answer(answer, "out")
         assert Path("out/.unfinished-of-the-first").is_dir()
         first.kill()
@@ -212,7 +222,7 @@ def test_a_lock_of_another_host_is_kept(folder, capsys):
     lock = Path("out") / LOCK.format("elsewhere.7.1700000000.ab")
     lock.touch()
     assert status(*RUN) == 1
-    assert "process 7 on elsewhere writes an answer into it; wait" in capsys.readouterr().err
+    assert "process 7 on elsewhere writes into it; wait" in capsys.readouterr().err
     assert os.listdir("out") == [lock.name]
     lock.unlink()
     with locked(Path("out")), locked(Path("out")):  # one thread locks it again

@@ -1,15 +1,17 @@
 """Maps of one surface as a sample: means, intervals, and what is pooled per area."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from samples import refuses
 
 import asperity as asp
-from asperity.engineering import Body, run
-from asperity.engineering.sample import largest_on, mean_of_maps
+from asperity import Body, run
+from asperity.engineering.sample import mean_of_maps
+from asperity.stress.statistics.largest import largest_on
 
 EDGE = 64e-6
-STEEL = Body(210e9, 0.3, yield_stress=2e9)
+STEEL = Body(young=210e9, poisson=0.3, yield_stress=2e9)
 
 
 def a_map(seed, points=64, rms=1e-7):
@@ -39,11 +41,8 @@ def test_interval_is_students_and_holds_the_mean():
 
 def test_sample_pools_volumes_over_one_depth(answers):
     sample = asp.pooled(answers)
-    bodies = [answer.bodies["lower"] for answer in answers]
-    volumes, depths = (
-        [body.volume_above_yield for body in bodies],
-        [body.depths_above_yield[1] for body in bodies],
-    )
+    found = [answer.found["yielding"]["lower"] for answer in answers]
+    volumes, depths = [each.volume for each in found], [each.depths[1] for each in found]
     group, values = "stress in the elastic body", sample.frame().set_index("name").filter(like="map_")
     np.testing.assert_allclose(values.loc["volume above yield per area"], np.divide(volumes, EDGE**2))
     np.testing.assert_allclose(values.loc["share above yield"], np.divide(volumes, EDGE**2 * max(depths)))
@@ -71,10 +70,39 @@ def test_largest_of_an_area_is_met(draw):
     assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
 
 
+def test_largest_is_not_below_the_observed():
+    """Also where one peak lies far above the others."""
+    maps = [np.append(np.random.default_rng(seed).random(30), 1.0 + 2.0 * (seed == 0)) for seed in range(4)]
+    found = largest_on(maps, 4e-6, 4e-6)
+    assert found.high >= found.value >= 3.0
+
+
+def test_identical_bodies_are_one_row():
+    """Under friction, whose direction is opposite in the other body."""
+    maps = [a_map(seed, 96) for seed in (1, 2)]
+    answers = [run(each, STEEL, STEEL, mean_pressure=2e9, friction=0.2) for each in maps]
+    sample, peaks = asp.pooled(answers), pd.concat([answer.peaks() for answer in answers])
+    found = sample.largest(2 * EDGE**2).set_index("quantity")
+    assert list(found.index) == ["pressure", "von_mises"]
+    observed = peaks.groupby("quantity")["value_Pa"].max()
+    assert (found["value_Pa"] >= observed[found.index]).all()
+
+
+def test_few_peaks_have_no_percentile(answers):
+    """The 99th percentile of fewer than 100 peaks is the largest one, or between the two largest."""
+    for answer in answers:
+        stress = answer.bodies["lower"].stress
+        count = asp.peaks(stress, "von_mises", selection="under_contact").sizes["peak"]
+        names = {row.name for row in answer.rows}
+        assert 2 <= count < 100
+        for percent, least in ((50, 2), (90, 10), (99, 100)):
+            assert (f"{percent}th percentile of the peaks" in names) == (count >= least)
+
+
 test_what_is_no_sample_is_refused = refuses(
     (lambda: asp.pooled([]), "answers: at least one"),
     (lambda: pooled_with(a_map(2, 32)), "pooled: patch 2 has pixels of 2 µm x 2 µm, patch 1 of 1 µm"),
-    (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has an rms height of 19.98 µm"),
+    (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has an rms height of 20 µm"),
     (lambda: largest_on([np.ones(30)], 1e-6, 1e-5), "area: 40 peaks are needed, the maps have 30"),
     (lambda: largest_on([np.ones(90)], 1e-6, 2e-4), "area = 200 mm²: an area > 0 and ≤ 100 mm² is needed"),
     (lambda: pooled_with(a_map(2), load=220e6), "answers: patch 2 is of E = 210 GPa.*220 MPa"),

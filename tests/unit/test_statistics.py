@@ -64,6 +64,18 @@ def test_lengths_are_interpolated_between_nodes():
     assert [length.item() for length in lengths] == pytest.approx([0.3, 0.1])
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rms", [0.0, 1e-9])
+def test_full_smooth_contact_has_no_decay(rms):
+    """A flat, and a wave whose stress is too small beside the mean for single precision."""
+    wave = np.sin(2 * np.pi * np.arange(32) / 32)
+    layer = asp.Layer(young=1.0, poisson=0.3)
+    contact = asp.solve(rms * (wave[:, None] + wave), layer, mean_pressure=1.0)
+    stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    assert contact.area_fraction == 1
+    assert np.isnan(decay_lengths(stress)).all()
+
+
 def test_patches_are_joined_across_edges_and_corners():
     contact = np.zeros((8, 16), bool)
     contact[0, 0] = contact[7, 15] = contact[7, 0] = True  # one patch through three corners of the cell
@@ -140,7 +152,9 @@ def test_seeds_are_pooled_over_their_gradients():
             np.testing.assert_array_equal(here["peak_counts"].sum("seed"), expected.counts)
             np.testing.assert_allclose(here["peak_density"], expected.density, rtol=1e-12)
             np.testing.assert_array_equal(here["joint_counts"].sum("depth_bin"), expected.counts)
-            np.testing.assert_allclose(here["peak_percentile"], np.percentile(np.abs(values), PERCENTS))
+            expected = np.percentile(np.abs(values), PERCENTS)
+            expected[[values.size < count for count in (2, 10, 100, 1000)]] = np.nan  # the largest peaks
+            np.testing.assert_allclose(here["peak_percentile"], expected)
     for name, power in (("covariance_depth", 2), ("mean_von_mises", 1)):
         each = [b[name] / g**power for b, g in pairs]
         np.testing.assert_allclose(result[f"scaled_{name}"], np.mean(each, axis=0))

@@ -6,7 +6,7 @@ from samples import refuses
 from small_study import CONTACT, LAYER, STRESS, SURFACE, results_of
 
 import asperity as asp
-from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, solve_contact
+from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, press_surface
 from asperity.study.stages.statistics import surface_statistics
 from asperity.study.stages.stress import compute_stress, stress_of_seed
 from asperity.study.stages.surface import make_surface
@@ -28,7 +28,7 @@ def test_half_space_replaces_only_a_tall_layer():
 
 
 def test_load_area_curve_has_rising_areas():
-    contact = solve_contact(ROUGH, LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
+    contact = press_surface(ROUGH, LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
     np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
     assert np.all(np.diff(contact.path_mean_pressure) > 0)
     assert float(contact.area_fraction) == pytest.approx(0.1, abs=1 / 64**2)
@@ -46,11 +46,11 @@ def test_layer_has_only_the_ratio_of_its_contact():
 
 def incompressible():
     """A ratio at which the half-space does not stand for the layer."""
-    compute_stress(solve_contact(ROUGH, LAYER, CONTACT), LAYER, STRESS | {"poisson": [0.33, 0.5]})
+    compute_stress(press_surface(ROUGH, LAYER, CONTACT), LAYER, STRESS | {"poisson": [0.33, 0.5]})
 
 
 test_wrong_setting_is_refused = refuses(
-    (lambda: solve_contact(ROUGH, LAYER, UNLOADED | {"approach": 0.5}), r"contact.approach = 0.5: less than"),
+    (lambda: press_surface(ROUGH, LAYER, UNLOADED | {"approach": 0.5}), r"contact.approach = 0.5: less than"),
     (incompressible, r"stress\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"),
 )
 
@@ -81,7 +81,7 @@ def test_two_seeds_have_bands_and_one_has_none():
 def test_study_has_the_estimates_of_the_library():
     """But for the planes in depth, which the study has at other distances."""
     surface = make_surface({**SURFACE, "wavelength_short": 1 / 16, "points": 128}, 1)
-    found = stress_of_seed(solve_contact(surface, LAYER, CONTACT), LAYER, STRESS)
+    found = stress_of_seed(press_surface(surface, LAYER, CONTACT), LAYER, STRESS)
     solved = asp.solve(surface["height"].values, asp.Layer(1 - 0.33**2, 0.33), area_fraction=0.1)
     stress = asp.analyse_stress(solved, poisson=STRESS["poisson"], quantities=("pressure", "von_mises"))
     expected = asp.continuum(solved, stress)

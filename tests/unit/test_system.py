@@ -72,9 +72,18 @@ SOLVE = (
 )
 
 
-def test_nested_numbers_of_threads_are_accepted():
-    """OpenMP allows a number for each level, of which ducc0 takes none."""
-    subprocess.run([sys.executable, "-c", SOLVE], check=True, env={**os.environ, "OMP_NUM_THREADS": "4,2"})
+TRANSFORM = (
+    "import numpy as np; from asperity.fourier.engine import current_engine;"
+    "current_engine().forward(np.ones((8, 8)), np.empty((8, 5), complex), threads=2)"
+)
+
+
+@pytest.mark.parametrize("threads", ["4,2", "", "abc", "-1"])
+def test_numbers_of_threads_that_openmp_ignores(threads):
+    """OpenMP allows a number for each level, and ignores what is none; ducc0 fails at both."""
+    given = {**os.environ, "OMP_NUM_THREADS": threads}
+    given.pop("DUCC0_NUM_THREADS", None)
+    subprocess.run([sys.executable, "-c", TRANSFORM], check=True, env=given)
 
 
 def test_loops_without_machine_code_are_refused():

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import asperity as asp
-from asperity.engineering import Body, run
+from asperity import Body, run
 from asperity.results.tables import check_columns, describe_tables, units, write_table, write_workbook
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.views.export import peak_table

@@ -52,7 +52,7 @@ def original(tmp_path_factory):
         "210 GPa",
         "--poisson",
         "0.3",
-        "--pressure",
+        "--mean-pressure",
         "50 MPa",
         "--out",
         "out",

@@ -7,7 +7,6 @@ import runpy
 import shutil
 import subprocess
 import sys
-from functools import cache
 from pathlib import Path
 from unittest import mock
 
@@ -19,7 +18,6 @@ PARTS = (
     "config",
     "workflow",
     "profiles",
-    "src",
     "tests/reference",
     "tests/workflow/tiny.yaml",
     "tests/workflow/own.yaml",
@@ -45,12 +43,12 @@ def hide(folder, *names):
 
 
 def environment(folder):
-    """Environment of the tests, with the library of the project in `folder`."""
-    own = folder / ".venv/bin"
+    """Environment of the tests, with the library of the project in `folder`, or else the one under test."""
+    own, library = folder / ".venv/bin", folder / "src"
     binaries = own if own.exists() else Path(sys.executable).parent
     return os.environ | {
         "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(folder / "src"),
+        "PYTHONPATH": str(library if library.exists() else ROOT / "src"),
     }
 
 
@@ -80,17 +78,10 @@ def snakemake(folder, *arguments, cores=2):
     return run(folder, "python", "-m", "snakemake", "--cores", str(cores), *arguments)
 
 
-@cache
-def compile_functions():
-    """Compile the functions of the project once, for all copies of it."""
-    from asperity.study.preflight_and_manifest import warm_up
-
-    warm_up()
-
-
 def copy_project(folder):
-    """Copy everything that a run needs, with compiled code: it stays valid as copies keep their times."""
-    compile_functions()
+    """Copy everything that a run needs; the library is a link, so that no copy compiles it anew."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "src").symlink_to(ROOT / "src", target_is_directory=True)
     for part in PARTS:
         if (ROOT / part).is_dir():
             shutil.copytree(ROOT / part, folder / part)

@@ -1,5 +1,6 @@
 """A killed study loses no finished result, and continues with the same command."""
 
+import os
 import runpy
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -7,31 +8,44 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from project import OWN, ROOT
+from project import OWN, ROOT, snakemake
 
 from asperity.paper import figures
 from asperity.results import dataset
+from asperity.results.lock import locked
 from asperity.settings.study import read_study
 from asperity.study import progress_and_log
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 
 def test_killed_study_continues_without_loss(killed_study, own_study, monkeypatch):
     """Also if the killed job has left half of its result: Snakemake marks results that are being made."""
-    assert "--unlock" in killed_study.refusal
-    assert {path: path.stat().st_mtime_ns for path in killed_study.finished} == killed_study.finished
+    _, _, finished = killed_study
+    assert {path: path.stat().st_mtime_ns for path in finished} == finished
     monkeypatch.chdir(own_study.folder)
     config = read_study(OWN[1:])
     surface = make_surface(config["surfaces"]["fine"], 1)
-    contact = solve_contact(surface, config["layer"], config["contact"])
+    contact = press_surface(surface, config["layer"], config["contact"])
     stress = stress_of_seed(contact, config["layer"], config["stress"])
     for stage, expected in {"surface": surface, "contact": contact, "stress": stress}.items():
         written = dataset.read(own_study.results / stage / "fine/seed1.nc")
         assert set(written.variables) >= set(expected.variables), stage
         for name in expected.variables:
             np.testing.assert_array_equal(written[name], expected[name], f"{stage}: {name}")
+
+
+def test_a_study_does_not_write_beside_another(own_study):
+    """The other one is this process, which holds the lock alone."""
+    folder, results, _ = own_study
+    stress = results / "stress/fine/seed2.nc"
+    before = stress.stat().st_mtime_ns
+    with locked(results):
+        refused = snakemake(folder, *OWN, "--config", f"results={results}", "--force", "--", str(stress))
+    assert refused.returncode != 0
+    assert f"study: {results}: process {os.getpid()} on " in refused.stderr
+    assert stress.stat().st_mtime_ns == before
 
 
 def test_figures_that_a_killed_job_has_drawn_are_kept(own_study, tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Files that are made from pyproject.toml and the schema of the settings are current."""
+"""Files that are made from pyproject.toml and the settings are current."""
 
 import runpy
 import shutil
@@ -28,6 +28,33 @@ def test_schema_accepts_the_test_study_and_no_wrong_one():
     for wrong in ({"seeds": []}, {"layer": {"poisson": 0.6}}, {"unknown": 1}):
         with pytest.raises(jsonschema.ValidationError):
             validator.validate(config | wrong)
+
+
+def keywords(schema):
+    """Keywords in all places of a JSON Schema where the standard takes a schema."""
+    yield from schema
+    for key, below in schema.items():
+        if key == "properties":
+            below = list(below.values())
+        elif key not in ("items", "anyOf", "additionalProperties", "propertyNames"):
+            continue
+        for each in below if isinstance(below, list) else [below]:
+            if isinstance(each, dict):
+                yield from keywords(each)
+
+
+def test_schema_has_only_standard_keywords():
+    """All that it needs stand in one metaschema, that of draft 7."""
+    standard = jsonschema.Draft7Validator.META_SCHEMA["properties"]
+    assert {*keywords(yaml.safe_load(MADE["config_schema"]()))} <= standard.keys()
+
+
+def test_table_gives_every_default():
+    """The settings without one have to be given."""
+    rows = [[cell.strip() for cell in row.split(" | ")] for row in MADE["parameters"]().splitlines()[2:]]
+    without = {row[0].strip("| `").rpartition(".")[2] for row in rows if not row[3]}
+    assert without == {"hurst", "rms_height", "wavelength_long", "wavelength_short", "file"}
+    assert {"seeds", "studies"} < {row[0].strip("| `") for row in rows}
 
 
 def test_address_is_one_field(tmp_path):

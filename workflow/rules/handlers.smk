@@ -1,4 +1,5 @@
-# Before the run: checks, and an announcement of time and memory. After it: the manifest, and the folder of the results.
+# Before the run: a lock of the results, checks, and an announcement of time and memory. After it: the manifest, and the
+# folder of the results.
 import shutil
 import subprocess
 
@@ -43,6 +44,7 @@ onstart:
     jobs = [job for job in workflow.dag.needrun_jobs() if job.rule.name in SIZES]
     if not missing:
         require_maps(jobs)
+    lock(RESULTS)
     costs = {job.output[0]: cost_of(job.rule.name, job.wildcards) for job in jobs}
     try:
         Path(RESULTS).mkdir(parents=True, exist_ok=True)

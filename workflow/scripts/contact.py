@@ -2,7 +2,7 @@
 
 from asperity.results import dataset
 from asperity.study.progress_and_log import job
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.surface import make_surface, read_surface
 
 params, output = snakemake.params, snakemake.output
@@ -21,7 +21,7 @@ with job(snakemake) as progress:
     if output.get("surface"):
         dataset.write(surface, output.surface, f"{made} surface {name}, seed {seed}", settings)
     dataset.write(
-        solve_contact(surface, params.layer, params.contact, progress),
+        press_surface(surface, params.layer, params.contact, progress),
         output.contact,
         f"Contact with rough surface {name}, seed {seed}",
         settings | {"layer": params.layer, "contact": params.contact},

@@ -40,6 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 on success, 1 with a line for each problem on stderr otherwise, 130 after Ctrl-C and 143 after
         SIGTERM. Wrong usage ends the process with 2, as argparse does.
     """
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed, as by `>&-`: a result file would take its place
+            setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):  # a console that cannot show µ or ² shows ? there
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
@@ -47,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     earlier = {number: signal.signal(number, _interrupt) for number in signals}
     if arguments is None:
         os.environ["MPLBACKEND"] = "agg"  # a notebook sets one that may not be installed here
+        # They are looked for in all installed packages, which takes a tenth of a second.
+        os.environ["PYDANTIC_DISABLE_PLUGINS"] = "true"
         gc.set_threshold(RARELY, 50, 50)
     try:
         _run(arguments)

@@ -14,11 +14,6 @@ from typing import Any, NoReturn
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import did_you_mean, fail, shown
 from asperity.core.version import __version__
-from asperity.paper.figures import known
-from asperity.settings.check import default
-from asperity.settings.configuration import Configuration
-from asperity.settings.model import Entry, NeededError, accepted, converted, entry_of
-from asperity.surface.reading.formats import formats_in_words
 
 COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
 """Name → description, usage, arguments and groups of arguments of each command."""
@@ -59,25 +54,28 @@ class Parser(argparse.ArgumentParser):
 def parse(words: Sequence[str] | None) -> argparse.Namespace:
     """The options of a command line; refuses repeated options, and suggests the nearest for unknown ones."""
     words = sys.argv[1:] if words is None else words
-    wants_help = not {"-h", "--help"}.isdisjoint(words)
-    parser = make_parser(next((word for word in words if word in COMMANDS), ""), wants_help)
-    found, unknown = parser.parse_known_args(words)
-    entry = COMMANDS[found.command]
+    command = next((word for word in words if word in COMMANDS), "")
+    entry = COMMANDS.get(command, {})
     known = {
         flag: given
         for each in (entry, *entry.get("groups", ()))
         for flag, given in arguments(each).items()
         if flag.startswith("--")
     }
-    given = Counter(word.partition("=")[0] for word in takewhile("--".__ne__, words))
+    rest = words[words.index(command) :] if command else ()
+    given = Counter(word.partition("=")[0] for word in takewhile("--".__ne__, rest))
+    # Refused before the parser is made, whose settings take a tenth of a second.
+    unknown = [word for word in given if word.startswith("--") and word not in {*known, "--help"}]
     for flag, options in known.items():
         if given[flag] > 1 and options.get("action") != "append":
-            sys.exit(fail(f"{flag}: given {given[flag]} times (see asperity {found.command} --help)", 2))
-    if unknown:
-        near = did_you_mean(unknown[0], known)
-        fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {found.command} --help)")
-        sys.exit(2)
-    return found
+            sys.exit(fail(f"{flag}: given {given[flag]} times (see asperity {command} --help)", 2))
+    if not unknown:
+        wants_help = not {"-h", "--help"}.isdisjoint(words)
+        found, unknown = make_parser(command, wants_help).parse_known_args(words)
+        if not unknown:
+            return found
+    near = did_you_mean(unknown[0], known)
+    sys.exit(fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {command} --help)", 2))
 
 
 def make_parser(only: str | None = None, explained: bool = True) -> Parser:
@@ -101,10 +99,13 @@ def make_parser(only: str | None = None, explained: bool = True) -> Parser:
             help=summary[0].lower() + summary[1:],
             description=description,
             usage=entry.get("usage"),
-            epilog=formats_in_words() if entry.get("formats") else None,
         )
         if only not in (None, name):
             continue
+        if entry.get("formats"):
+            from asperity.surface.reading.formats import formats_in_words
+
+            command.epilog = formats_in_words()
         _add_arguments(command, entry, explained)
         for group in entry.get("groups", ()):
             titled = command.add_argument_group(group["title"], group.get("description"))
@@ -155,21 +156,24 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
 def _of_case(key: str) -> dict[str, Any]:
     """Keywords of `add_argument` for a setting of a case, which `asperity run` checks itself."""
     from asperity.engineering.case import Case
+    from asperity.settings.model import entry_of
 
     entry = entry_of(Case, key)
     placeholder = f"{{{','.join(entry['enum'])}}}" if "enum" in entry else _placeholder(entry)
     return {"metavar": placeholder, "help": _help(entry, entry.get("default_text"))}
 
 
-def _placeholder(entry: Entry) -> str:
+def _placeholder(entry: Mapping[str, Any]) -> str:
     """Placeholder of a value in the usage."""
     kind = entry.get("anyOf", [entry])[-1]
     types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
     return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
 
 
-def _help(entry: Entry, default_text: str | None, words: str | None = None) -> str:
+def _help(entry: Mapping[str, Any], default_text: str | None, words: str | None = None) -> str:
     """Description of a setting with what it accepts and its default, as argparse takes it."""
+    from asperity.settings.model import accepted
+
     facts = [] if "enum" in entry else [words or accepted(entry.get("items", entry))]
     if "unit" in entry and not words:
         facts.append(f"unit: {entry['unit']}")
@@ -193,6 +197,10 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     as_text : bool
         The command itself checks the value.
     """
+    from asperity.settings.check import default
+    from asperity.settings.configuration import Configuration
+    from asperity.settings.model import entry_of
+
     entry = entry_of(Configuration, key)
     items = entry.get("items", entry)
     value = None if default_text or as_text else default(key)
@@ -227,6 +235,9 @@ def value_of(key: str, given: str | list[str]) -> Any:
     argparse.ArgumentTypeError
         If it is not accepted.
     """
+    from asperity.settings.configuration import Configuration
+    from asperity.settings.model import NeededError, converted
+
     try:
         return converted(Configuration, key, given)
     except NeededError as error:
@@ -259,6 +270,8 @@ def _direction(text: str) -> str | float:
 
 def _figure_number(text: str) -> int:
     """Number of a figure that can be drawn, from text such as ``9`` or ``fig09``."""
+    from asperity.paper.figures import known
+
     drawn = sorted(figure.number for figure in known().values() if figure.number)
     number = text.lower().removeprefix("fig").removesuffix(".py")
     if not (number.isdecimal() and int(number) in drawn):

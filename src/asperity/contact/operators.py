@@ -96,6 +96,11 @@ CELL_NODES_UNDER_COATING = 4
 COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_UNDER_COATING = 0.03, 0.005
 MAX_COARSE_ITERATIONS = 50
 
+# Under a stiff coating the compliance on the coarse grid is at most so many times that of the half-space of
+# the stencil: where it is larger, rounding and the error of the coarse system exceed the pressure that
+# remains of two that cancel. Found by trial on 64² nodes ...
+MAX_SOFTNESS = 10.0
+
 
 class Operators:
     """The approximate compliance G and its approximate inverse M on the contact nodes.
@@ -350,7 +355,7 @@ class Preconditioner:
     def __init__(self, response: Response, products: StencilProduct) -> None:
         grid = response.grid
         radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
-        quadrants = inverse_stencil(
+        quadrants, stiffness = inverse_stencil(
             response.solid, _spacing_of_stencils(response), radius, response.fourier.engine
         )
         self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
@@ -362,6 +367,9 @@ class Preconditioner:
         self.cells = Grid(tuple(max(1, n // nodes) for n in grid.shape), grid.length)  # type: ignore[arg-type]
         self.coarse, compliance = response.on_cells(self.cells)
         self.compliance = compliance / response.nodal_compliance
+        if stiffness:
+            half_space = 0.5 * stiffness * min(grid.spacing) * self.coarse.grid.wavenumber()
+            np.minimum(self.compliance, MAX_SOFTNESS / np.maximum(half_space, 1e-300), out=self.compliance)
 
     def on_coarse_grid(self, of_cells: Array) -> Array:
         """Field of the cells in single precision, on the grid of the coarse transforms, zero elsewhere."""
@@ -462,21 +470,42 @@ class NodePreconditioner:
 
 
 @lru_cache(maxsize=16)
-def inverse_stencil(solid: Solid, spacing: tuple[float, float], radius: int, engine: Engine) -> Array:
-    """Kernel of E* |q| / 2 in real space times spacing / E*, as a stencil that is the same for all nodes.
+def inverse_stencil(
+    solid: Solid, spacing: tuple[float, float], radius: int, engine: Engine
+) -> tuple[Array, float]:
+    """The inverse of the compliance in real space as a stencil, in units of the nodal compliance.
 
-    It is zero beyond a radius in nodes. Under a coating it is that of one over the compliance.
+    It is zero beyond a radius in nodes, and the same for all nodes. On a half-space it is E* |q| / 2. Under a
+    coating it is one over the compliance, if none of its weights but the middle one is positive: any part of
+    it is then positive definite. A coating that is stiffer than its base bends as a plate, and its inverse
+    compliance, cut off, is not even positive on all waves: the stencil is then that of the half-space that is
+    as stiff as the solid for the wave for which it is stiffest.
+
+    Returns
+    -------
+    stencil : (2, 2, RADIUS + 1, RADIUS + 1) array
+    stiffness : float
+        E* of that half-space over that of the solid; 0 if the stencil is one over the compliance.
     """
     tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
-    modes = 0.5 * tile.wavenumber() * min(spacing)
-    if solid.interface is not None:
+    fourier, row, column = Fourier(tile, engine=engine), *np.ogrid[: RADIUS + 1, : RADIUS + 1]
+
+    def cut_off(modes: Array) -> Array:
+        kernel = fourier.inverse(modes / tile.size + 0j)
+        return np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)
+
+    half_space, stiffness = 0.5 * tile.wavenumber() * min(spacing), 0.0
+    if solid.interface is None:
+        weights = cut_off(half_space)
+    else:
         compliance = solid.surface_compliance(tile.wavenumber())
         nodal_compliance = min(spacing) / solid.effective_modulus
-        modes = np.divide(nodal_compliance, compliance, where=compliance > 0, out=0 * modes)
-    kernel = Fourier(tile, engine=engine).inverse(modes / tile.size + 0j)
-    row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
-    weights = np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)
-    return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32)
+        modes = np.divide(nodal_compliance, compliance, where=compliance > 0, out=0 * half_space)
+        weights = cut_off(modes)
+        if weights.reshape(-1)[1:].max() > 0:
+            stiffness = float((modes[half_space > 0] / half_space[half_space > 0]).max())
+            weights = cut_off(stiffness * half_space)
+    return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32), stiffness
 
 
 @compiled

@@ -66,6 +66,8 @@ class LoadedSolid:
     background : callable, optional
         Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as that of a
         contact far wider than the cell.
+    deepest : float
+        Depth down to which the background has its largest stresses; planes reach it by default.
     sticking_pressure : (ny, nx) array, optional
         Part of the pressure that causes no shear traction: the traction is μ times the rest of the pressure.
         `asperity.partial_slip` finds it; by default none, full sliding.
@@ -91,6 +93,7 @@ class LoadedSolid:
     hardness: float = np.inf
     background: Callable[[float], Array] | None = None
     sticking_pressure: Array | None = None
+    deepest: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.grid, Grid) or not isinstance(self.layer, Layer):
@@ -239,6 +242,14 @@ def degrees_of(sliding_direction: Any) -> float:
     if degrees is None:
         degrees = number("sliding_direction", sliding_direction, accepted, lambda angle: True)
     return degrees
+
+
+def direction_cosines(sliding_direction: Any) -> tuple[float, float]:
+    """Unit vector (x, y) of "x", "y" or an angle in degrees; its zeros are exact."""
+    degrees = degrees_of(sliding_direction)
+    if degrees % 90 == 0:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(degrees % 360) // 90]
+    return float(np.cos(np.radians(degrees))), float(np.sin(np.radians(degrees)))
 
 
 def traction_direction(sliding_direction: str | float, body: str = "lower") -> str | float:

@@ -189,10 +189,12 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         yield True, "few_pixels", {"enough": FEW_PIXELS_ACROSS}
     if reason := limits.attrs.get("reason"):
         yield False, "no_estimate", {"reason": reason}
+    elif reason := limits.attrs.get("reason_of_stress"):
+        yield False, "no_estimate_of_stress", {"reason": reason}
     else:
         yield False, "vanishing_pixels", {}
-    known = {}
-    for name in LIMITS:
+    known, listed = {}, {row.name for row in answer.rows}
+    for name in filter(listed.__contains__, LIMITS):
         values = limit_of(limits, name)
         least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
         # The mean slope of a contact of single nodes is zero by symmetry, up to rounding errors.

@@ -25,7 +25,7 @@ from asperity.engineering.face import RoughFace
 from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
 from asperity.settings.body import Body
 from asperity.settings.load import UNITS, Hertz
-from asperity.stress.peaks.selection import peaks
+from asperity.stress.peaks.selection import has_percentile, peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -124,6 +124,12 @@ class Answer:
     def of(self, question: Question) -> Any:
         """The result of a question of the case."""
         return self.found[next(name for name, each in self.case.questions.items() if each is question)]
+
+    @property
+    def nominal_pressure(self) -> float:
+        """Mean pressure on the map, of which a film may carry a part."""
+        film = self.case.film
+        return self.contact.mean_pressure / (1 - (0.0 if film is None else film.share))
 
     def loaded_body(self, contact: Contact, body: str) -> LoadedSolid:
         """A body as a contact loads it, that of the answer or that on half of its nodes."""
@@ -362,7 +368,9 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
         if coating is not None and coating.yield_stress is not None:
             yield row("yield stress of the coating", coating.yield_stress)
     found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
-    for percent in PERCENTS if found_peaks.size else ():
+    for percent in PERCENTS:
+        if not has_percentile(found_peaks.size, percent / 100):
+            continue
         value = float(np.percentile(found_peaks, percent))
         yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
 

@@ -23,6 +23,7 @@ from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
+from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
 
 if TYPE_CHECKING:
@@ -148,7 +149,6 @@ RESOLUTION_ERRORS = {
     "principal_1": ((1.6, 0.75), (0.42, 0.25)),
     "principal_3": ((1.2, 1.5), (0.07, 0.25)),
     "hydrostatic": ((1.2, 1.5), (0.07, 0.25)),
-    "volume_above_yield": ((0.45, 1.5), (2.0, 2.0)),
     "shear_range": ((2.9, 1.5), (0.45, 0.25)),
     "dang_van": ((1.4, 1.5), (0.55, 0.25)),
     "shakedown_lower": ((1.0, 1.5), (0.28, 0.25)),
@@ -230,11 +230,14 @@ class BodyAnswer:
         }
 
     def grid_error(self, number: str) -> float:
-        """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate."""
-        area = self.limits["area_fraction"]
-        found, best = (float(area.sel(kind=kind)) for kind in ("on_grid", "estimate"))
+        """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate.
+
+        On surfaces that are not isotropic and Gaussian it is at least that of the largest von Mises stress.
+        """
+        if "reason_of_stress" in self.limits.attrs:
+            return np.nan
         share, power = RESOLUTION_ERRORS[number][self.limits.attrs["plastic_area"] > 0]
-        return share * float(abs(found / best - 1) / max(1 - best, 0.01)) ** power
+        return max(share * resolution(self.limits) ** power, self.limits.attrs["least_error"])
 
     @property
     def largest_von_mises(self) -> float:

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Self, get_args
+from typing import Annotated, Any, Self, get_args
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from asperity.contact import Contact
 from asperity.core.units import shown_si
@@ -34,12 +34,15 @@ from asperity.settings.body import Body
 from asperity.settings.load import UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import own_materials
-from asperity.settings.model import ContradictionError, Settings, one_of, setting
+from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, setting
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.planes.fields import FIELDS
 
 LARGEST_LOAD = 1e6
 """Largest mean pressure over the effective modulus, and approach over the edge of the map."""
+
+PRESSED = ("young", "poisson", "hardness", "coating", "layer", "map")
+"""Settings of a body on which its contact depends."""
 
 MATERIALS = "materials.yaml"
 """Name of a user's own table of materials beside the case file."""
@@ -60,45 +63,48 @@ class Case(Settings):
     (50000000.0, 0.3)
     """
 
-    map: Map = setting(..., "The height map that is pressed, peaks upward; or the name of its file alone.")
-    body: Body = setting(..., "The body, whose surface is the map.")
-    counter_body: Body | None = setting(
-        None,
-        "The counter body. Which of the two is rough does not matter as long as the slopes are small.",
-        default_text="rigid and flat",
+    map: Map = setting(...)
+    """The height map that is pressed, peaks upward; or the name of its file alone."""
+    body: Body = setting(...)
+    """The body, whose surface is the map."""
+    counter_body: Body | None = setting(None, default_text="rigid and flat")
+    """The counter body. Which of the two is rough does not matter as long as the slopes are small."""
+    load: Load = setting(...)
+    """The load."""
+    fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
+        ("von_mises",)
     )
-    load: Load = setting(..., "The load.")
-    fields: tuple[one_of(FIELDS), ...] = setting(  # type: ignore[valid-type]
-        ("von_mises",), "Fields of the stress whose peaks are listed and that are drawn.", min_length=1
-    )
+    """Fields of the stress whose peaks are listed and that are drawn."""
     materials: str | None = setting(
-        None,
-        "File with materials of your own.",
-        default_text=f"`{MATERIALS}` beside the case, if there is one",
-        accepts="the name of a file",
+        None, default_text=f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
     )
-    film: Film | None = setting(None, "A film carries a part of the load.", default_text="not asked")
-    run_in: RunIn | None = setting(None, "Run-in: first loads flatten the map.", default_text="not asked")
-    sliding: Sliding | None = setting(None, "Full sliding.", default_text="no friction")
+    """File with materials of your own."""
+    film: Film | None = setting(None, default_text="not asked")
+    """A film carries a part of the load."""
+    run_in: RunIn | None = setting(None, default_text="not asked")
+    """Run-in: first loads flatten the map."""
+    sliding: Sliding | None = setting(None, default_text="no friction")
+    """Full sliding."""
     conduction: Conduction | None = setting(
-        None,
-        "Contact conductance.",
-        default_text="asked if both bodies give a conductivity or resistivity themselves",
+        None, default_text="asked if both bodies give a conductivity or resistivity themselves"
     )
-    leak: Leak | None = setting(None, "Percolation and leakage through the gap.", default_text="not asked")
-    partial_slip: PartialSlip | None = setting(None, "Partial slip.", default_text="not asked")
-    load_curve: LoadCurve | None = setting(None, "Load curve.", default_text="not asked")
+    """Contact conductance."""
+    leak: Leak | None = setting(None, default_text="not asked")
+    """Percolation and leakage through the gap."""
+    partial_slip: PartialSlip | None = setting(None, default_text="not asked")
+    """Partial slip."""
+    load_curve: LoadCurve | None = setting(None, default_text="not asked")
+    """Load curve."""
     yielding: Yielding | None = setting(
-        None, "Yield.", default_text="asked if a body or its material has a yield stress"
+        None, default_text="asked if a body or its material has a yield stress"
     )
+    """Yield."""
     cycles: Cycles | None = setting(
-        None,
-        "Stress cycles: rolling, sliding, fatigue and shakedown.",
-        default_text="asked if a body gives fatigue limits itself",
+        None, default_text="asked if a body gives fatigue limits or a residual stress itself"
     )
-    sample: SampleOfMaps | None = setting(
-        None, "Several maps of one surface are pooled.", default_text="one map, or several that are compared"
-    )
+    """Stress cycles: rolling, sliding, fatigue and shakedown."""
+    sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
+    """Several maps of one surface are pooled."""
 
     @model_validator(mode="wrap")
     @classmethod
@@ -121,7 +127,7 @@ class Case(Settings):
         """Constants that exclude each other, and groups of one body that stand in the other."""
         if self.body.map is not None:
             yield "body.map", ": not accepted; the map of the body is the group `map`"
-        if self.map.form == "cylinder" and self.map.radius is None:
+        if "form" in self.map.model_fields_set and self.map.radius is None:
             yield "map.form", ": needs map.radius"
         if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
             yield "map.cylinder_axis", ": needs map.form: cylinder"
@@ -255,13 +261,10 @@ class Case(Settings):
             return loaded
         pressure = contact.mean_pressure / carried
         smooth = hertz_contact(load, "mean_pressure", pressure, self.solid.effective_modulus)
-        y, x = (
-            share * width if share else 0.0
-            for share, width in zip(load.at, (smooth.half_width_y, smooth.half_width_x), strict=True)
-        )
         sliding = self.sliding_of(name)
         sliding["friction"] *= carried
-        return replace(loaded, background=smooth.background(y, x, loaded.layer, **sliding))
+        below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
+        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
 
     @property
     def counter_map(self) -> CounterMap | None:
@@ -277,7 +280,21 @@ class Case(Settings):
         if isinstance(self.load, Hertz):
             load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
         asked = dict.fromkeys((*self.questions, "run_in", "film"))
-        return self.replaced(**{**asked, "sliding": self.sliding, "load": load})
+        bodies = {  # without the constants that imply questions
+            name: Body(**{each: getattr(body, each) for each in PRESSED if getattr(body, each) is not None})
+            for name, body in self.groups_of_bodies.items()
+        }
+        return self.replaced(**{**asked, **bodies, "sliding": self.sliding, "load": load})
+
+    def written(self) -> dict[str, Any]:
+        """The settings that are given, as a file holds them: loads of a curve with their unit, too."""
+        found, kind = super().written(), self.load.kind
+        if self.load_curve is not None and kind != "area_fraction":
+            found["load_curve"]["loads"] = [
+                each if isinstance(each, str) else shown_si(each, UNITS[kind], 15)
+                for each in self.load_curve.loads
+            ]
+        return found
 
 
 def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float) -> HertzContact:

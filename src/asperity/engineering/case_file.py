@@ -1,8 +1,8 @@
 """Case files: YAML with the groups of a case, which ``asperity run`` takes in place of a map.
 
 It writes one beside every answer. Besides the groups of `asperity.Case` a file may have ``out``, the folder
-of the answer, and ``checksums`` of the maps, with which a case is refused once they have changed. Names of files
-are relative to the folder of the file.
+the answer, and ``checksums`` of the maps, with which a case is refused once they have changed. Names of
+files are relative to the folder of the file.
 ``map.file`` may be a list, of several maps; then the map of the counter body may be a list, too.
 """
 
@@ -168,7 +168,13 @@ def _text(content: Mapping[str, Any]) -> str:
 
 def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
     """True if the text of a case file is that of a case, with maps of the same checksums in any folder."""
-    there, here = yaml.safe_load(text), yaml.safe_load(case_text(case, Path(), files=files))
+    try:
+        there = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return False
+    here = yaml.safe_load(case_text(case, Path(), files=files))
+    if not isinstance(there, dict):
+        return False
     for content in (there, here):
         for keys in (*MAP_FILES, ("materials",)):
             if at(content, keys) is not None:

@@ -70,7 +70,9 @@ def continuum(
         stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
         ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest tenth;
         along `poisson` the ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the
-        contact pressure. Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why.
+        contact pressure. Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why,
+        or ``reason_of_stress`` if only the peaks have none. ``least_error`` is the least relative error of
+        the largest von Mises stress by the departure of the surface from an isotropic Gaussian one.
         The attribute ``lost_gradient`` is the share of the squared gradient of the surface that half of the
         nodes do not resolve: a third or more if the roughness continues below the spacing. ``plastic_area``
         is that of the contact: at a hardness errors are larger, and depths and decay lengths have no
@@ -151,4 +153,5 @@ def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:
     """Results of a contact and of the analysis of its stress."""
     load = contact.mean_pressure / contact.solid.effective_modulus
     plastic = contact.plastic_area > 0
-    return OnGrid(contact.pressure, load, contact.gradient_rms_contact, contact.grid, stress, plastic)
+    numbers = contact.pressure, load, contact.gradient_rms_contact, contact.grid
+    return OnGrid(*numbers, stress, plastic, contact.height)

@@ -12,7 +12,7 @@ from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.settings.map import CounterMap, Map
 from asperity.surface.description import MapMeasures, map_warnings
-from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError
+from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, is_period
 from asperity.surface.reading.map_file import open_map, open_shared_map
 from asperity.surface.treatment.face_to_face import face_to_face
 from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
@@ -51,6 +51,8 @@ class RoughFace(NamedTuple):
         Distance from its place up to which a spike reaches.
     files : tuple of ReadFile
         The files that were read.
+    options : Map, optional
+        The map with the options that its file needs, and the channel that was read.
     upper : array, optional
         The lower face of the upper body, if both are rough: its part of the composite roughness.
     """
@@ -60,6 +62,7 @@ class RoughFace(NamedTuple):
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[ReadFile, ...] = ()
+    options: Map | None = None
     upper: Array | None = None
 
 
@@ -74,13 +77,13 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
-    name, surface, doubts, spikes, options = _read(options, shared)
+    name, surface, doubts, spikes, options = _read(options, shared or counter is not None)
     files = _read_file(options.file)
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
         reach = SPIKE_REACH * y, SPIKE_REACH * x
-        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files)
+        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
     counter_name, counter_surface, counter_doubts, _, own = _read(counter, True)
     files += _read_file(counter.file)
     level, filled, done = _levelled(surface, options)
@@ -97,7 +100,7 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, upper=upper)
+    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper)
 
 
 def _read_file(source: Any) -> tuple[ReadFile, ...]:
@@ -118,7 +121,7 @@ def _read(options: Map, shared: bool) -> tuple[str, HeightMap, tuple[str, ...], 
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
         name, surface, options = Path(source).stem, found.map, found.options  # type: ignore[assignment]
-    measured = MapMeasures(surface)
+    measured = MapMeasures(surface, options)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:
         surface = replace(surface, orientation=PEAKS_UP)
@@ -144,7 +147,9 @@ def _completed(options: Map, surface: HeightMap | None = None) -> Map:
 def _levelled(surface: HeightMap, options: Map) -> tuple[HeightMap, float, list[str]]:
     """A map without spikes, missing points and trend; the share that was filled, and what was done."""
     later: dict[str, Any] = dict.fromkeys(("wavelength_short", "points", "radius", "s_filter", "l_filter"))
-    bounded = _completed(options, surface).replaced(periodic="none", **later)
+    whole = _completed(options, surface)
+    trend = options.detrend or ("none" if is_period(whole, surface) else "tilt")
+    bounded = whole.replaced(periodic="none", detrend=trend, **later)
     treated = treat_map(surface, bounded)
     height = -treated.height if surface.orientation == PEAKS_UP else treated.height
     done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]

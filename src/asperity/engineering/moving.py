@@ -21,13 +21,11 @@ from asperity.contact.solution import Solid
 from asperity.core.arguments import choice, magnitude, number, whole_number
 from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.loaded_solid import traction_direction
+from asperity.elasticity.loaded_solid import direction_cosines, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.histories import MovingPressure
-from asperity.stress.planes.stream import shear_traction
 
 MAX_SHIFTS = 10_000
 """Most positions of the bodies."""
@@ -37,9 +35,6 @@ LONGEST_STEP = 8
 
 REACH = 1.5
 """Places from the middle of a Hertz contact, in half-widths, beyond which a point counts as unloaded."""
-
-DEEPEST = 2.0
-"""Depth in smaller half-widths of a Hertz contact down to which cycles are computed."""
 
 SAME_DIRECTION = 1e-3
 """Largest difference in degrees between an angle and the direction of the grid that it means."""
@@ -81,6 +76,9 @@ class MovingContact:
         As for `asperity.stress_planes`; the traction on the lower body has the sliding direction.
     hardness : float, optional
         As for `asperity.solve`.
+    film_share : float
+        Share of the load that a film carries, as a smooth pressure without a shear traction; the asperities
+        carry the rest.
     wavelength_short : float, optional
         Shortest wavelength of the faces; a step is at most half of it. By default it is two node steps, so
         that every node is a position.
@@ -124,6 +122,7 @@ class MovingContact:
         slide_to_roll: float = 0.0,
         friction: float = 0.0,
         hardness: float | None = None,
+        film_share: float = 0.0,
         wavelength_short: float | None = None,
         rtol: float = 1e-6,
         progress: Progress | None = None,
@@ -141,8 +140,10 @@ class MovingContact:
             raise ValueError("solid: bodies without a coating are needed")
         self._solid, self._hertz, self._at, self._progress = solid, hertz, at, progress
         self._direction, self._friction = sliding_direction, friction
+        accepted = "a number from 0 to below 1"
+        self._film = number("film_share", film_share, accepted, lambda share: 0 <= share < 1)
         self.step = step_along(sliding_direction, self.grid)
-        self._along = np.array(shear_traction(1.0, sliding_direction, self._layers["lower"])[::-1])
+        self._along = np.array(direction_cosines(sliding_direction)[::-1])
         self.step_length = float(np.hypot(*np.multiply(self.step, self.grid.spacing)))
         accepted = "a number above -2 and below 2"
         self._ratio = number("slide_to_roll", slide_to_roll, accepted, lambda ratio: -2 < ratio < 2)
@@ -165,6 +166,12 @@ class MovingContact:
             longest = self.step_length * moved
             if longest > 0.5 * wave * (1 + 1e-9):
                 needed = math.ceil(self.shifts * 2 * longest / wave)
+                if needed > MAX_SHIFTS:
+                    raise ValueError(
+                        f"wavelength_short = {wave:.4g}: at least {wave * needed / MAX_SHIFTS:.4g} is needed"
+                        f"{', or a smaller slide_to_roll' if self._hertz else ''}: steps of half of it take "
+                        f"{needed} shifts, and {MAX_SHIFTS} are the most"
+                    )
                 raise ValueError(
                     f"shifts = {self.shifts}: at least {needed} are needed, for steps of half of the "
                     f"shortest wave of the faces, {wave:.4g}; fewer suffice with a longer wavelength_short"
@@ -206,8 +213,7 @@ class MovingContact:
     def _line(self, places: Array) -> tuple[Array, Array]:
         """Positions y and x of places on the line through the Hertz contact."""
         assert self._hertz is not None
-        half = self._hertz.half_width_y, self._hertz.half_width_x
-        start = [share * width if share else 0.0 for share, width in zip(self._at, half, strict=True)]
+        start = self._hertz.position(self._at)
         return start[0] + places * self._along[0], start[1] + places * self._along[1]
 
     def in_body(self, body: str) -> MovingPressure:
@@ -233,9 +239,12 @@ class MovingContact:
         hertz, sliding = self._hertz, traction_direction(self._direction, body)
         background: Callable[[float], Array] | None = None
         if hertz is not None:
-            background = hertz.background(
-                *self._line(np.array([state.place for state in states])), layer, self._friction, sliding
-            )
+            place = self._line(np.array([state.place for state in states]))
+            background = hertz.background(*place, layer, (1 - self._film) * self._friction, sliding)
+        if self._film:
+            carried = self._film * np.array([state.mean_pressure for state in states])
+            film, smooth = carried[:, None] * layer.uniform_stress(), background
+            background = (lambda depth: film) if smooth is None else (lambda depth: smooth(depth) + film)
         return MovingPressure(
             pressures,
             self.grid,
@@ -245,7 +254,7 @@ class MovingContact:
             sliding,
             background,
             hertz is not None,
-            0.0 if hertz is None else DEEPEST * hertz.narrow,
+            0.0 if hertz is None else hertz.deepest(),
         )
 
     def _pressure(self, state: State, body: str) -> Array:
@@ -258,7 +267,7 @@ class MovingContact:
                 np.roll(self._upper, shift if both_rough else 0, (0, 1)) - self._lower,
                 self._solid,
                 self.grid.length,
-                mean_pressure=state.mean_pressure,
+                mean_pressure=(1 - self._film) * state.mean_pressure,
                 initial=next(reversed(self._solved.values()), None),
                 **self._settings,
             ).pressure
@@ -276,7 +285,7 @@ def step_along(sliding_direction: str | float, grid: Grid) -> tuple[int, int]:
     ValueError
         If no step of at most `LONGEST_STEP` nodes along each axis has the direction.
     """
-    y, x = shear_traction(1.0, sliding_direction, Layer(1.0, 0.0))[::-1]
+    x, y = direction_cosines(sliding_direction)
     steps = [
         (j, i)
         for j in range(-LONGEST_STEP, LONGEST_STEP + 1)

@@ -37,12 +37,12 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
         hardness=case.hardness,
         boundary=face.boundary,
         progress=progress,
-        **_imposed(face, case),
+        **imposed_load(face, case),
     )
 
 
-def _imposed(face: TreatedMap, case: Case) -> dict[str, Any]:
-    """The load as an argument of `asperity.solve`."""
+def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
+    """The load as an argument of `asperity.solve`; `SettingsError` if it is out of range for the map."""
     load, lowest = case.load, float(face.height.min())
     if isinstance(load, Hertz):
         return {"mean_pressure": case.cell_pressure}
@@ -88,4 +88,4 @@ def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact |
     if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
         return None
     under = case.under(mean_pressure=contact.mean_pressure)
-    return press(face, under.replaced(body=case.body.replaced(hardness=hardness)))
+    return press(face, under.replaced(body=under.body.replaced(hardness=hardness)))

@@ -65,13 +65,16 @@ class Row(NamedTuple):
         """The estimate and its error as text; empty where there is none."""
         if not self.error > 0:
             return ""
-        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(self.estimate, self.unit)
+        larger = max(abs(self.estimate), self.error)
+        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(larger, self.unit)
         if self.name in IN_PER_CENT:
             factor, symbol = 0.01, "%"
         return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
 
     def by(self, error: float, source: str = "the pixels") -> Row:
         """The row with the error of its value, if that is known, and what it is the error of."""
+        if math.isfinite(self.value) and error == 0:
+            return self._replace(estimate=self.value, error=0.0)
         if not (math.isfinite(self.value) and error > 0):
             return self
         row = self._replace(estimate=self.value, error=error)

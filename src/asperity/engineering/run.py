@@ -17,7 +17,7 @@ from asperity.engineering.case import Case
 from asperity.engineering.contact_numbers import contact_numbers, contact_spots
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.press import plastic_contact, press
+from asperity.engineering.press import imposed_load, plastic_contact, press
 from asperity.engineering.question import IN_FULL_CONTACT
 from asperity.settings.load import UNITS
 from asperity.settings.model import Problem, SettingsError
@@ -66,7 +66,7 @@ def run(
     >>> steel = asp.Body(young="210 GPa", poisson=0.3, yield_stress="1.5 GPa")
     >>> answer = asp.run(surface, steel, mean_pressure="50 MPa", sliding={"friction": 0.1})
     >>> print(f"real contact {100 * answer.numbers.area_fraction:.1f} % of the area")
-    real contact 5.4 % of the area
+    real contact 5.5 % of the area
     """
     if isinstance(map, Case):
         return answer_of(map, progress=progress)
@@ -93,6 +93,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         As for `run`.
     """
     rough = rough or read_face(case.map, case.counter_map)
+    case = case.replaced(map=rough.options or case.map)
     if wrong := problems_on_map(case, rough):
         raise SettingsError("", wrong)
     asked, found = case, {}
@@ -149,6 +150,10 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     found = [*_outside_hertz(case, rough.face)]
     for question in case.questions.values():
         found += [*question.on_map(case, rough)]
+    try:
+        imposed_load(rough.face, case)
+    except SettingsError as error:
+        found += error.found
     return [Problem(*each) for each in found]
 
 

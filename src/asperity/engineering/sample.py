@@ -1,9 +1,7 @@
 """Maps of one surface as a sample: every number as its mean over the maps, with a 95 % interval.
 
-The largest value of a peak on an area that was not measured follows from the peaks of the maps: those above
-a high threshold are independent, and their excesses follow a generalised Pareto distribution (J. Pickands,
-Ann. Statist. 3 (1975) 119, https://doi.org/10.1214/aos/1176343003). With λ such peaks per area the largest
-one on an area S is below x with probability exp(−λ S (1 − F(x))), where F is that distribution.
+The largest value of a peak on an area that was not measured follows from the peaks of the maps
+(`asperity.stress.statistics.largest`).
 """
 
 from __future__ import annotations
@@ -24,138 +22,8 @@ from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import POSITION_NAMES, REPEATS, Answer, case_in_words, without_repeats
 from asperity.engineering.question import IN_PER_CENT
 from asperity.engineering.questions.cycles import CRACKS
+from asperity.stress.statistics.largest import FEWEST_PEAKS, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
-
-FEWEST_PEAKS = 20
-"""Fewest peaks above the threshold."""
-
-LARGEST_TAIL = 0.2
-"""Largest share of the peaks above the threshold: lower ones are no tail."""
-
-MAX_AREA_RATIO = 100
-"""Largest area over that of the sample; `benchmarks/largest.py` measures the intervals up to it."""
-
-SHAPE_BOUNDS = -2.0, 0.5
-"""Bounds of the shape ξ; above 1/2 its estimate by probability-weighted moments has no variance."""
-
-BOOTSTRAP_SAMPLES, BOOTSTRAP_SEED = 1000, 1
-"""Samples of the bootstrap, and its seed."""
-
-QUANTILES = 0.5, 0.025, 0.975
-"""Of the largest value: its median, and the ends of the interval."""
-
-
-class Largest(NamedTuple):
-    """Largest value on an area, with what it follows from.
-
-    Attributes
-    ----------
-    value, low, high : float
-        Median, and 95 % interval, of the largest value on one such area: it holds the scatter of the largest
-        value from area to area and that of the maps. Of one map the interval is NaN.
-    threshold, shape : float
-        Threshold of the peaks, and shape ξ of the generalised Pareto distribution.
-    peaks : int
-        Peaks of the sample above the threshold.
-    times : float
-        Area over that of the sample.
-    """
-
-    value: float
-    low: float
-    high: float
-    threshold: float
-    shape: float
-    peaks: int
-    times: float
-
-
-def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> Largest:
-    """Largest peak on an area, from the peaks of maps of the same surface.
-
-    The threshold is the lowest one above which the shape is stable: it differs from those of all higher
-    thresholds by less than twice their standard error. The interval is that of a bootstrap of the maps and of
-    their peaks; it draws one map fewer than there are: otherwise it would be too narrow for few maps.
-
-    Parameters
-    ----------
-    peaks : sequence of arrays
-        Values of the peaks of each map.
-    sample_area : float
-        Of all maps together, in m².
-    area : float
-        In m², too; at most `MAX_AREA_RATIO` times that of the sample.
-
-    Raises
-    ------
-    ValueError
-        If the area is too large, or there are fewer than 2 `FEWEST_PEAKS` peaks.
-
-    Examples
-    --------
-    For exponential peaks, 100 per unit area, the median of the largest of 10000 is log(10000 / log 2) = 9.6:
-
-    >>> from asperity.engineering.sample import largest_on
-    >>> random = np.random.default_rng(1)
-    >>> found = largest_on([random.exponential(size=1000) for _ in range(4)], sample_area=40.0, area=100.0)
-    >>> print(f"{found.value:.1f}, 95 % between {found.low:.1f} and {found.high:.1f}")
-    8.4, 95 % between 6.3 and 12.5
-    """
-    from scipy.stats import genpareto
-
-    check_area(area, sample_area)
-    maps = [np.asarray(values, dtype=float) for values in peaks]
-    ordered = np.sort(np.concatenate(maps))[::-1]
-    if ordered.size < 2 * FEWEST_PEAKS:
-        raise ValueError(f"area: {2 * FEWEST_PEAKS} peaks are needed, the maps have {ordered.size}")
-    most = max(int(LARGEST_TAIL * ordered.size), FEWEST_PEAKS + 1)
-    counts_above = np.unique(np.geomspace(FEWEST_PEAKS, most, 12).astype(int))
-    shapes_above = np.array([_shape_scale(ordered[:count] - ordered[count])[0] for count in counts_above])
-    # Twice the standard error of ξ near 0 (Hosking and Wallis 1987, table 2).
-    errors = 2.4 / np.sqrt(counts_above)
-    last = counts_above.size - 1
-    while last and not np.all(np.abs(shapes_above[:last] - shapes_above[last]) <= errors[:last]):
-        last -= 1
-    count, times = int(counts_above[last]), area / sample_area
-    threshold = float(ordered[count])
-    excesses = [values[values > threshold] - threshold for values in maps]
-    random, samples, few = np.random.default_rng(BOOTSTRAP_SEED), [np.concatenate(excesses)], len(maps) - 1
-    for _ in range(BOOTSTRAP_SAMPLES if few else 0):
-        chosen = np.concatenate([excesses[index] for index in random.integers(len(maps), size=few)])
-        samples.append(random.choice(chosen, random.poisson(chosen.size)) if chosen.size else chosen)
-    shapes, scales = np.transpose([_shape_scale(sample) for sample in samples])
-    counts = np.array([max(sample.size, 1) for sample in samples], dtype=float)
-    counts[1:] *= len(maps) / max(few, 1)
-    levels = np.append(QUANTILES[0], random.random(len(samples) - 1))
-    beyond = np.minimum(-np.log(levels) / (times * counts), 1.0)
-    found = threshold + genpareto.isf(beyond, shapes, scale=np.maximum(scales, np.finfo(float).tiny))
-    low, high = np.quantile(found[1:], QUANTILES[1:]) if few else (np.nan, np.nan)
-    return Largest(float(found[0]), float(low), float(high), threshold, float(shapes[0]), count, times)
-
-
-def check_area(area: float, sample_area: float) -> None:
-    """Raise `ValueError` for an area too large to predict from a sample."""
-    if not 0 < area <= MAX_AREA_RATIO * sample_area * (1 + 1e-9):
-        given, most = (shown_si(value, "m^2") for value in (area, MAX_AREA_RATIO * sample_area))
-        raise ValueError(
-            f"area = {given}: an area > 0 and ≤ {most} is needed, {MAX_AREA_RATIO} times that of all maps "
-            "together"
-        )
-
-
-def _shape_scale(excesses: Array) -> tuple[float, float]:
-    """Shape ξ and scale of the distribution of some excesses, by probability-weighted moments.
-
-    J. R. M. Hosking, J. R. Wallis, Technometrics 29 (1987) 339,
-    https://doi.org/10.1080/00401706.1987.10488243.
-    """
-    if excesses.size < 2 or excesses.max() <= 0:
-        return 0.0, float(excesses.mean()) if excesses.size else 0.0
-    ordered, ranks = np.sort(excesses), np.arange(excesses.size)
-    mean, weighted = ordered.mean(), float(np.mean(ordered * (1 - (ranks + 0.65) / excesses.size)))
-    shape = float(np.clip(2 - mean / (mean - 2 * weighted), *SHAPE_BOUNDS))
-    return shape, mean * (1 - shape)
-
 
 CONFIDENCE = 0.95
 """Confidence of the intervals."""
@@ -285,7 +153,7 @@ def pooled(answers: Sequence[Answer]) -> Sample:
     >>> sample = asp.pooled([asp.run(each, steel, mean_pressure=50e6) for each in maps])
     >>> area = sample.mean("contact", "real contact")
     >>> print(f"real contact {100 * area.value:.1f} ± {100 * area.error:.1f} %")
-    real contact 5.1 ± 0.9 %
+    real contact 5.1 ± 1.1 %
     """
     if not answers:
         raise ValueError("answers: at least one is needed")
@@ -351,12 +219,14 @@ class Sample:
 
     @cached_property
     def rows(self) -> list[SampleRow]:
-        """All numbers, line by line: estimates for vanishing pixels where all maps have one.
+        """Numbers that all maps have, line by line: estimates for vanishing pixels where all have one.
 
         The share above yield is that of the volume down to the deepest point above yield of all maps.
         """
         found: list[SampleRow] = []
         for (group, name), part in self.numbers.groupby(["group", "name"], sort=False):
+            if len(part) < len(self.names):  # a percentile for which one of the maps has too few peaks
+                continue
             of_maps = part.set_index("map").reindex(list(self.names))
             whole = of_maps["estimate"].notna().all()
             values = of_maps["estimate" if whole else "value"].to_numpy(dtype=float)
@@ -397,11 +267,22 @@ class Sample:
         return area[list(self.names)].to_numpy(dtype=float)
 
     def _peaks(self) -> Iterator[tuple[str, str, list[Array]]]:
-        """Body, quantity, and the sizes of its peaks on each map; the pressure once."""
+        """Body, quantity, and the sizes of its peaks on each map.
+
+        The pressure is that of both bodies. Bodies of one material have the same von Mises stress, too; under
+        friction, which has the opposite direction in the other body, this holds for its distribution.
+        """
+        groups = set(self.numbers["group"])
+        alike = any("upper" in group and group.replace("upper", "lower") in groups for group in groups)
+        common = ["pressure", "von_mises"] if alike else ["pressure"]
         for (body, quantity), part in self.peaks.groupby(["body", "quantity"]):
-            if (body, quantity) != ("upper", "pressure"):
-                sizes = [part["value_Pa"][part["map"] == name].abs().to_numpy() for name in self.names]
-                yield body, quantity, sizes
+            if body == "upper" and quantity in common:
+                continue
+            if quantity in common:  # of the body with the largest peak
+                part = self.peaks[self.peaks["quantity"] == quantity]
+                part = part[part["body"] == part.loc[part["value_Pa"].abs().idxmax(), "body"]]
+            sizes = [part["value_Pa"][part["map"] == name].abs().to_numpy() for name in self.names]
+            yield body, quantity, sizes
 
     def peaks_per_area(self) -> pd.DataFrame:
         """Peaks above a stress per nominal area, as means over the maps; columns as in ``docs/tables.md``."""

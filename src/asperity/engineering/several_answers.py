@@ -3,6 +3,7 @@
 The means and intervals are those of `asperity.engineering.sample`.
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
@@ -11,12 +12,13 @@ from typing import Any
 import pandas as pd
 
 from asperity.core.markup import html_table, rendered
+from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
 from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import pool_text
 from asperity.engineering.face import ReadFile
-from asperity.engineering.folder import CASE_FILE, COMPARISON, SAMPLE, locked, replacing
+from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
 from asperity.engineering.output import HEADLINE
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.results.atomic import write_text
@@ -75,8 +77,8 @@ SHOWN_MAPS = 3
 QUANTITIES = {"pressure": "pressure", "von_mises": "von Mises stress", "dang_van": "Dang Van stress"}
 
 
-def read_sample(folder: Path, names: Sequence[str], case: Case) -> Sample:
-    """The sample of answers of maps in the folders of these names."""
+def read_sample(folder: Path, names: Sequence[str], case: Case | None = None) -> Sample:
+    """The sample of answers of maps in the folders of these names, with the words of their case."""
     tables = {
         table: pd.concat(
             [pd.read_csv(folder / name / f"{table}.csv").assign(map=name) for name in names],
@@ -84,7 +86,8 @@ def read_sample(folder: Path, names: Sequence[str], case: Case) -> Sample:
         )
         for table in ("answer", "peaks")
     }
-    return Sample(case_in_words(case), tuple(names), tables["answer"], tables["peaks"])
+    words = "" if case is None else case_in_words(case)
+    return Sample(words, tuple(names), tables["answer"], tables["peaks"])
 
 
 def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]]) -> str:
@@ -143,6 +146,8 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
         )
         write_text(unfinished / "sample.html", page)
         write_text(unfinished / CASE_FILE, case)
+        manifests = {name: sha256_of(folder / name / MANIFEST) for name in sample.names}
+        write_text(unfinished / ANSWERS, json.dumps(manifests))
     return "\n".join([sample.text(), *([""] if predicted else []), *predicted])
 
 

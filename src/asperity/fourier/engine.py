@@ -13,6 +13,7 @@ threads and in every run, with pyFFTW as long as the wisdom of FFTW is kept.
 
 import json
 import os
+import re
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -37,9 +38,10 @@ DEFAULT = ENGINES[0]
 VARIABLE = "ASPERITY_FFT_ENGINE"
 """Environment variable with the engine of a process in which none is chosen."""
 
-# ducc0 reads one number; OpenMP allows one for each level of nested threads, such as "4,2".
-if "," in os.environ.get("OMP_NUM_THREADS", ""):
-    os.environ.setdefault("DUCC0_NUM_THREADS", os.environ["OMP_NUM_THREADS"].split(",")[0])
+# ducc0 reads one number, 0 for all processors, and fails at anything else. OpenMP allows one for each level
+# of nested threads, such as "4,2", and ignores what is none.
+_threads = (os.environ.get("DUCC0_NUM_THREADS") or os.environ.get("OMP_NUM_THREADS", "0")).split(",")[0]
+os.environ["DUCC0_NUM_THREADS"] = _threads if re.fullmatch(r"\s*[0-9]{1,9}\s*", _threads) else "0"
 
 _chosen: ContextVar["Engine | None"] = ContextVar("asperity_fft_engine", default=None)
 

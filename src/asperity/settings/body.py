@@ -16,21 +16,19 @@ class OfMaterial(Settings):
 
     material: str | None = setting(
         None,
-        "Name of a material of the table; its constants hold where the group gives none.",
         default_text="constants are given one by one",
         accepts="the name of a material, as `asperity case --materials` lists them",
         example="100Cr6",
     )
-    young: Pressure = setting(..., "Young's modulus.", default_text="that of the material", example="210 GPa")
-    poisson: Number = setting(
-        ..., "Poisson's ratio.", default_text="that of the material", gt=-1, le=0.5, example=0.3
-    )
+    """Name of a material of the table; its constants hold where the group gives none."""
+    young: Pressure = setting(..., default_text="that of the material", example="210 GPa")
+    """Young's modulus."""
+    poisson: Number = setting(..., default_text="that of the material", gt=-1, le=0.5, example=0.3)
+    """Poisson's ratio."""
     yield_stress: Pressure | None = setting(
-        None,
-        "Yield stress; the volume above it is reported.",
-        default_text="that of the material; without one yielding is not analysed",
-        example="1.5 GPa",
+        None, default_text="that of the material; without one yielding is not analysed", example="1.5 GPa"
     )
+    """Yield stress; the volume above it is reported."""
     _of_table: tuple[str, ...] = PrivateAttr(())
 
     @model_validator(mode="wrap")
@@ -47,10 +45,16 @@ class OfMaterial(Settings):
             # The hardness of a coated body is not that of its material.
             and not (name == "hardness" and value.get("coating") is not None)
         }
+        if not {"fatigue_torsion", "fatigue_bending"} <= {**value, **filled}.keys():  # one alone says nothing
+            filled = {name: constant for name, constant in filled.items() if not name.startswith("fatigue")}
         found = made({**value, **filled})
         found.model_fields_set.difference_update(filled)
         found._of_table = tuple(filled)
         return found
+
+    def gives(self, name: str) -> bool:
+        """True if the group itself gives a constant, not its material."""
+        return name in self.model_fields_set and getattr(self, name) is not None
 
     @property
     def of_table(self) -> tuple[str, ...]:
@@ -61,16 +65,17 @@ class OfMaterial(Settings):
 class Coating(OfMaterial):
     """A coating that is bonded to the body, a half-space."""
 
-    thickness: Length = setting(..., "Thickness of the coating.", example="2 um")
+    thickness: Length = setting(..., example="2 um")
+    """Thickness of the coating."""
 
 
 class Layer(Settings):
     """A body that is a layer on a rigid base."""
 
-    height: Length = setting(..., "Height of the layer.", example="5 um")
-    bottom: Literal["bonded", "frictionless"] = setting(
-        "bonded", "Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."
-    )
+    height: Length = setting(..., example="5 um")
+    """Height of the layer."""
+    bottom: Literal["bonded", "frictionless"] = setting("bonded")
+    """Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."""
 
 
 class Body(OfMaterial):
@@ -92,58 +97,41 @@ class Body(OfMaterial):
 
     hardness: Hardness | None = setting(
         None,
-        "Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses"
-        " of two bodies the smaller one is used.",
         default_text="that of the material, if the body has no coating; without one an elastic contact",
         example="7 GPa",
     )
+    """Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
+    of two bodies the smaller one is used."""
     conductivity: Number | None = setting(
-        None,
-        "Thermal conductivity; with that of the counter body, the contact conductance is reported.",
-        default_text="that of the material",
-        unit="W/(m K)",
-        gt=0,
-        le=1e5,
-        example=50.0,
+        None, default_text="that of the material", unit="W/(m K)", gt=0, le=1e5, example=50.0
     )
+    """Thermal conductivity; with that of the counter body, the contact conductance is reported."""
     resistivity: Number | None = setting(
-        None,
-        "Electrical resistivity; with that of the counter body, the contact conductance is reported.",
-        default_text="that of the material",
-        unit="Ω m",
-        gt=0,
-        le=1e20,
-        example=1e-7,
+        None, default_text="that of the material", unit="Ω m", gt=0, le=1e20, example=1e-7
     )
+    """Electrical resistivity; with that of the counter body, the contact conductance is reported."""
     fatigue_torsion: Pressure | None = setting(
         None,
-        "Fatigue limit in fully reversed torsion, 0.5 to 1 times that in bending.",
         default_text="that of the material; without one no stress cycles are reported",
         example="300 MPa",
     )
+    """Fatigue limit in fully reversed torsion, 0.5 to 1 times that in bending."""
     fatigue_bending: Pressure | None = setting(
         None,
-        "Fatigue limit in fully reversed bending.",
         default_text="that of the material; without one no stress cycles are reported",
         example="480 MPa",
     )
-    residual_stress: Stress | None = setting(
-        None,
-        "Equal normal stresses along x and y in the unloaded body, compression negative. They are added to"
-        " the mean stress in the criterion of Dang Van.",
-        default_text="none",
-        example="-400 MPa",
-    )
-    coating: Coating | None = setting(
-        None,
-        "Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are"
-        " those below the coating.",
-        default_text="no coating",
-    )
-    layer: Layer | None = setting(None, "A layer on a rigid base.", default_text="a half-space")
-    map: CounterMap | None = setting(
-        None, "Height map of the counter body.", default_text="the counter body is flat"
-    )
+    """Fatigue limit in fully reversed bending."""
+    residual_stress: Stress | None = setting(None, default_text="none", example="-400 MPa")
+    """Equal normal stresses along x and y in the unloaded body, compression negative. They are added to
+    the mean stress in the criterion of Dang Van."""
+    coating: Coating | None = setting(None, default_text="no coating")
+    """Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are
+    those below the coating."""
+    layer: Layer | None = setting(None, default_text="a half-space")
+    """A layer on a rigid base."""
+    map: CounterMap | None = setting(None, default_text="the counter body is flat")
+    """Height map of the counter body."""
 
     @model_validator(mode="after")
     def _check(self) -> "Body":
@@ -153,4 +141,6 @@ class Body(OfMaterial):
             name, other = "fatigue_torsion", "fatigue_bending"
             name, other = (name, other) if self.fatigue_bending is None else (other, name)
             raise ContradictionError((name, f": needs {other}"))
+        if self.residual_stress is not None and self.fatigue_torsion is None:
+            raise ContradictionError(("residual_stress", ": needs fatigue_torsion and fatigue_bending"))
         return self

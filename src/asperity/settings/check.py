@@ -9,7 +9,7 @@ from asperity.core.errors import shown
 from asperity.settings.accuracy import KEYS, PARTS, PRESETS
 from asperity.settings.configuration import Configuration, Contact
 from asperity.settings.model import Entry, Problem, SettingsError, described, entry_of, number
-from asperity.settings.sections import LOAD_LABELS, complete_map, without_load
+from asperity.settings.sections import LOAD_LABELS, without_load
 
 _FEWEST_PLANES = 4
 """Planes of the stress that a layer must hold: verification needs one away from both faces."""
@@ -78,7 +78,6 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
     if "area_fraction" in whole["contact"]:
         whole["contact"].setdefault("path_area_fractions", [whole["contact"]["area_fraction"]])
     whole["stress"].setdefault("poisson", [whole["layer"]["poisson"]])
-    whole["measured"] = {name: complete_map(surface) for name, surface in whole["measured"].items()}
     for surface in (*whole["surfaces"].values(), *whole["measured"].values()):
         if isinstance(surface.get("wavelength_short"), (int, float)):  # not for a length with its unit
             surface.setdefault("points", preset.points(surface["wavelength_short"]))

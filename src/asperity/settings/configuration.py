@@ -11,6 +11,7 @@ from pydantic import AfterValidator, ConfigDict, Field, Strict
 
 from asperity.core.errors import shown
 from asperity.core.packages import ENGINES, absent
+from asperity.settings.map import FileOptions
 from asperity.settings.model import (
     DISTINCT,
     NeededError,
@@ -23,7 +24,7 @@ from asperity.settings.model import (
     number,
     setting,
 )
-from asperity.settings.quantities import LengthOrNumber, Written
+from asperity.settings.quantities import Written
 from asperity.settings.sections import LOAD_LABELS
 
 TWO_NODES_SLACK = 1e-9
@@ -55,7 +56,7 @@ def _label(text: str) -> str:
     return text
 
 
-Name = Annotated[str, Strict(), Field(pattern=NAME)]
+Name = Annotated[Text, Field(pattern=NAME)]
 Label = Annotated[Text, Field(min_length=1, max_length=60), AfterValidator(_label)]
 Fraction = Annotated[Number, Field(gt=0, le=1)]
 Poisson = Annotated[Number, Field(gt=-1, le=0.5)]
@@ -100,29 +101,23 @@ class Load(OneOf):
 class Johnson(Settings):
     """Johnson's bounded transform of the Gaussian heights (Eq. 23 of the paper)."""
 
-    gamma: Number = setting(
-        ..., "γ, sign and size of the asymmetry. Positive values make blunt contacts.", ge=-10, le=10
-    )
-    delta: Annotated[Number, Field(gt=0, le=100)] = setting(
-        ..., "δ, shape; smaller values make the heights more skewed. The paper does not give its value."
-    )
-    zeta: Annotated[Number, Field(ge=-100, le=100)] = setting(
-        ..., "ζ, lower bound of the transformed heights before they are scaled back to `rms_height`."
-    )
-    lam: Number = setting(
-        ..., "λ, width of the interval of the transformed heights before they are scaled back.", gt=0, le=200
-    )
+    gamma: Number = setting(..., ge=-10, le=10)
+    """γ, sign and size of the asymmetry. Positive values make blunt contacts."""
+    delta: Annotated[Number, Field(gt=0, le=100)] = setting(...)
+    """δ, shape; smaller values make the heights more skewed. The paper does not give its value."""
+    zeta: Annotated[Number, Field(ge=-100, le=100)] = setting(...)
+    """ζ, lower bound of the transformed heights before they are scaled back to `rms_height`."""
+    lam: Number = setting(..., gt=0, le=200)
+    """λ, width of the interval of the transformed heights before they are scaled back."""
 
 
 class Moments(Settings):
     """Skewness and kurtosis of a Johnson curve."""
 
-    skewness: Number = setting(
-        ..., "Skewness of the transformed heights. Positive values make blunt contacts.", ge=-5, le=5
-    )
-    kurtosis: Annotated[Number, Field(gt=1, le=100)] = setting(
-        ..., "Kurtosis of the transformed heights (3 for a Gaussian), larger than 1 + skewness²."
-    )
+    skewness: Number = setting(..., ge=-5, le=5)
+    """Skewness of the transformed heights. Positive values make blunt contacts."""
+    kurtosis: Annotated[Number, Field(gt=1, le=100)] = setting(...)
+    """Kurtosis of the transformed heights (3 for a Gaussian), larger than 1 + skewness²."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         least = 1 + self.skewness**2
@@ -136,68 +131,22 @@ class Plateau(Settings):
     at which one passes into the other. Of the two roughnesses only the ratio counts.
     """
 
-    rpq: Number = setting(..., "Root-mean-square roughness Rpq of the plateau.", gt=0, le=1000)
-    rvq: Annotated[Number, Field(gt=0, le=1000)] = setting(
-        ..., "Root-mean-square roughness Rvq of the valleys, in the unit of `rpq`."
-    )
-    rmq: Number = setting(..., "Material ratio Rmq in per cent.", gt=0, lt=100)
+    rpq: Number = setting(..., gt=0, le=1000)
+    """Root-mean-square roughness Rpq of the plateau."""
+    rvq: Annotated[Number, Field(gt=0, le=1000)] = setting(...)
+    """Root-mean-square roughness Rvq of the valleys, in the unit of `rpq`."""
+    rmq: Number = setting(..., gt=0, lt=100)
+    """Material ratio Rmq in per cent."""
 
 
-class MapFile(Settings):
-    """Measured height map whose distribution of heights is used, after its tilt is subtracted."""
+class MapFile(FileOptions):
+    """Measured height map whose distribution of heights is used, after its trend is subtracted."""
 
     file: Text = setting(
-        ...,
-        "File of the height map, in a format of `docs/formats.md`. The map shows its peaks upward and is "
-        "pressed face down.",
-        pattern=r"^[^{}]{1,1000}\Z",  # Snakemake takes braces in the name of an input for wildcards
-        accepts="a file name without braces of at most 1000 characters",
+        ..., pattern=r"^[^{}]{1,1000}\Z", accepts="a file name without braces of at most 1000 characters"
     )
-    channel: Text = setting(
-        None,
-        "Name or number of the channel of the file.",
-        default_text="the one whose name says that it holds heights",
-        pattern=r"^[^\n]{1,200}\Z",
-        accepts="a name of at most 200 characters",
-    )
-    missing: Number = setting(
-        None,
-        "Number in the file that stands for points without data, such as -9999.",
-        default_text="as the format of the file marks them",
-    )
-    unit: Text = setting(
-        None,
-        "Unit of the heights and of `physical_size`, such as um, for a file that does not state it.",
-        default_text="as in the file",
-        pattern=r"^[A-Za-zµμÅ]{1,20}\Z",
-        accepts="a unit of length such as nm, um, mm or m",
-    )
-    orientation: Literal["peaks up", "lower face"] = setting(
-        None,
-        "Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, "
-        "or `lower face` of an indenter, as the library uses it.",
-        default_text="as in the file",
-    )
-    format: Text = setting(
-        None,
-        "Format of the file, for a file whose format cannot be recognised by its first bytes, or that has "
-        "the extension of another format. `profile` reads a line scan as a map with the same heights for "
-        "all y. `asperity info --help` lists the formats.",
-        default_text="recognised from the file",
-        pattern=r"^[a-z0-9]{1,20}\Z",
-        accepts="the name of a format",
-    )
-    max_memory: Number = setting(
-        None, "Largest size that the file may have when unpacked.", default_text="2", unit="GiB", gt=0
-    )
-    physical_size: Annotated[list[LengthOrNumber], Strict(), Field(min_length=2, max_length=2)] = setting(
-        None,
-        "Edges (y, x) of the map. Numbers are in the unit of the heights.",
-        default_text="as in the file",
-    )
-    height_factor: Annotated[Number, Field(gt=0, le=1e12)] = setting(
-        None, "Factor from the numbers in the file to heights.", default_text="as in the file"
-    )
+    """File of the height map, in a format of `docs/formats.md`. The map shows its peaks upward and is
+    pressed face down."""  # Snakemake takes braces in the name of an input for wildcards
 
 
 class Heights(OneOf):
@@ -214,25 +163,21 @@ class Surface(Settings):
     """A random rough surface."""
 
     label: Label = _LABEL
-    hurst: Annotated[Number, Field(ge=0, le=1)] = setting(..., "Hurst exponent.")
-    wavelength_long: Wavelength = setting(..., "Longest wavelength of the spectrum.", unit="cell length")
-    wavelength_short: Wavelength = setting(
-        ..., "Shortest wavelength of the spectrum; at least two grid spacings.", unit="cell length"
-    )
-    rms_height: Fraction = setting(..., "Root-mean-square height.", unit="cell length")
-    points: Nodes = setting(
-        None,
-        "Nodes of the grid on each edge of the cell.",
-        default_text="the preset's number for each `wavelength_short`",
-    )
+    hurst: Annotated[Number, Field(ge=0, le=1)] = setting(...)
+    """Hurst exponent."""
+    wavelength_long: Wavelength = setting(..., unit="cell length")
+    """Longest wavelength of the spectrum."""
+    wavelength_short: Wavelength = setting(..., unit="cell length")
+    """Shortest wavelength of the spectrum; at least two grid spacings."""
+    rms_height: Fraction = setting(..., unit="cell length")
+    """Root-mean-square height."""
+    points: Nodes = setting(None, default_text="the preset's number for each `wavelength_short`")
+    """Nodes of the grid on each edge of the cell."""
     contact: Load = _LOAD
     johnson: Johnson = setting(None, default_text="no transform")
-    moments: Moments = setting(
-        None,
-        "Johnson's transform of the Gaussian heights to a given skewness and kurtosis, by the bounded or "
-        "the unbounded curve. Excludes `johnson`.",
-        default_text="no transform",
-    )
+    moments: Moments = setting(None, default_text="no transform")
+    """Johnson's transform of the Gaussian heights to a given skewness and kurtosis, by the bounded or the
+    unbounded curve. Excludes `johnson`."""
     heights: Heights = setting(None, default_text="Gaussian")
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
@@ -252,60 +197,34 @@ class MeasuredMap(MapFile):
 
     label: Label = _LABEL
     contact: Load = _LOAD
-    detrend: Literal["none", "tilt", "curvature"] = setting(
-        None,
-        "Trend that is subtracted by least squares besides the mean.",
-        default_text="tilt for mirrored and windowed maps, else none",
-    )
     periodic: Literal["declared", "mirrored", "windowed"] = setting(
-        None,
-        "How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror "
-        "images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean "
-        "plane.",
-        default_text="only a file that calls itself periodic is accepted",
+        None, default_text="only a file that calls itself periodic is accepted"
     )
-    undefined: Literal["harmonic"] = setting(
-        None, "How points without data are filled.", default_text="a map with such points is refused"
-    )
+    """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
+    images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean
+    plane."""
+    undefined: Literal["harmonic"] = setting(None, default_text="a map with such points is refused")
+    """How points without data are filled."""
     wavelength_short: Annotated[Wavelength, Written("length", "8 um")] = setting(
-        None,
-        "Waves shorter than this are removed. Figures show depths in units of this wavelength. A number is "
-        "in cell lengths; a mirrored map fills half of the cell's edge.",
-        unit="cell length, unless it has its own",
-        default_text="two pixels of the map",
+        None, unit="cell length, unless it has its own", default_text="two pixels of the map"
     )
-    scan_lines: Literal["median", "matched"] = setting(
-        None,
-        "How offsets between scan lines along x are removed: by the median of each line, or `matched` by "
-        "the median of its differences from the line before.",
-        default_text="offsets are kept",
-    )
+    """Waves shorter than this are removed. Figures show depths in units of this wavelength. A number is in
+    cell lengths; a mirrored map fills half of the cell's edge."""
     s_filter: LengthOrCells = setting(
-        None,
-        "Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves.",
-        unit="cell length, unless it has its own",
-        default_text="no filter",
+        None, unit="cell length, unless it has its own", default_text="no filter"
     )
+    """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
     l_filter: LengthOrCells = setting(
-        None,
-        "Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves.",
-        unit="cell length, unless it has its own",
-        default_text="no filter",
+        None, unit="cell length, unless it has its own", default_text="no filter"
     )
+    """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
     points: Nodes = setting(
         None,
-        "Nodes on the longer edge of the cell, by Fourier interpolation; an even number on that of a "
-        "mirrored map.",
         default_text="the preset's number for each `wavelength_short` in cell lengths; without it, those of "
         "the map",
     )
-    despike: Number = setting(
-        None,
-        "Points that differ from the local median by more than this number of robust standard deviations of "
-        "the local roughness are replaced, as spikes.",
-        default_text="no point is replaced; 8 keeps every point of a Gaussian surface",
-        ge=3,
-    )
+    """Nodes on the longer edge of the cell, by Fourier interpolation; an even number on that of a mirrored
+    map."""
 
 
 class Studies(Settings):
@@ -320,22 +239,20 @@ class Studies(Settings):
     )
     __pydantic_extra__: dict[str, Annotated[Names, Field(description=_OWN_STUDY)]]
 
-    hurst: Names = setting(None, "Surfaces of figures 6 to 11.", default_text="none")
+    hurst: Names = setting(None, default_text="none")
+    """Surfaces of figures 6 to 11."""
     compressibility: Annotated[list[Text], Strict(), Field(min_length=0, max_length=1), DISTINCT] = setting(
-        None,
-        "Surface of figures 13 to 15, which compare the Poisson's ratios of `stress.poisson`.",
-        default_text="none",
+        None, default_text="none"
     )
-    skewness: Names = setting(None, "Surfaces of figures 16a and 17a.", default_text="none")
-    kurtosis: Names = setting(
-        None,
-        "Surfaces of figures 16b, 17b and 18. Figure 18 shows the two of them with the shortest wavelengths.",
-        default_text="none",
-    )
-    moments: Names = setting(
-        None, "Surfaces of the supplement that differ in the kurtosis of their heights.", default_text="none"
-    )
-    measured: Names = setting(None, "Surfaces of the supplement on measured surfaces.", default_text="none")
+    """Surface of figures 13 to 15, which compare the Poisson's ratios of `stress.poisson`."""
+    skewness: Names = setting(None, default_text="none")
+    """Surfaces of figures 16a and 17a."""
+    kurtosis: Names = setting(None, default_text="none")
+    """Surfaces of figures 16b, 17b and 18. Figure 18 shows the two of them with the shortest wavelengths."""
+    moments: Names = setting(None, default_text="none")
+    """Surfaces of the supplement that differ in the kurtosis of their heights."""
+    measured: Names = setting(None, default_text="none")
+    """Surfaces of the supplement on measured surfaces."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         for name in self.__pydantic_extra__:
@@ -346,34 +263,28 @@ class Studies(Settings):
 class Base(Settings):
     """Elastic half-space to which the layer is bonded, so that the layer is a coating."""
 
-    modulus_ratio: Number = setting(
-        ..., "Young's modulus of the base over that of the layer.", ge=1e-6, le=1e6
-    )
-    poisson: Poisson = setting(..., "Poisson's ratio of the base.")
+    modulus_ratio: Number = setting(..., ge=1e-6, le=1e6)
+    """Young's modulus of the base over that of the layer."""
+    poisson: Poisson = setting(...)
+    """Poisson's ratio of the base."""
 
 
 class Layer(Settings):
     """The elastic solid."""
 
-    height: Number = setting(1.0, "Height of the layer.", unit="cell length", gt=0, le=1000)
-    bottom: Literal["bonded", "frictionless"] = setting(
-        "bonded", "Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."
-    )
-    poisson: Poisson = setting(0.33, "Poisson's ratio of the contact, and of figures that show only one.")
+    height: Number = setting(1.0, unit="cell length", gt=0, le=1000)
+    """Height of the layer."""
+    bottom: Literal["bonded", "frictionless"] = setting("bonded")
+    """Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."""
+    poisson: Poisson = setting(0.33)
+    """Poisson's ratio of the contact, and of figures that show only one."""
     base: Base = setting(None, default_text="a rigid base")
-    lateral: Literal["confined", "free"] = setting(
-        "confined",
-        "Lateral state under the mean pressure: `confined` (no lateral strain) or `free` (no mean lateral "
-        "stress).",
-    )
-    half_space_tolerance: Number = setting(
-        None,
-        "Largest difference between layer and half-space, relative to the pressure of a mode, at which the "
-        "half-space replaces the layer. Every result records which of the two was used.",
-        default_text="preset",
-        ge=0,
-        le=1,
-    )
+    lateral: Literal["confined", "free"] = setting("confined")
+    """Lateral state under the mean pressure: `confined` (no lateral strain) or `free` (no mean lateral
+    stress)."""
+    half_space_tolerance: Number = setting(None, default_text="preset", ge=0, le=1)
+    """Largest difference between layer and half-space, relative to the pressure of a mode, at which the
+    half-space replaces the layer. Every result records which of the two was used."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         if self.base and self.bottom != "bonded":
@@ -386,27 +297,21 @@ class Contact(Settings):
     and so on.
     """
 
-    method: Solver = setting(
-        "active_set",
-        "Solver: damped dynamics as in the paper (`gfmd`), or the faster `active_set` with the same result.",
-    )
+    method: Solver = setting("active_set")
+    """Solver: damped dynamics as in the paper (`gfmd`), or the faster `active_set` with the same result."""
     area_fraction: Fraction = setting(0.1, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
     approach: Fraction = _APPROACH
-    hardness: Annotated[Number, Field(gt=0, le=1000)] = setting(
-        None,
-        "Largest pressure of a plastic contact, in effective moduli E*.",
-        default_text="an elastic contact",
-    )
+    hardness: Annotated[Number, Field(gt=0, le=1000)] = setting(None, default_text="an elastic contact")
+    """Largest pressure of a plastic contact, in effective moduli E*."""
     path_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = setting(
-        None, "Area fractions of the load-area curve.", default_text="the imposed load alone"
+        None, default_text="the imposed load alone"
     )
-    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = setting(
-        None, "Estimated error of the pressure, relative to its norm.", default_text="preset"
-    )
-    precision: Literal["float64", "float32"] = setting(
-        None, "Floating-point precision of the contact problem.", default_text="preset"
-    )
+    """Area fractions of the load-area curve."""
+    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = setting(None, default_text="preset")
+    """Estimated error of the pressure, relative to its norm."""
+    precision: Literal["float64", "float32"] = setting(None, default_text="preset")
+    """Floating-point precision of the contact problem."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         loads = [name for name in LOAD_LABELS if name in self.model_fields_set]
@@ -429,43 +334,29 @@ class Stress(Settings):
     """The stress inside the solid."""
 
     poisson: Annotated[list[Poisson], Strict(), Field(min_length=1, max_length=16), DISTINCT] = setting(
-        None,
-        "Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of "
-        "them. Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other "
-        "than that of the contact.",
-        default_text="that of the contact",
+        None, default_text="that of the contact"
     )
-    tolerance: Number = setting(
-        None,
-        "Largest error that a coarser grid may cause in a deep plane, relative to the rms of σ_zz in this "
-        "plane; 0 for the full grid at every depth.",
-        default_text="preset",
-        ge=0,
-        le=0.1,
-    )
-    depth_spacing: Number = setting(
-        None,
-        "Distance between planes near the surface. At depth the distance is a quarter of this number times "
-        "the depth.",
-        default_text="preset",
-        unit="grid spacings",
-        ge=0.05,
-        le=4,
-    )
+    """Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of
+    them. Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other
+    than that of the contact."""
+    tolerance: Number = setting(None, default_text="preset", ge=0, le=0.1)
+    """Largest error that a coarser grid may cause in a deep plane, relative to the rms of σ_zz in this
+    plane; 0 for the full grid at every depth."""
+    depth_spacing: Number = setting(None, default_text="preset", unit="grid spacings", ge=0.05, le=4)
+    """Distance between planes near the surface. At depth the distance is a quarter of this number times
+    the depth."""
 
 
 class Statistics(Settings):
     """Distributions over the seeds, and their uncertainty."""
 
-    bins: Annotated[Whole, Field(ge=2, le=10_000)] = setting(
-        100,
-        "Number of bins of every probability density. Densities of peaks have fewer bins where an average "
-        "bin would hold less than twenty peaks.",
-    )
-    resamples: Annotated[Whole, Field(ge=10, le=100_000)] = setting(
-        1000, "Bootstrap resamples over the seeds. Confidence bands need at least two seeds."
-    )
-    confidence: Number = setting(0.95, "Confidence level of the bands.", gt=0, lt=1)
+    bins: Annotated[Whole, Field(ge=2, le=10_000)] = setting(100)
+    """Number of bins of every probability density. Densities of peaks have fewer bins where an average bin
+    would hold less than twenty peaks."""
+    resamples: Annotated[Whole, Field(ge=10, le=100_000)] = setting(1000)
+    """Bootstrap resamples over the seeds. Confidence bands need at least two seeds."""
+    confidence: Number = setting(0.95, gt=0, lt=1)
+    """Confidence level of the bands."""
 
 
 def _nodes(least: int, most: int = 4096, of: str = "grid") -> Any:
@@ -477,15 +368,18 @@ class LoadArea(Settings):
     """Contact area against load of a periodic paraboloid (figure 2a)."""
 
     points: Whole = _nodes(32)
-    method: Solver = setting(..., "Solver, as in `contact.method`.")
+    method: Solver = setting(...)
+    """Solver, as in `contact.method`."""
 
 
 class SlabLoadArea(Settings):
     """Slabs of several heights, indented to the depth of the paper (figures 2b and 2c)."""
 
     points: Whole = _nodes(64)
-    method: Solver = setting(..., "Solver, as in `contact.method`.")
-    steps: Whole = setting(..., "Steps of the indentation.", ge=2, le=100)
+    method: Solver = setting(...)
+    """Solver, as in `contact.method`."""
+    steps: Whole = setting(..., ge=2, le=100)
+    """Steps of the indentation."""
 
 
 class GridConvergence(Settings):
@@ -493,7 +387,8 @@ class GridConvergence(Settings):
 
     points: Annotated[
         list[Annotated[Whole, Field(ge=16, le=2048)]], Strict(), Field(min_length=2), DISTINCT
-    ] = setting(..., "Nodes of the grids on each edge, in rising order.")
+    ] = setting(...)
+    """Nodes of the grids on each edge, in rising order."""
 
 
 class Elements(Settings):
@@ -509,9 +404,8 @@ class Elements(Settings):
         ],
         Strict(),
         Field(min_length=2),
-    ] = setting(
-        ..., "Meshes, coarse to fine, each as hexahedra along half an edge of the cell and along its height."
-    )
+    ] = setting(...)
+    """Meshes, coarse to fine, each as hexahedra along half an edge of the cell and along its height."""
     points: Whole = _nodes(32, 2048)
 
 
@@ -519,7 +413,8 @@ class Punch(Settings):
     """Von Mises stress under a Hertzian contact (figure 12)."""
 
     points: Whole = _nodes(64)
-    samples: Whole = setting(..., "Depths of the plane that is drawn.", ge=11, le=1001)
+    samples: Whole = setting(..., ge=11, le=1001)
+    """Depths of the plane that is drawn."""
 
 
 class EllipticContacts(Settings):
@@ -607,53 +502,39 @@ class Configuration(Settings):
     )
 
     based_on: Text = setting(
-        None,
-        "Another configuration, whose settings, except `results`, hold where this file gives none. It is "
-        "the paper's or one of your own, and may itself be based on a third. A file without this key uses "
-        "no other file.",
-        default_text="nothing",
-        accepts="the name of a configuration, such as `config/config.yaml`",
+        None, default_text="nothing", accepts="the name of a configuration, such as `config/config.yaml`"
     )
+    """Another configuration, whose settings, except `results`, hold where this file gives none. It is the
+    paper's or one of your own, and may itself be based on a third. A file without this key uses no
+    other file."""
     results: Text = setting(
         None,
-        "Folder for all results of the study, inside the project; `results` itself is the paper's. On the "
-        "command line `--config results=FOLDER` takes any folder.",
         default_text="`results/NAME` for a file `NAME.yaml`",
         pattern=r"^results(/[A-Za-z0-9_-]{1,60}){0,8}\Z",
         accepts="`results` or a folder below it",
     )
-    accuracy: Literal["draft", "paper", "reference"] = setting(
-        "paper", "Preset of all settings of accuracy. An explicit value of one of them overrides the preset."
-    )
-    fft_engine: Literal[ENGINES] = setting(  # type: ignore[valid-type]
-        ENGINES[0],
-        "Library that computes the Fourier transforms: `ducc0`, `pyfftw`, which the extra `fftw` installs, "
-        "or `scipy`, under the BSD licence. Their results differ by rounding errors.",
-    )
+    """Folder for all results of the study, inside the project; `results` itself is the paper's. On the
+    command line `--config results=FOLDER` takes any folder."""
+    accuracy: Literal["draft", "paper", "reference"] = setting("paper")
+    """Preset of all settings of accuracy. An explicit value of one of them overrides the preset."""
+    fft_engine: Literal[ENGINES] = setting(ENGINES[0])  # type: ignore[valid-type]
+    """Library that computes the Fourier transforms: `ducc0`, `pyfftw`, which the extra `fftw` installs, or
+    `scipy`, under the BSD licence. Their results differ by rounding errors."""
     seeds: Annotated[list[Seed], Strict(), Field(min_length=1), DISTINCT] = setting(
-        None,
-        "Seeds of the random surfaces. Every surface is generated, pressed and analysed once per seed.",
-        default_text="1, 2, … up to the number of the preset",
+        None, default_text="1, 2, … up to the number of the preset"
     )
-    figures: Literal["own", "paper"] = setting(
-        "own",
-        "Figures of the studies. `own` draws the same set of figures for each study, in files with its "
-        "name. `paper` draws the numbered figures of the paper and of its supplement for the studies with "
-        "the names in table `studies`, and the set of `own` for all other studies.",
-    )
-    claims: YesNo = setting(
-        False,
-        "Compare the statements of the paper with the results of its surfaces; needs `figures` set to "
-        "`paper`.",
-    )
-    surfaces: dict[Name, Surface] = setting(
-        {},
-        "Random rough surfaces, each under a name of lower-case letters, digits and underscores.",
-        names=NAMES,
-    )
-    measured: dict[Name, MeasuredMap] = setting(
-        {}, "Measured height maps, each under a name like those of `surfaces`.", names=NAMES
-    )
+    """Seeds of the random surfaces. Every surface is generated, pressed and analysed once per seed."""
+    figures: Literal["own", "paper"] = setting("own")
+    """Figures of the studies. `own` draws the same set of figures for each study, in files with its name.
+    `paper` draws the numbered figures of the paper and of its supplement for the studies with the names
+    in table `studies`, and the set of `own` for all other studies."""
+    claims: YesNo = setting(False)
+    """Compare the statements of the paper with the results of its surfaces; needs `figures` set to
+    `paper`."""
+    surfaces: dict[Name, Surface] = setting({}, names=NAMES)
+    """Random rough surfaces, each under a name of lower-case letters, digits and underscores."""
+    measured: dict[Name, MeasuredMap] = setting({}, names=NAMES)
+    """Measured height maps, each under a name like those of `surfaces`."""
     studies: Studies = setting(None, default_text="one study of all surfaces, `all`")
     layer: Layer = setting({})
     contact: Contact = setting({})

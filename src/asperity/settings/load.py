@@ -48,31 +48,29 @@ class OneLoad(Settings):
 class MeanPressure(OneLoad):
     """Load over the nominal area."""
 
-    mean_pressure: Pressure = setting(..., "Load over the nominal area.", example="50 MPa")
+    mean_pressure: Pressure = setting(..., example="50 MPa")
+    """Load over the nominal area."""
 
 
 class Force(OneLoad):
     """Load on the area of the map."""
 
-    force: ForceInNewton = setting(
-        ..., "Load on the area of the map, or on the whole Hertz contact.", example="12 N"
-    )
+    force: ForceInNewton = setting(..., example="12 N")
+    """Load on the area of the map, or on the whole Hertz contact."""
 
 
 class Approach(OneLoad):
     """Approach of the bodies since their first touch."""
 
-    approach: Length = setting(
-        ...,
-        "Approach of the bodies since their first touch (δ − min h, docs/glossary.md).",
-        example="200 nm",
-    )
+    approach: Length = setting(..., example="200 nm")
+    """Approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
 
 
 class AreaFraction(OneLoad):
     """Real over nominal contact area."""
 
-    area_fraction: Number = setting(..., "Real over nominal contact area.", gt=0, le=1, example=0.05)
+    area_fraction: Number = setting(..., gt=0, le=1, example=0.05)
+    """Real over nominal contact area."""
 
 
 class Hertz(OneLoad):
@@ -85,37 +83,25 @@ class Hertz(OneLoad):
     """
 
     hertz_pressure: Pressure | None = setting(
-        None,
-        "Largest pressure of a Hertz contact, of which the map is a small part.",
-        default_text="another quantity is imposed",
-        example="1.2 GPa",
+        None, default_text="another quantity is imposed", example="1.2 GPa"
     )
-    force: ForceInNewton | None = setting(
-        None, "Force of the whole Hertz contact.", default_text="another quantity is imposed"
-    )
-    mean_pressure: Pressure | None = setting(
-        None, "Pressure of the Hertz contact at the place of the map.", default_text="another is imposed"
-    )
-    radius_x: Radius = setting(
-        ...,
-        "Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it"
-        " the map lies in a Hertz contact.",
-        default_text="no Hertz contact",
-        example="9 mm",
-    )
-    radius_y: Radius | None = setting(
-        None,
-        "Combined radius of curvature along y, or `inf` along the axis of a roller.",
-        default_text="that along x",
-        example="80 mm",
-    )
+    """Largest pressure of a Hertz contact, of which the map is a small part."""
+    force: ForceInNewton | None = setting(None, default_text="another quantity is imposed")
+    """Force of the whole Hertz contact."""
+    mean_pressure: Pressure | None = setting(None, default_text="another is imposed")
+    """Pressure of the Hertz contact at the place of the map."""
+    radius_x: Radius = setting(..., default_text="no Hertz contact", example="9 mm")
+    """Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it
+    the map lies in a Hertz contact."""
+    radius_y: Radius | None = setting(None, default_text="that along x", example="80 mm")
+    """Combined radius of curvature along y, or `inf` along the axis of a roller."""
     at: tuple[Number, Number] = setting(
         (0.0, 0.0),
-        "Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the"
-        " contact.",
         accepts="two numbers (y, x) inside the contact, nearer than one half-width",
         example=[0, 0.2],
     )
+    """Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the
+    contact."""
 
     @model_validator(mode="after")
     def _check(self) -> "Hertz":
@@ -177,6 +163,9 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
         )
     in_hertz_contact = not value.keys().isdisjoint(Hertz.model_fields.keys() - UNITS.keys())
     given = [name for name in UNITS if name in value]
+    if in_hertz_contact and (others := [name for name in given if name not in Hertz.model_fields]):
+        text = ": hertz_pressure, force or mean_pressure is needed in a Hertz contact"
+        raise ContradictionError(*((name, text) for name in others))
     if not in_hertz_contact and len(given) != 1:
         text = f": exactly one of them is needed, {' and '.join(given) or 'none'} given"
         raise ContradictionError((", ".join(UNITS), text))

@@ -38,8 +38,67 @@ Source = Annotated[
 """File of a map, or in Python a `asperity.HeightMap`."""
 
 
-class MapOptions(Settings):
-    """Properties of a height map that its file does not state, and options of its treatment.
+class FileOptions(Settings):
+    """Properties of a height map that its file may not state, and a treatment that needs no grid."""
+
+    channel: str | int | None = setting(
+        None,
+        default_text="the one whose name says that it holds heights",
+        accepts="a name of at most 200 characters, or a number",
+    )
+    """Name or number of the channel of the file."""
+    unit: str | None = setting(
+        None,
+        default_text="as in the file",
+        pattern="^[A-Za-zµμÅ]{1,20}( [A-Za-zµμÅ]{1,20})?\\Z",
+        accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
+        example="um",
+    )
+    """Unit of the heights, and of edges given as numbers; for a list of points also two, that of x and y and that
+    of z, such as mm um."""
+    physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
+        None,
+        default_text="as in the file",
+        accepts="two lengths > 0 (y, x) with their units such as 512 um, or numbers > 0",
+        example=["200 um", "200 um"],
+    )
+    """Edges (y, x) of the map. Numbers are in the unit of the heights."""
+    height_factor: Number | None = setting(None, default_text="as in the file", gt=0, le=1e12)
+    """Factor from the numbers in the file to heights."""
+    missing: Number | None = setting(None, default_text="as the format of the file marks them")
+    """Number in the file that stands for points without data, such as -9999."""
+    orientation: Literal["peaks up", "lower face"] | None = setting(None, default_text="as in the file")
+    """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
+    `lower face` of an indenter, as the library uses it."""
+    format: str | None = setting(
+        None,
+        default_text="recognised from the file",
+        pattern="^[a-z0-9]{1,20}\\Z",
+        accepts="the name of a format",
+    )
+    """Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the
+    extension of another format. `profile` reads a line scan as a map with the same heights for all y.
+    `asperity info --help` lists the formats."""
+    max_memory: Number = setting(2.0, unit="GiB", gt=0)
+    """Largest size that the file may have when unpacked."""
+    scan_lines: Literal["median", "matched"] | None = setting(None, default_text="offsets are kept")
+    """How offsets between scan lines along x are removed: by the median of each line, or `matched` by the
+    median of its differences from the line before."""
+    despike: Number | None = setting(
+        None, default_text="no point is replaced; 8 keeps every point of a Gaussian surface", ge=3, example=8
+    )
+    """Points that differ from the local median by more than this number of robust standard deviations of
+    the local roughness are replaced, as spikes."""
+    detrend: Detrend | None = setting(None, default_text="tilt; none for a map that is one period")
+    """Trend that is subtracted besides the mean, by least squares of the points that have data. A period has
+    no tilt, and subtracting one makes a step at its edges."""
+
+
+class MapOptions(FileOptions):
+    """Properties of a height map, and options of its treatment.
+
+    A property that is given replaces that of the file, and the map notes it; for several maps that share
+    options the file takes precedence.
 
     Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
     as ``"8 um"``.
@@ -57,117 +116,39 @@ class MapOptions(Settings):
     'nm'
     """
 
-    channel: str | int | None = setting(
-        None,
-        "Name or number of the channel of the file.",
-        default_text="the one whose name says that it holds heights",
-        accepts="a name of at most 200 characters, or a number",
-    )
-    unit: str | None = setting(
-        None,
-        "Unit of the heights, and of edges given as numbers, for a file that does not state it.",
-        default_text="as in the file",
-        pattern="^[A-Za-zµμÅ]{1,20}\\Z",
-        accepts="a unit of length such as nm, um, mm or m",
-        example="um",
-    )
-    physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
-        None,
-        "Edges (y, x) of the map. Numbers are in the unit of the heights.",
-        default_text="as in the file",
-        accepts="two lengths > 0 (y, x) with their units such as 512 um, or numbers > 0",
-        example=["200 um", "200 um"],
-    )
-    height_factor: Number | None = setting(
-        None, "Factor from the numbers in the file to heights.", default_text="as in the file", gt=0, le=1e12
-    )
-    missing: Number | None = setting(
-        None,
-        "Number in the file that stands for points without data, such as -9999.",
-        default_text="as the format of the file marks them",
-    )
-    orientation: Literal["peaks up", "lower face"] | None = setting(
-        None,
-        "Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or "
-        "`lower face` of an indenter, as the library uses it.",
-        default_text="as in the file",
-    )
-    format: str | None = setting(
-        None,
-        "Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the"
-        " extension of another format. `profile` reads a line scan as a map with the same heights for all y."
-        " `asperity info --help` lists the formats.",
-        default_text="recognised from the file",
-        pattern="^[a-z0-9]{1,20}\\Z",
-        accepts="the name of a format",
-    )
-    max_memory: Number = setting(2.0, "Largest size that the file may have when unpacked.", unit="GiB", gt=0)
-    scan_lines: Literal["median", "matched"] | None = setting(
-        None,
-        "How offsets between scan lines along x are removed: by the median of each line, or `matched` by the "
-        "median of its differences from the line before.",
-        default_text="offsets are kept",
-    )
-    despike: Number | None = setting(
-        None,
-        "Points that differ from the local median by more than this number of robust standard deviations of "
-        "the local roughness are replaced, as spikes.",
-        default_text="no point is replaced; 8 keeps every point of a Gaussian surface",
-        ge=3,
-        example=8,
-    )
     undefined: Literal["harmonic"] | None = setting(
-        None,
-        "How points without data are filled.",
-        default_text="a map with such points is refused; asperity run fills them",
+        None, default_text="a map with such points is refused; asperity run fills them"
     )
-    detrend: Detrend = setting("tilt", "Trend that is subtracted by least squares besides the mean.")
-    s_filter: LengthOrNumber | None = setting(
-        None,
-        "Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves.",
-        default_text="no filter",
-        example="2.5 um",
-    )
-    l_filter: LengthOrNumber | None = setting(
-        None,
-        "Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves.",
-        default_text="no filter",
-        example="80 um",
-    )
+    """How points without data are filled."""
+    s_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="2.5 um")
+    """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
+    l_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="80 um")
+    """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
     periodic: Periodicity | None = setting(
-        None,
-        "How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror"
-        " images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean"
-        " plane (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary.",
-        default_text="as it is if the file calls itself periodic; asperity run mirrors other maps",
+        None, default_text="as it is if the file calls itself periodic; asperity run mirrors other maps"
     )
+    """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
+    images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean plane
+    (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary."""
     wavelength_short: LengthOrNumber | None = setting(
-        None,
-        "Waves shorter than this are removed.",
-        default_text="two pixels of the map",
-        example="8 um",
+        None, default_text="two pixels of the map", example="8 um"
     )
-    points: Whole | None = setting(
-        None,
-        "Nodes on the longer edge of the map, by Fourier interpolation.",
-        default_text="those of the map",
-        ge=2,
-        le=MOST_POINTS,
-    )
-    radius: LengthOrNumber | None = setting(
-        None,
-        "Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map.",
-        default_text="the map alone",
-        example="5 mm",
-    )
-    form: Literal["sphere", "cylinder"] = setting("sphere", "Form to which the radius belongs.")
-    cylinder_axis: Literal["y", "x"] = setting("y", "Direction of the axis of the cylinder.")
+    """Waves shorter than this are removed."""
+    points: Whole | None = setting(None, default_text="those of the map", ge=2, le=MOST_POINTS)
+    """Nodes on the longer edge of the map, by Fourier interpolation."""
+    radius: LengthOrNumber | None = setting(None, default_text="the map alone", example="5 mm")
+    """Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map."""
+    form: Literal["sphere", "cylinder"] = setting("sphere")
+    """Form to which the radius belongs."""
+    cylinder_axis: Literal["y", "x"] = setting("y")
+    """Direction of the axis of the cylinder."""
 
 
 class Map(MapOptions):
     """The height map that is pressed, peaks upward as measured."""
 
-    file: Source = setting(..., "Height map of an instrument, peaks upward.", example="steel.x3p")
+    file: Source = setting(..., example="steel.x3p")
+    """Height map of an instrument, peaks upward."""
 
     @model_validator(mode="before")
     @classmethod
@@ -183,12 +164,11 @@ class CounterMap(Map):
     map.
     """
 
-    turned_about: Literal["y", "x"] = setting(
-        "y", "Axis about which the counter map is turned over, to face down."
-    )
+    turned_about: Literal["y", "x"] = setting("y")
+    """Axis about which the counter map is turned over, to face down."""
     shift: tuple[Position, Position] = setting(
         (0.0, 0.0),
-        "Position (y, x) of the middle of the counter map over that of the map.",
         accepts="two lengths (y, x) with their units, such as 10 um and -4 um",
         example=["10 um", "-4 um"],
     )
+    """Position (y, x) of the middle of the counter map over that of the map."""

@@ -8,14 +8,20 @@ of a group ``names``, the accepted names of settings that the user names; ``rena
 now; ``removed``, former key → what replaces it.
 """
 
+import ast
 import copy
+import inspect
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
+from itertools import pairwise
+from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, get_args
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetPydanticSchema,
@@ -30,16 +36,27 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from asperity.core.errors import InputError, did_you_mean, shown
 
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass as _Metaclass
+else:
+    _Metaclass = type(BaseModel)
+
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
 
 OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
 """Keywords of an entry that are not those of the standard."""
 
-Number = Annotated[float, Strict()]
+
+def _plain_number(value: Any) -> Any:
+    """A number of NumPy as one of Python."""
+    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
+
+
+Number = Annotated[float, BeforeValidator(_plain_number), Strict()]
 """A number; text and truth values are refused."""
 
-Whole = Annotated[int, Strict()]
+Whole = Annotated[int, BeforeValidator(_plain_number), Strict()]
 """A whole number that is written as one: 2048.0 is refused."""
 
 YesNo = Annotated[bool, Strict()]
@@ -127,25 +144,17 @@ class ContradictionError(ValueError):
         super().__init__("; ".join(map(str, self.found)))
 
 
-class _ProblemsOfAll(type(BaseModel)):  # type: ignore[misc]
+class _ProblemsOfAll(_Metaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
-    def __call__(cls, **given: Any) -> Any:
+    def __call__(cls: Any, **given: Any) -> Any:  # noqa: N805  of a metaclass
         try:
             return super().__call__(**given)
         except ValidationError as error:
             raise SettingsError("", problems(cls, error)) from None
 
 
-if TYPE_CHECKING:
-    _Model = BaseModel
-else:
-
-    class _Model(BaseModel, metaclass=_ProblemsOfAll):
-        """The base of `Settings` with its metaclass, which a type checker takes for another one."""
-
-
-class Settings(_Model):
+class Settings(BaseModel, metaclass=_ProblemsOfAll):
     """A group of settings that stay as they are; unknown keys are refused.
 
     Raises
@@ -163,6 +172,16 @@ class Settings(_Model):
         regex_engine="python-re",
         protected_namespaces=(),
     )
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        """Description of the class, with the texts of its settings."""
+        entry = handler(core_schema)
+        properties = handler.resolve_ref_schema(entry)["properties"]
+        for name, text in _texts_of(cls).items():
+            if name in properties:
+                properties[name]["description"] = text
+        return entry
 
     @classmethod
     def read(cls, values: Mapping[str, Any], source: str = "", **context: Any) -> Self:
@@ -236,8 +255,8 @@ def setting(
     default : any
         ``...`` for a setting that has to be given, None with a `default_text` for one that may be left out,
         and ``{}`` for a group of which each setting may be left out.
-    text : str
-        Meaning of the setting; of a group by default the docstring of its class.
+    text : str, optional
+        Meaning of the setting; by default the docstring below the field, else that of the class of a group.
     unit, default_text, accepts, example, names : optional
         Keywords of the description, see the head of this module.
     **limits
@@ -247,6 +266,27 @@ def setting(
     extra = {name: value for name, value in own.items() if value is not None}
     filled = isinstance(default, dict)
     return Field(default, description=text, json_schema_extra=extra, validate_default=filled, **limits)
+
+
+@cache
+def _texts_of(cls: type[BaseModel]) -> dict[str, str]:
+    """Setting → its text, the docstring below the field, of a class and those that it extends."""
+    texts: dict[str, str] = {}
+    for each in reversed([each for each in cls.__mro__ if issubclass(each, BaseModel)]):
+        body = _classes_in(each.__module__).get(each.__name__, [])
+        for field, below in pairwise(body):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+                text = getattr(getattr(below, "value", None), "value", None)
+                if isinstance(below, ast.Expr) and isinstance(text, str):
+                    texts[field.target.id] = text
+    return texts
+
+
+@cache
+def _classes_in(module: str) -> dict[str, list[ast.stmt]]:
+    """Class → its statements, of the source of a module."""
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {node.name: node.body for node in tree.body if isinstance(node, ast.ClassDef)}
 
 
 @cache
@@ -341,7 +381,7 @@ def check_of(root: type[BaseModel], key: str) -> TypeAdapter[Any]:
     """Check of one setting, by its dotted key."""
     *groups, name = key.split(".")
     field = _class_of(root, groups).model_fields[name]
-    checked: Any = Annotated[field.annotation, *field.metadata]
+    checked: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return TypeAdapter(checked, config=Settings.model_config)
 
 

@@ -5,6 +5,7 @@ In files and on the command line a quantity needs its unit. In Python a number i
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -33,19 +34,20 @@ class Quantity:
 
     def __call__(self, value: Any, info: core_schema.ValidationInfo) -> float:
         """The value in SI; `NeededError` if it is not accepted."""
-        from asperity.core.units import to_si  # needs NumPy; the help of a command does not
+        from asperity.core.arguments import LARGEST, SMALLEST  # need NumPy; the help of a command does not
+        from asperity.core.units import to_si
 
         if self.infinite and str(value).lstrip(".") == "inf":
             return math.inf
         try:
-            bare = isinstance(value, (int, float)) and not isinstance(value, bool)
+            bare = isinstance(value, Real) and not isinstance(value, bool)
             if bare and not (info.context or {}).get("units"):
                 found = float(value)
             else:
                 found = to_si(value, self.dimension)
         except ValueError:
             raise NeededError(self.needed(value)) from None
-        if not math.isfinite(found) or (self.positive and not found > 0):
+        if not (SMALLEST <= found <= LARGEST or (not self.positive and abs(found) <= LARGEST)):
             raise NeededError(self.needed(value))
         return found
 
@@ -100,7 +102,9 @@ class Written:
             Quantity(self.dimension)(value, info)
             return value
 
-        return core_schema.with_info_wrap_validator_function(checked, handler(source))
+        as_it_is = core_schema.plain_serializer_function_ser_schema(lambda value: value)
+        numbers = handler(source)
+        return core_schema.with_info_wrap_validator_function(checked, numbers, serialization=as_it_is)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         """Description of both."""

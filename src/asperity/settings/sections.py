@@ -41,9 +41,3 @@ def maps_of(config: Mapping[str, Any]) -> dict[str, Any]:
         if "map" in (heights := surface.get("heights", {})):
             maps[f"surfaces.{name}.heights.map"] = AS_SAMPLE | heights["map"]
     return maps
-
-
-def complete_map(surface: Mapping[str, Any]) -> dict[str, Any]:
-    """An entry of ``measured`` with a trend to subtract: its own, or a tilt if the map is made periodic."""
-    seam = surface.get("periodic") in ("mirrored", "windowed")
-    return {"detrend": "tilt" if seam else "none", **surface}

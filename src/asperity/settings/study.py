@@ -53,15 +53,13 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
         config = merged(config, layer)
     config = with_loads(with_base(config))
     config.pop("results", None)
-    folder = layers[-1].get(
-        "results", f"results/{Path(files[-1]).stem}"
-    )  # those beneath are of other studies
-    if "results" in layers[-1]:
-        config["results"] = folder
+    if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
+        config["results"] = layers[-1]["results"]
     config = check(config)
+    config.setdefault("results", f"results/{Path(files[-1]).stem}")
     if "studies" not in config:
         config["studies"] = {ALL_SURFACES: [*config["surfaces"], *config["measured"]]}
-    config["results"] = given.get("results", folder)
+    config["results"] = given.get("results", config["results"])
     if found := [Problem(*each) for each in _problems(config, files[-1], "results" in given)]:
         raise SettingsError("", found)
     if "results" in given:  # with slashes as in a Snakefile, also on Windows

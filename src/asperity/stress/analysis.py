@@ -37,7 +37,7 @@ from asperity.stress.peaks.finder import (
 )
 from asperity.stress.peaks.search import PlaneSearch
 from asperity.stress.planes.fields import FIELDS, PlaneFields, Visit
-from asperity.stress.planes.planes import depth_grid
+from asperity.stress.planes.planes import default_depths
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
 from asperity.stress.statistics.covariance import References
 
@@ -85,7 +85,8 @@ def analyse_stress(
     contact : object with ``pressure``, ``grid`` and ``layer``
         A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array, optional
-        Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer.
+        Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer, and
+        below them to where a background has its largest stresses.
     poisson, tolerance, threads, work, friction, sliding_direction
         As for `stress_planes`.
     quantities : names
@@ -128,7 +129,7 @@ def analyse_stress(
     solid = LoadedSolid.of(contact)
     own = solid.layer.lateral
     if depths is None:
-        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+        depths = default_depths(solid)
     settings = tolerance, threads, work, friction, sliding_direction
     stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
     return _Analysis(stream, (own,), quantities, floor).run(progress, observe)[own]

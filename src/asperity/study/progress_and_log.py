@@ -86,7 +86,7 @@ def log_to(path: str | os.PathLike[str]) -> None:
     """Send everything that this process and its programs print, log and warn of to a file, until it ends."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w", encoding="utf-8") as file:
-        for stream in (sys.stdout, sys.stderr):
+        for stream in filter(None, (sys.stdout, sys.stderr)):  # None is closed
             stream.flush()
             os.dup2(file.fileno(), stream.fileno())
     logging.basicConfig(stream=sys.stderr, format="%(asctime)s %(levelname)s %(message)s")

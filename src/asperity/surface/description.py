@@ -7,6 +7,7 @@ import numpy as np
 
 from asperity.core.types import Array, FilePath
 from asperity.fourier.grid import Grid
+from asperity.settings.map import MapOptions
 from asperity.surface import roughness
 from asperity.surface.reading.agreement import MapFile, metres, repeated_height
 from asperity.surface.reading.formats import PROFILE
@@ -15,7 +16,7 @@ from asperity.surface.reading.height_map import (
     ORIENTATION_NEEDED,
     PEAKS_UP,
     HeightMap,
-    MapOptions,
+    is_period,
 )
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
@@ -94,9 +95,9 @@ class MapDescription(NamedTuple):
 def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
-    Roughness is that of the map without its mean plane, without a filter, as `asperity.run` presses it by
-    default: with its spikes and its bow. If there are spikes, or if the bow counts, the roughness without
-    them is given beside it.
+    Roughness is that of the points that have data, without the mean plane (of a map that is one period,
+    without the mean) and without a filter, as `asperity.run` presses the map by default: with its spikes and
+    its bow. If there are spikes, or if the bow counts, the roughness without them is given beside it.
 
     Raises
     ------
@@ -113,6 +114,7 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     stated = " in the file" if found.unit_stated else ", as given"
     properties = {
         "file": surface.name,
+        **({"overridden": "; ".join(surface.notes)} if surface.notes else {}),
         "channels": _channels(found),
         "heights": ORIENTATION_WORDS[surface.orientation],
         "unit": surface.unit + stated if surface.unit else NOT_IN_FILE,
@@ -123,9 +125,10 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     }
     warnings = []
     if np.isfinite(surface.height).any():
-        measures = MapMeasures(surface)
-        properties |= _of_heights(surface, measures, found.edges_known, options.format == PROFILE)
-        warnings = map_warnings(surface, options, measures, found.edges_known)
+        measures = MapMeasures(surface, options)
+        comparable, is_profile = found.edges_comparable, options.format == PROFILE
+        properties |= _of_heights(surface, measures, comparable, is_profile)
+        warnings = map_warnings(surface, options, measures, comparable)
     return MapDescription(properties, needed, choices, warnings)
 
 
@@ -136,9 +139,14 @@ class MapMeasures:
     ----------
     surface : HeightMap
         With at least one point that has data.
+    options : MapOptions
+        A map that is taken as one period has no tilt and no bow.
 
     Attributes
     ----------
+    is_period : bool
+    measured : (ny, nx) array of bool
+        Points that have data and are no spikes.
     spikes : (ny, nx) array of bool
         Points beyond `DESPIKE` robust standard deviations from the local median.
     spike_count : int
@@ -148,9 +156,9 @@ class MapMeasures:
     level : (ny, nx) array
         Heights without spikes and tilt, filled where there are no data.
     spiky : (ny, nx) array
-        The same with the spikes.
+        Heights without tilt, with the spikes, NaN where there are no data.
     flat : (ny, nx) array
-        The heights without spikes, tilt and bow.
+        Heights without spikes, tilt and bow, filled where there are no data.
     tilt : float
         Angle of the mean plane, in radians.
     bow : float
@@ -158,24 +166,28 @@ class MapMeasures:
     bow_counts : bool
         True if the bow changes the rms height by more than the error of a sample of this size.
     rms_height, rms_height_without_bow : float
-        Without tilt and spikes.
+        Of the measured points, without tilt and spikes.
     """
 
-    def __init__(self, surface: HeightMap) -> None:
+    def __init__(self, surface: HeightMap, options: MapOptions) -> None:
         from scipy.ndimage import label
 
         height = surface.height
         self.spikes = find_spikes(height, DESPIKE)
         self.spike_count = int(label(self.spikes, np.ones((3, 3)))[1])
-        filled = fill_harmonic(height, self.spikes | ~np.isfinite(height))
-        self.highest_spike = float(np.abs(height - filled).max(initial=0.0, where=self.spikes))
-        self.level, slope, _ = subtract_trend(filled, "tilt", surface.length)
-        self.spiky = self.level + np.where(self.spikes, height - filled, 0.0)
+        self.measured, self.is_period = np.isfinite(height) & ~self.spikes, is_period(options, surface)
+        trends = ("none", "none") if self.is_period else ("tilt", "curvature")
+        (self.spiky, slope, _), (flat, _, self.bow) = (
+            subtract_trend(height, trend, surface.length, self.measured) for trend in trends
+        )
         self.tilt = math.atan(math.hypot(*slope))
-        self.flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
-        self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(self.flat))
+        self.level, self.flat = (fill_harmonic(each, ~self.measured) for each in (self.spiky, flat))
+        self.highest_spike = float(np.abs(self.spiky - self.level).max(initial=0.0, where=self.spikes))
+        self.rms_height, self.rms_height_without_bow = (
+            float(np.std(each[self.measured])) for each in (self.spiky, flat)
+        )
         added, grid = self.rms_height - self.rms_height_without_bow, Grid(height.shape, surface.length)
-        self.bow_counts = added > FLAT_VARIATION * float(np.abs(filled).max()) and (
+        self.bow_counts = added > FLAT_VARIATION * float(np.abs(height[self.measured]).max()) and (
             not self.rms_height_without_bow
             or added > roughness.sampling_error(self.flat, grid) * self.rms_height_without_bow
         )
@@ -191,7 +203,7 @@ def map_warnings(
 
     Each begins with the field of `MapOptions` that answers it.
     """
-    found = measures or MapMeasures(surface)
+    found = measures or MapMeasures(surface, options)
     rms, length, warnings = found.rms_height_without_bow, surface.shown_length, []
     if repeated := repeated_height(surface.height):
         number = repeated[0] / (metres(surface.unit) if surface.unit else 1.0)
@@ -203,7 +215,7 @@ def map_warnings(
         warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")
     if edges_known and not repeated:
         aspect = max(surface.spacing) / min(surface.spacing)
-        slope = roughness.rms_step(found.level, surface.spacing)
+        slope = roughness.rms_step(np.where(found.measured, found.level, np.nan), surface.spacing)
         if surface.unit is not None and max(surface.length) >= LARGEST_EDGE:
             warnings.append(f"physical_size: an edge of {length(max(surface.length))}; is this right?")
         if aspect >= LARGEST_ASPECT:
@@ -230,20 +242,21 @@ def map_warnings(
 def _of_heights(
     surface: HeightMap, measures: MapMeasures, edges_known: bool, is_profile: bool
 ) -> dict[str, str]:
-    """Defects, roughness and spectrum of a map; in units of pixels nothing that depends on the edges."""
+    """Defects, roughness and spectrum of a map; without edges in its unit nothing that depends on them."""
 
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)
 
     def parameters(height: Array) -> dict[str, str]:
-        """Parameters that spikes and bow change, in words."""
-        _, skewness, kurtosis = roughness.moments(height.ravel(), np.full(height.size, 1 / height.size))
-        up = height if surface.orientation != LOWER_FACE else -height
+        """Parameters of the points that have data that spikes and bow change, in words."""
+        values = height[np.isfinite(height)]
+        _, skewness, kurtosis = roughness.moments(values, np.full(values.size, 1 / values.size))
+        up = values if surface.orientation != LOWER_FACE else -values
         core, peaks, valleys = roughness.core_roughness(up)
         return {
-            "Sq": length(float(np.std(height))),
-            "Sa": length(float(np.mean(np.abs(height - height.mean())))),
-            "Sz": length(float(np.ptp(height))),
+            "Sq": length(float(np.std(values))),
+            "Sa": length(float(np.mean(np.abs(values - values.mean())))),
+            "Sz": length(float(np.ptp(values))),
             "Ssk": f"{skewness:.3g}",
             "Sku": f"{kurtosis:.3g}",
             "Sdq": f"{roughness.rms_step(height, surface.spacing):.3g}",
@@ -252,15 +265,20 @@ def _of_heights(
             "Svk": length(valleys),
         }
 
+    def without_spikes(height: Array) -> Array:
+        return np.where(measures.measured, height, np.nan)
+
     level, shown = measures.level, parameters(measures.spiky)
     if measures.spike_count:
-        shown = {name: f"{shown[name]}, without spikes {text}" for name, text in parameters(level).items()}
+        texts = parameters(without_spikes(level))
+        shown = {name: f"{shown[name]}, without spikes {text}" for name, text in texts.items()}
     shortest, ratio, direction = roughness.texture(level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
     sal, str_ = length(shortest), f"{ratio:.2g}"
     if measures.bow_counts:
         without = f", without {'spikes and ' if measures.spike_count else ''}bow"
-        shown = {name: f"{shown[name]}{without} {text}" for name, text in parameters(measures.flat).items()}
+        texts = parameters(without_spikes(measures.flat))
+        shown = {name: f"{shown[name]}{without} {text}" for name, text in texts.items()}
         shortest, ratio, direction = roughness.texture(measures.flat, surface.spacing)
         sal += f", without bow {length(shortest)}"
         str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
@@ -278,11 +296,12 @@ def _of_heights(
         )
         spikes += f"of up to {length(measures.highest_spike)}"
         beyond += "; plasticity, Sal, Str, tip and waves are without them"
-    slope = roughness.rms_step(level, surface.spacing)
+    slope = roughness.rms_step(without_spikes(level), surface.spacing)
+    no_trend = "not subtracted: the map is one period"
     found = {
         "spikes": f"{spikes}{beyond}",
-        "tilt": f"{math.degrees(measures.tilt):.3g}°",
-        "bow": f"{length(measures.bow)} from lowest to highest point",
+        "tilt": no_trend if measures.is_period else f"{math.degrees(measures.tilt):.3g}°",
+        "bow": no_trend if measures.is_period else f"{length(measures.bow)} from lowest to highest point",
         **{name: f"{shown[name]}, {words}" for name, words in PARAMETERS.items()},
         "plasticity": f"index {slope:.3g} × E*/p_H, modulus over hardness p_H; far below 1 the contact is "
         "elastic",

@@ -218,9 +218,9 @@ def surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
 
 
 def rms_step(height: Array, spacing: tuple[float, float]) -> float:
-    """Rms gradient between neighbouring points of a map with edges."""
+    """Rms gradient between neighbouring points of a map with edges; NaN are no neighbours."""
     steps = (np.diff(height, axis=axis) / spacing[axis] for axis in (0, 1))
-    return float(np.sqrt(sum(np.mean(np.square(step)) for step in steps)))
+    return float(np.sqrt(sum(np.mean(np.square(step[np.isfinite(step)])) for step in steps)))
 
 
 class CoreRoughness(NamedTuple):
@@ -295,7 +295,8 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     angle = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     farthest = np.hypot(rows[-1] * spacing[0], columns[-1] * spacing[1])
     step = max(min(spacing) / 2, farthest / (MOST_STEPS * max(ny, nx)))
-    radius = np.arange(0.0, farthest, step)
+    # The last radii lie beyond the map, where the autocorrelation ends for every direction.
+    radius = np.arange(0.0, farthest + 2 * step, step)
     y, x = (
         np.outer(part(angle), radius) / step for part, step in zip((np.sin, np.cos), spacing, strict=True)
     )

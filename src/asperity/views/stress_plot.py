@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.stress.planes.planes import depth_grid, stress_planes
+from asperity.stress.planes.planes import default_depths, depth_grid, stress_planes
 from asperity.stress.section import stress_section
 from asperity.views.maps import CONTOUR_COLOUR, Map, blocks, draw_contour, draw_maps, largest_magnitude
 from asperity.views.panels import add_colour_bar, canvas, finish_title
@@ -150,7 +150,7 @@ def _plane(
     label = "depth"
     if depth == "max":
         label = "depth of the largest"
-        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+        depths = default_depths(solid)
         planes = stress_planes(
             solid, depths, fields=(field,), tolerance=SEARCH_TOLERANCE, progress=progress, **stress.settings
         )

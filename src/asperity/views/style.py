@@ -89,15 +89,21 @@ def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
     ValueError
         If a suffix is not that of a picture format.
     """
+    from matplotlib import rcParams
+    from matplotlib.backend_bases import get_registered_canvas_class
+
     require_picture(*paths)
-    engine = figure.get_layout_engine()
+    engine, dpi, canvas = figure.get_layout_engine(), figure.dpi, figure.canvas
+    if rcParams["savefig.dpi"] != "figure":
+        figure.dpi = rcParams["savefig.dpi"]
     for path in map(Path, paths):
         metadata = {".pdf": {"CreationDate": None, "Producer": None}, ".svg": {"Date": None}}
         with atomic_write(path) as unfinished:
-            figure.savefig(
-                unfinished,
-                format=path.suffix.removeprefix("."),
-                metadata=metadata.get(path.suffix, {"Software": None}),
-            )
+            # Draws once, where savefig draws twice.
+            kind = path.suffix.removeprefix(".")
+            write = getattr(get_registered_canvas_class(kind)(figure), f"print_{kind}")
+            write(unfinished, metadata=metadata.get(path.suffix, {"Software": None}))
         figure.set_layout_engine("none")
     figure.set_layout_engine(engine)
+    figure.dpi = dpi
+    figure.set_canvas(canvas)

@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -149,12 +149,15 @@ def _problems_of_several(
 ) -> Iterator[str]:
     """Reasons why the answers of several maps cannot be written, or maps cannot be pooled."""
     from asperity.engineering.folder import COMPARISON, SAMPLE
-    from asperity.engineering.sample import check_alike, check_area
+    from asperity.engineering.sample import check_alike
+    from asperity.stress.statistics.largest import check_area
 
     if not options.pooled:
         yield from (
             f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:])
         )
+        if any(job.case is not None and job.case.sample is not None for job in jobs.values()):
+            yield "sample: needs --pooled"
     if options.only and options.only not in names:
         yield f"--only {options.only}: one of {', '.join(names)} is needed"
     if folder is None or options.only:
@@ -162,7 +165,15 @@ def _problems_of_several(
     yield from _problems_of(folder, [], SAMPLE if options.pooled else COMPARISON)
     if len(set(names)) < len(names):
         yield "MAP: files of different names, or in folders of different names, are needed"
+    for name in names:
+        if name.startswith(".") or name in (*SAMPLE, *COMPARISON):
+            yield f"MAP: {shown(name)} cannot be the name of the folder of its answer; rename the map"
     if options.pooled and not any(job.problems for job in jobs.values()):
+        of_checksum: dict[str, str] = {}
+        for name, job in jobs.items():
+            other = of_checksum.setdefault(job.rough.files[0].sha256, name)
+            if other != name:
+                yield f"--pooled: {name} and {other} are the same map; each place of the surface is needed once"
         faces = {name: job.rough.face for name, job in jobs.items()}
         try:
             check_alike(faces)
@@ -220,6 +231,7 @@ def _job(
     from asperity.engineering.face import read_face
     from asperity.engineering.folder import names_of
     from asperity.engineering.run import problems_on_map
+    from asperity.settings.map import Map
 
     is_case = Path(path).suffix in SUFFIXES
     file = path if is_case else options.case
@@ -258,21 +270,29 @@ def _job(
         case = Case.read(content)
     except SettingsError as error:
         problems += map(named, error.found)
+    surface: Any = None if case is None else case.map
+    if case is None:  # problems of the map are reported together with those of the case
+        with suppress(SettingsError):
+            surface = Map.read(content.get("map", {}))
     problems += _problems_of(out, read, None if case is None else names_of(case))
-    if case is not None and not missing:
+    if surface is not None and not missing:
         try:
-            rough = read_face(case.map, case.counter_map, shared=folder is not None)
-            problems += map(named, problems_on_map(case, rough))
+            counter_map = None if case is None else case.counter_map
+            rough = read_face(surface, counter_map, shared=folder is not None)
+            if case is not None:
+                case = case.replaced(map=rough.options)
+                problems += map(named, problems_on_map(case, rough))
         except SettingsError as error:
             problems += map(named, error.found)
         except InputError as error:
             problems += error.renamed(lambda name: name_of(f"map.{name}")).lines  # type: ignore[attr-defined]
         except ValueError as error:
             problems.append(str(error))
-    for name, each in zip(("map", "counter_map"), rough.files if rough else (), strict=False):
+    files = rough.files if rough else ()
+    for name, path, each in zip(("map", "counter_map"), read, files, strict=False):
         if checksums.get(name, each.sha256) != each.sha256:
             problems.append(
-                f"{file}: {CHECKSUMS}.{name}: {one_line(each.path)} has changed since; delete the key to run"
+                f"{file}: {CHECKSUMS}.{name}: {one_line(path)} has changed since; delete the key to run"
                 " it as it is now"
             )
     return Job(case, rough, out, [*problems, *missing], read)

@@ -18,9 +18,8 @@ from asperity.settings.check import default
 from asperity.settings.configuration import Contact
 from asperity.settings.load import UNITS
 from asperity.settings.model import SettingsError
-from asperity.settings.sections import complete_map
 from asperity.study.progress_and_log import ProgressBar
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import press_surface
 from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import path_problem
@@ -65,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
         raise error.renamed(flag) from None
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
-        result = solve_contact(surface, layer, contact, progress=progress)
+        result = press_surface(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
     si, scale = bool(edge and modulus), 1.0
     if edge and modulus:
@@ -101,7 +100,7 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
         found = read_stage(path, "surface")
         edge = cell_length(found) if unit_system(found) == SI_UNITS else None
         return (*in_cell_lengths(found, settings_of(found)), edge)
-    parameters = complete_map({"label": path.stem.replace("$", r"\$"), "file": str(path), **given})
+    parameters = {"label": path.stem.replace("$", r"\$"), "file": str(path), **given}
     try:
         surface = read_surface(parameters)
     except MapError as error:

@@ -1,12 +1,15 @@
 """``asperity verify``: whether results are unchanged, and their contacts fulfil the conditions of contact."""
 
 import argparse
+import json
 import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.core.errors import DatasetError, fail, one_line
@@ -15,9 +18,13 @@ from asperity.core.types import Array
 from asperity.core.version import __version__
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, at
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
-from asperity.engineering.folder import CASE_FILE, checksums_in
+from asperity.engineering.folder import ANSWERS, CASE_FILE, MANIFEST, SAMPLE, checksums_in
+from asperity.engineering.several_answers import read_sample
 from asperity.results import dataset
 from asperity.settings.reader import load
+
+WRITTEN = ("report.html", "answer.csv", "sample.csv", "comparison.csv")
+"""Files by which a folder is that of an answer or of several, also without its manifest."""
 
 
 class Check(NamedTuple):
@@ -45,7 +52,11 @@ def run(options: argparse.Namespace) -> None:
 
 def _of_folder(path: Path) -> Iterator[Check]:
     """Checks of the folder of one answer, or of a folder with several."""
-    folders = [folder for folder in (path, *sorted(path.iterdir())) if checksums_in(folder)]
+    inside = [folder for folder in (path, *sorted(path.iterdir())) if folder.is_dir()]
+    folders = [folder for folder in inside if checksums_in(folder)]
+    for folder in (each for each in inside if each not in folders):
+        if found := next((name for name in WRITTEN if (folder / name).exists()), ""):
+            yield Check(f"{folder}: holds {found}, but no readable {MANIFEST}; run again", False)
     if not folders:
         text = f"{path}: no answer of asperity run; a result file or the folder of an answer is needed"
         yield Check(text, False)
@@ -77,6 +88,8 @@ def _of_answer(folder: Path) -> Iterator[Check]:
             yield Check(
                 f"{folder}: results of one {name} are needed, found {', '.join(sorted(found))}", False
             )
+    if ANSWERS in unchanged:
+        yield from _of_pool(folder)
     if "contact.nc" not in checksums:
         return
     if "report.html" not in checksums:
@@ -95,6 +108,30 @@ def _of_answer(folder: Path) -> Iterator[Check]:
             yield Check(f"{file}: changed since {folder} was computed from it; run again", False)
         else:
             yield Check(f"{file}: unchanged since {folder} was computed from it")
+
+
+def _of_pool(folder: Path) -> Iterator[Check]:
+    """Whether pooled answers are those of which the means were made, and the means follow from them."""
+    manifests = json.loads((folder / ANSWERS).read_text(encoding="utf-8"))
+    same = True
+    for name, checksum in manifests.items():
+        manifest = folder / name / MANIFEST
+        if not manifest.is_file():
+            same = False
+            yield Check(f"{folder / name}: missing, but its answer is pooled in {folder}; run again", False)
+        elif sha256_of(manifest) != checksum:
+            same = False
+            yield Check(f"{folder / name}: not the answer that is pooled in {folder}; run again", False)
+    if same:
+        means = read_sample(folder, list(manifests)).frame()
+        stored = pd.read_csv(folder / SAMPLE[0])
+        agrees = list(means.columns) == list(stored.columns) and len(means) == len(stored)
+        numbers = means.select_dtypes("number").columns
+        agrees = agrees and np.allclose(means[numbers], stored[numbers], rtol=1e-6, atol=0, equal_nan=True)
+        text = f"{folder / SAMPLE[0]}: the means follow from {len(manifests)} answers"
+        yield Check(
+            text if agrees else f"{folder / SAMPLE[0]}: not the means of the answers; run again", agrees
+        )
 
 
 def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Iterator[Check]:

@@ -29,9 +29,7 @@ class Conduction(Question):
     @classmethod
     def is_implied(cls, case: Case) -> bool:
         """True if a body gives a conductivity or resistivity itself."""
-        return any(
-            name in body.model_fields_set for body in case.groups_of_bodies.values() for name in CONSTANTS
-        )
+        return any(body.gives(name) for body in case.groups_of_bodies.values() for name in CONSTANTS)
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Constants that one body lacks, and bodies that are no half-spaces."""
@@ -45,11 +43,13 @@ class Conduction(Question):
                     f"{name}.{'coating' if body.layer is None else 'layer'}",
                     ": not accepted with conduction",
                 )
+        half = []
         for constant in CONSTANTS:
             missing = [name for name, body in bodies.items() if getattr(body, constant) is None]
-            if len(missing) == 1 and constant in bodies[({*bodies} - {*missing}).pop()].model_fields_set:
-                yield f"{missing[0]}.{constant}", ": missing; those of both bodies are needed"
-        if not resistivities(case):
+            if len(missing) == 1 and any(body.gives(constant) for body in bodies.values()):
+                half.append((f"{missing[0]}.{constant}", ": missing; those of both bodies are needed"))
+        yield from half
+        if not half and not resistivities(case):
             yield "conduction", ": conductivity or resistivity of both bodies is needed"
 
     def rows(self, answer: Answer) -> Iterator[Row]:

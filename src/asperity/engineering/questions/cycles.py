@@ -56,42 +56,27 @@ class Cycles(Question):
 
     shifts: Whole | None = setting(
         None,
-        "Number of positions of the moving bodies for which the contact is solved. They divide one period"
-        " along the sliding direction, or the way of a point through the Hertz contact.",
         default_text="cycles of a smooth body under a rough one, with fatigue limits",
         ge=2,
         le=10_000,
         example=64,
     )
-    slide_to_roll: Number = setting(
-        0.0,
-        "Slide-to-roll ratio 2 (u2 − u1)/(u2 + u1) in the Hertz contact, with the surface velocities u1 of"
-        " the body and u2 of the counter body.",
-        gt=-2,
-        lt=2,
-        example=0.1,
-    )
-    fatigue_scatter: Number | None = setting(
-        None,
-        "Coefficient of variation of the fatigue limits, 0.03 to 0.15 for steels. With `fatigue_volume`, the "
-        "probability that no crack starts is reported.",
-        default_text="no probability",
-        ge=0.01,
-        le=1,
-        example=0.1,
-    )
-    fatigue_volume: Volume | None = setting(
-        None,
-        "Stressed volume of the specimens on which fatigue limits and scatter were measured.",
-        default_text="no probability",
-        example="100 mm3",
-    )
+    """Number of positions of the moving bodies for which the contact is solved. They divide one period
+    along the sliding direction, or the way of a point through the Hertz contact."""
+    slide_to_roll: Number = setting(0.0, gt=-2, lt=2, example=0.1)
+    """Slide-to-roll ratio 2 (u2 − u1)/(u2 + u1) in the Hertz contact, with the surface velocities u1 of
+    the body and u2 of the counter body."""
+    fatigue_scatter: Number | None = setting(None, default_text="no probability", ge=0.01, le=1, example=0.1)
+    """Coefficient of variation of the fatigue limits, 0.03 to 0.15 for steels. With `fatigue_volume`, the
+    probability that no crack starts is reported."""
+    fatigue_volume: Volume | None = setting(None, default_text="no probability", example="100 mm3")
+    """Stressed volume of the specimens on which fatigue limits and scatter were measured."""
 
     @classmethod
     def is_implied(cls, case: Case) -> bool:
-        """True if a body gives fatigue limits itself."""
-        bodies = case.groups_of_bodies.values()
-        return any("fatigue_torsion" in body.model_fields_set for body in bodies)
+        """True if a body gives fatigue limits or a residual stress itself."""
+        bodies, limits = case.groups_of_bodies.values(), ("fatigue_torsion", "residual_stress")
+        return any(body.gives(name) for body in bodies for name in limits)
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """What cycles need, and what they do not go with."""
@@ -172,7 +157,7 @@ class Cycles(Question):
             from asperity.engineering.body_stress import STRESS_TOLERANCE
             from asperity.stress.cycles.stress_cycles import stress_cycles
 
-            moving = moving_contact(answer.case, answer.rough, answer.contact.mean_pressure)
+            moving = moving_contact(answer.case, answer.rough, answer.nominal_pressure)
             limits = _limits(answer.case.bodies[body])
             found[body] = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
         elif body in found:
@@ -367,6 +352,7 @@ def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> Moving
         slide_to_roll=case.cycles.slide_to_roll,
         friction=case.friction,
         hardness=case.hardness,
+        film_share=0.0 if case.film is None else case.film.share,
         wavelength_short=rough.face.wavelength_short,
     )
 

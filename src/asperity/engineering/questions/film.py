@@ -55,28 +55,14 @@ class Film(Question):
     λ is the central film thickness of the smooth contact over the composite rms roughness.
     """
 
-    load_share: Number | None = setting(
-        None,
-        "Share of the load that the film carries; the asperities carry the rest.",
-        default_text="that of lambda_ratio",
-        ge=0,
-        lt=1,
-        example=0.7,
-    )
-    lambda_ratio: Number | None = setting(
-        None,
-        "Central film thickness of the smooth contact over the composite rms roughness of both faces; the"
-        " share follows by `correlation`.",
-        default_text="load_share is given",
-        ge=0,
-        le=2,
-        example=1.0,
-    )
-    correlation: Literal["arana", "balan"] = setting(
-        "arana",
-        "Correlation of the share with λ: `arana` (1 − erf λ on asperities, doi 10.1177/1350650118778655) or"
-        " `balan` (doi 10.3390/lubricants3020222).",
-    )
+    load_share: Number | None = setting(None, default_text="that of lambda_ratio", ge=0, lt=1, example=0.7)
+    """Share of the load that the film carries; the asperities carry the rest."""
+    lambda_ratio: Number | None = setting(None, default_text="load_share is given", ge=0, le=2, example=1.0)
+    """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
+    share follows by `correlation`."""
+    correlation: Literal["arana", "balan"] = setting("arana")
+    """Correlation of the share with λ: `arana` (1 − erf λ on asperities, doi 10.1177/1350650118778655) or
+    `balan` (doi 10.3390/lubricants3020222)."""
 
     @property
     def share(self) -> float:

@@ -44,22 +44,16 @@ class LeakResult:
 class Leak(Question):
     """Percolation of the gap, and leakage of a fluid through it; see `asperity.film_flow`."""
 
-    direction: Literal["x", "y"] = setting("x", "Direction in which the fluid leaks.")
+    direction: Literal["x", "y"] = setting("x")
+    """Direction in which the fluid leaks."""
     viscosity: Number | None = setting(
-        None,
-        "Dynamic viscosity of the fluid; needs `asperity[flow]`.",
-        default_text="percolation alone, no leakage",
-        unit="Pa s",
-        gt=0,
-        le=1e20,
-        example=0.03,
+        None, default_text="percolation alone, no leakage", unit="Pa s", gt=0, le=1e20, example=0.03
     )
+    """Dynamic viscosity of the fluid; needs `asperity[flow]`."""
     pressure_difference: Pressure | None = setting(
-        None,
-        "Fall of the pressure of the fluid over the length of the map.",
-        default_text="percolation alone, no leakage",
-        example="5 bar",
+        None, default_text="percolation alone, no leakage", example="5 bar"
     )
+    """Fall of the pressure of the fluid over the length of the map."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """A viscosity without a pressure difference, or the reverse."""

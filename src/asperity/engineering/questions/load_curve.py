@@ -100,20 +100,16 @@ class LoadCurve(Question):
 
     loads: tuple[AnyLoad, ...] = setting(
         ...,
-        "Rising loads before that of `load`, of the same quantity.",
         min_length=1,
         max_length=MAX_LOADS - 1,
         accepts=f"a list of 1 to {MAX_LOADS - 1} rising values below `load`",
         example=["10 MPa", "20 MPa"],
     )
+    """Rising loads before that of `load`, of the same quantity."""
     steps: Whole | None = setting(
-        None,
-        "Number of loads from the single one in `loads` to that of `load`, in equal ratios.",
-        default_text="the loads that are listed",
-        ge=2,
-        le=MAX_LOADS,
-        example=8,
+        None, default_text="the loads that are listed", ge=2, le=MAX_LOADS, example=8
     )
+    """Number of loads from the single one in `loads` to that of `load`, in equal ratios."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Loads of another quantity, and loads that do not rise."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from asperity.core.units import shown_si
 from asperity.engineering.question import (
     IN_FULL_CONTACT,
     Advice,
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
-    from asperity.engineering.face import RoughFace
 
 GROUP = "partial slip"
 
@@ -57,19 +57,11 @@ class SlipResult:
 class PartialSlip(Question):
     """Partial slip under a tangential load, instead of full sliding; see `asperity.partial_slip`."""
 
-    tangential_force: Force | None = setting(
-        None,
-        "Tangential force on the map, at most friction times load. Below that limit part of the contact"
-        " sticks.",
-        default_text="a displacement is given",
-        example="50 mN",
-    )
-    tangential_displacement: Length | None = setting(
-        None,
-        "Tangential displacement of the bodies instead of a force, on half-spaces.",
-        default_text="a force is given",
-        example="20 nm",
-    )
+    tangential_force: Force | None = setting(None, default_text="a displacement is given", example="50 mN")
+    """Tangential force on the map, at most friction times load. Below that limit part of the contact
+    sticks."""
+    tangential_displacement: Length | None = setting(None, default_text="a force is given", example="20 nm")
+    """Tangential displacement of the bodies instead of a force, on half-spaces."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """What partial slip does not go with, and a force above friction times load."""
@@ -91,40 +83,16 @@ class PartialSlip(Question):
                 "partial_slip.tangential_displacement",
                 ": half-spaces are needed, or a tangential_force on layers",
             )
-        if case.load.kind == "force":
-            yield from self._above_limit(case, case.load.value)
-
-    def _above_limit(self, case: Case, load: float) -> Iterator[tuple[str, str]]:
-        """A tangential force above friction times a load on the map."""
-        from asperity.core.units import shown_si
-
-        limit = case.friction * load
-        if self.tangential_force is not None and self.tangential_force > limit * (1 + 1e-12):
-            yield (
-                "partial_slip.tangential_force",
-                (
-                    f" = {shown_si(self.tangential_force, 'N')}: at most {shown_si(limit, 'N')} is needed,"
-                    " friction times load, at which the bodies slide"
-                ),
-            )
-
-    def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
-        """A tangential force above the limit, which depends on the area of the map under a pressure."""
-        if case.load.kind == "mean_pressure":
-            yield from self._above_limit(case, case.load.value * rough.face.map_area)
 
     def of_contact(self, answer: Answer) -> SlipResult:
         """The contact under the tangential load."""
         import pandas as pd
 
         from asperity.contact.slip import partial_slip
-        from asperity.settings.model import Problem, SettingsError
 
         case, contact, area = answer.case, answer.contact, answer.face.map_area
         imposed = {"tangential_displacement": self.tangential_displacement}
-        if self.tangential_force is not None:
-            if wrong := [*self._above_limit(case, contact.mean_pressure * area)]:
-                raise SettingsError("", [Problem(*each) for each in wrong])
+        if self.tangential_force is not None:  # above friction times load the bodies slide
             force = self.tangential_force * contact.grid.area / area
             imposed = {"tangential_force": min(force, case.friction * contact.force)}
         slip = partial_slip(contact, case.friction, sliding_direction=case.sliding_direction, **imposed)
@@ -153,6 +121,14 @@ class PartialSlip(Question):
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Errors of the superposition and of the pixels."""
         found: SlipResult = answer.of(self)
+        limit = found.slip.friction * answer.numbers.force
+        if self.tangential_force is not None and self.tangential_force >= limit:
+            yield Advice(
+                True,
+                "gross sliding",
+                f"the bodies slide: the tangential force of {shown_si(self.tangential_force, 'N')} is not below "
+                f"friction times load, {shown_si(limit, 'N')}, which is the force of this answer.",
+            )
         size = found.slip.deviation
         if size > 0:
             yield Advice(
@@ -206,8 +182,6 @@ class PartialSlip(Question):
 def _rows(slip: Slip, map_area: float) -> Iterator[Row]:
     """Numbers of partial slip on a map."""
     import numpy as np
-
-    from asperity.core.units import shown_si
 
     def row(name: str, value: float, unit: str, shown: str = "") -> Row:
         return Row(GROUP, name, value, unit, shown or shown_si(value, unit))

@@ -46,15 +46,12 @@ class RunIn(Question):
     is that of the elastic contact of the flattened map under the same load.
     """
 
-    loads: Whole = setting(
-        1, "Number of loads that flatten the map before the answer.", ge=1, le=20, example=1
-    )
+    loads: Whole = setting(1, ge=1, le=20, example=1)
+    """Number of loads that flatten the map before the answer."""
     hardness: Pressure | None = setting(
-        None,
-        "Hardness at which the first loads flatten the map.",
-        default_text="the smaller hardness of the bodies",
-        example="7 GPa",
+        None, default_text="the smaller hardness of the bodies", example="7 GPa"
     )
+    """Hardness at which the first loads flatten the map."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """A hardness that is missing or not above the load, and moving faces."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainValidator, WithJsonSchema
@@ -25,10 +27,10 @@ def _direction(value: Any) -> str | float:
     """Direction x or y, or an angle in degrees."""
     if value in ("x", "y"):
         return str(value)
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise NeededError("x, y or an angle in degrees from x towards y") from None
+    with suppress(TypeError, ValueError):
+        if not isinstance(value, bool) and math.isfinite(angle := float(value)):
+            return angle
+    raise NeededError("x, y or an angle in degrees from x towards y")
 
 
 Direction = Annotated[
@@ -45,19 +47,12 @@ class Sliding(Question):
     without friction.
     """
 
-    friction: Number = setting(
-        0.0,
-        "Coefficient of friction in full sliding. It enters the stress; the pressure is computed without"
-        " friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom.",
-        ge=0,
-        le=MAX_FRICTION,
-        example=0.1,
-    )
-    direction: Direction = setting(
-        "x",
-        "Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards"
-        " y. The traction on the body has this direction.",
-    )
+    friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
+    """Coefficient of friction in full sliding. It enters the stress; the pressure is computed without
+    friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
+    direction: Direction = setting("x")
+    """Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards
+    y. The traction on the body has this direction."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""

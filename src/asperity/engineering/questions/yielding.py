@@ -12,7 +12,7 @@ from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
 
 if TYPE_CHECKING:
-    from asperity.core.types import Array, Progress
+    from asperity.core.types import Progress
     from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
@@ -25,15 +25,17 @@ class Yielded:
 
     Parameters
     ----------
-    volume : float
-        Volume under the map whose von Mises stress is above yield.
+    volume, error : float
+        Volume under the map whose von Mises stress is above yield, and its error by pixels and planes; NaN
+        where there is no estimate.
     depths : (first, last) or None
-        Depths between which there are such points, interpolated between planes.
+        Depths between which there are such points.
     fraction : float
         That volume over the volume from the surface to the last of these depths.
     """
 
     volume: float
+    error: float
     depths: tuple[float, float] | None
     fraction: float
 
@@ -56,31 +58,36 @@ class Yielding(Question):
         return {}
 
     def watch(self, answer: Answer, body: str, loaded: LoadedSolid) -> Callable[[LinearPlane], None] | None:
-        """The share of each plane that is above yield."""
+        """The volume above yield, from the planes below a coating."""
+        from asperity.stress.exceedance import Exceedance
+
         limit, below = answer.case.bodies[body].yield_stress, loaded.layer.interface or -1.0
         if limit is None:
             return None
-        shares: list[float] = []
-        answer.of(self)[body] = shares
+        exceedance = Exceedance(limit, answer.face.boundary == "periodic")
+        answer.of(self)[body] = exceedance
 
         def add(plane: LinearPlane) -> None:
-            von_mises = plane.field("von_mises", loaded.layer.poisson)
-            shares.append(float(np.mean((von_mises > limit) & (plane.depth > below))))
+            if plane.depth > below:
+                exceedance.add(plane.depth, plane.grid, plane.field("von_mises", loaded.layer.poisson))
 
         return add
 
     def of_body(self, answer: Answer, body: str, progress: Progress) -> None:
-        """Volume and depths from the shares of the planes."""
-        limit, found = answer.case.bodies[body].yield_stress, answer.of(self)
+        """Volume and depths, and their error."""
+        from asperity.engineering.body_stress import largest_von_mises_between
+        from asperity.stress.peaks.selection import peaks
+
+        limit, part, area = answer.case.bodies[body].yield_stress, answer.bodies[body], answer.face.map_area
         if limit is None:
             return
-        stress, interface = answer.bodies[body].stress, answer.bodies[body].layer.interface
-        planes = stress["plane_depth"].values
-        volume = float(np.trapezoid(found[body], planes)) * answer.face.map_area
-        in_body = np.where(planes > (interface or -1.0), stress["largest_von_mises"].values.ravel(), 0)
-        depths = _depths_above(limit, in_body, planes)
-        fraction = volume / (answer.face.map_area * depths[1]) if depths and depths[1] else 0.0
-        found[body] = Yielded(volume, depths, fraction)
+        found = answer.of(self)[body]
+        top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
+        found.finish(largest_von_mises_between(part.stress, top, np.inf).value)
+        count = int((peaks(part.stress, "von_mises")["peak_value"] > limit).sum())
+        error = found.error(part.limits, count) * area
+        fraction = found.volume / found.depths[1] if found.depths else 0.0
+        answer.of(self)[body] = Yielded(found.volume * area, error, found.depths, fraction)
 
     def attributes(self, answer: Answer, body: str) -> Mapping[str, Any]:
         """Yield stress, and the volume above it."""
@@ -106,18 +113,22 @@ class Yielding(Question):
             return Row(group, name, value, unit, shown or shown_si(value, unit))
 
         yield row("yield stress", limit, "Pa")
+        source, map_area = "the pixels and planes", answer.face.map_area
+        per_area = row("volume above yield per area", found.volume / map_area, "m").by(
+            found.error / map_area, source
+        )
         if found.depths is None:
             yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
-            yield row("volume above yield per area", 0.0, "m")
+            yield per_area
         else:
             first, last = found.depths
             factor, symbol = scaled_unit([last], "m")
             share = f"{100 * found.fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
             between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
-            error, per_area = part.grid_error("volume_above_yield"), found.fraction * last
             yield row("volume above yield", found.volume, "m^3", shown_si(found.volume, "m^3", 3))
-            yield row("volume above yield per area", per_area, "m").by(error * per_area)
-            yield row("share above yield", found.fraction, "1", share).by(error * found.fraction)
+            yield per_area
+            error = found.error / (map_area * last)
+            yield row("share above yield", found.fraction, "1", share).by(error, source)
             yield row("deepest point above yield", last, "m", between)
         peaks = answer.peaks().query("body == @body and quantity == 'von_mises'")
         below = peaks["depth_m"] > (part.layer.interface or -1.0)
@@ -162,17 +173,3 @@ class Yielding(Question):
                     f"elastic limit: the largest stress{of} is {stress / limit:.3g} times the yield stress"
                 )
                 yield Advice(True, "stress beyond yield", f"{text}.", short, stress / limit - 1)
-
-
-def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
-    """Depths between which a stress is above a limit, from its largest value in each plane."""
-    above = np.flatnonzero(largest > limit)
-    if not above.size:
-        return None
-
-    def crossing(plane: int, beyond: int) -> float:
-        if not 0 <= beyond < depths.size:
-            return float(depths[plane])
-        return float(np.interp(limit, largest[[beyond, plane]], depths[[beyond, plane]]))
-
-    return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)

@@ -63,6 +63,8 @@ class FigureCase:
         parts = []
         for percent in (50.0, 99.0):
             one = peaks.sel(percent=percent)
+            if np.isnan(one["peak_percentile"]):
+                continue
             text = f"{float(one['peak_percentile']):.3f}"
             if np.isfinite(one["peak_percentile_low"]):
                 low, high = (float(one[f"peak_percentile_{end}"]) for end in ("low", "high"))

@@ -47,6 +47,9 @@ RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 FATIGUE_SHARES = np.geomspace(0.1, 10, 461)
 """Shares of the fatigue limit above which the volume is known, 1 % apart."""
 
+FATIGUE_EXPONENTS = np.geomspace(1, 130, 33)
+"""Exponents of the power means of the Dang Van stress: between them interpolation errs by less than 1e-4."""
+
 NUMBERS = ("shear_range", "dang_van", *RESIDUALS)
 """Numbers of a history, in the order of `Criteria.numbers`."""
 
@@ -127,12 +130,25 @@ class Criteria:
         rank = np.searchsorted(np.sort(self.over_limit(dang_van)), FATIGUE_SHARES, side="right")
         return 1 - rank / dang_van.size
 
+    def power_means(self, dang_van: Array) -> Array:
+        """Power means, (exponents,), of the Dang Van stress over the limit; negative ones count as 0."""
+        share = np.maximum(self.over_limit(dang_van), 0.0)
+        return power_means(np.broadcast_to(share[:, None], (share.size, FATIGUE_EXPONENTS.size)))
+
     def numbers(self, reduced: Array) -> Array:
         """The numbers of `NUMBERS` from the result of `reduced`; meaningless without their limits."""
         limit, found = self.yield_stress or 1.0, reduced.copy()
         found[1] = self.over_limit(reduced[1])
         found[2:] = limit / np.maximum(np.sqrt(1.5 * found[2:]), limit / LARGEST_FACTOR)
         return found
+
+
+def power_means(values: Array, weights: Array | None = None) -> Array:
+    """Power mean along the first axis, (exponents,), of values ≥ 0, (places, exponents)."""
+    largest = np.maximum(values.max(axis=0), 1e-300)
+    weights = weights if weights is not None and weights.any() else None  # a single plane has none
+    mean = np.average((values / largest) ** FATIGUE_EXPONENTS, axis=0, weights=weights)
+    return largest * mean ** (1 / FATIGUE_EXPONENTS)
 
 
 class CycleMaps:
@@ -154,9 +170,10 @@ class CycleMaps:
         self._values: list[Array] = []
         self._along: list[Array] = []
         self._above: list[Array] = []
+        self._means: list[Array] = []
 
     def take(
-        self, depth: float, reduced: Array, along: Array | None = None, above: Array | None = None
+        self, depth: float, reduced: Array, along: Array | None = None, dang_van: Array | None = None
     ) -> None:
         """Add a plane.
 
@@ -167,8 +184,8 @@ class CycleMaps:
             As of `Criteria.reduced`.
         along : (5, rows) array, optional
             Places of the points along the rows.
-        above : (shares,) array, optional
-            As of `Criteria.above`; by default that of the rows.
+        dang_van : (points,) array, optional
+            Dang Van stress of all points; by default that of the rows.
         """
         rows, nodes = reduced.shape[1], self._positions.size
         nearest = np.rint(np.arange(nodes) * (rows / nodes)).astype(int) % rows
@@ -177,7 +194,9 @@ class CycleMaps:
         if along is not None:
             self._along.append(along[:, nearest])
         if "dang_van" in self.names:
-            self._above.append(self.criteria.above(reduced[1]) if above is None else above)
+            points = reduced[1] if dang_van is None else dang_van
+            self._above.append(self.criteria.above(points))
+            self._means.append(self.criteria.power_means(points))
 
     def dataset(self) -> xr.Dataset:
         """The result of `asperity.stress_cycles` from the planes so far."""
@@ -197,13 +216,17 @@ class CycleMaps:
             ]
         across = f"cycle_{self._across}"
         volume = {}
+        coordinates = {"cycle_depth": self._depths, across: self._positions}
         if self._above:
             per_area = np.trapezoid(np.array(self._above), self._depths, axis=0)
-            volume = {"fatigue_volume": ("fatigue_share", per_area)}
+            half = np.pad(np.diff(self._depths) / 2, 1)
+            mean = power_means(np.array(self._means), half[:-1] + half[1:])
+            volume = {
+                "fatigue_volume": ("fatigue_share", per_area),
+                "fatigue_mean": ("fatigue_exponent", mean),
+            }
+            coordinates |= {"fatigue_share": FATIGUE_SHARES, "fatigue_exponent": FATIGUE_EXPONENTS}
         maps: dict[str, Any] = {name: (("cycle_depth", across), field) for name, field in found.items()}
-        coordinates = {"cycle_depth": self._depths, across: self._positions}
-        if volume:
-            coordinates["fatigue_share"] = FATIGUE_SHARES
         return xr.Dataset(maps | volume, coordinates, worst)
 
 

@@ -28,18 +28,15 @@ from asperity.core.compiled import compiled_with_arrays
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.elasticity.loaded_solid import LoadedSolid, direction_cosines
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.stress.cycles.criteria import NUMBERS, Criteria, CycleMaps, fill_points, reduce_rows
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
-from asperity.stress.planes.planes import depth_grid
-from asperity.stress.planes.stream import PlaneStream, shear_traction, uniform_part
+from asperity.stress.planes.planes import default_depths
+from asperity.stress.planes.stream import PlaneStream, uniform_part
 
 STATES_BYTES = 2**29
 """Memory for the states of some rows of a plane; the planes are computed again for the next rows."""
-
-DEEPER = 25
-"""Number of depths below the cell's depths, where only the background matters."""
 
 EXACT_ABOVE = 0.5
 """Share of the largest Dang Van stress above which that of every point is computed, for the distribution."""
@@ -105,17 +102,15 @@ class Histories(CycleMaps):
         threads: int,
     ) -> None:
         super().__init__(moving.grid, criteria)
-        if depths is None:
-            depths = depth_grid(moving.grid)
-            if moving.deepest > depths[-1]:
-                depths = np.append(depths, np.geomspace(depths[-1], moving.deepest, DEEPER)[1:])
         self._moving, self._threads = moving, threads
         fourier = Fourier(moving.grid, threads=threads)
         largest = np.zeros(moving.grid.half_shape)
         for pressure in moving.pressures:
             if pressure is not None:
                 np.maximum(largest, np.abs(fourier.forward(pressure)), out=largest)
-        envelope = LoadedSolid(fourier.inverse(largest), moving.grid, moving.layer)
+        envelope = LoadedSolid(fourier.inverse(largest), moving.grid, moving.layer, deepest=moving.deepest)
+        if depths is None:
+            depths = default_depths(envelope)
         sliding: dict[str, Any] = {
             "friction": moving.friction,
             "sliding_direction": moving.sliding_direction,
@@ -125,7 +120,7 @@ class Histories(CycleMaps):
         self._grid = moving.grid
         self._states = [self._solid(pressure) for pressure in moving.pressures]
         self.names = [name for name in self.names if name != "shakedown_line"]
-        self._direction = shear_traction(1.0, moving.direction, moving.layer)
+        self._direction = direction_cosines(moving.direction)
         self._halves = np.full((2, 3), -np.inf)
 
     def run(self, progress: Progress | None) -> None:
@@ -135,12 +130,12 @@ class Histories(CycleMaps):
             (ny, nx), count = plane.grid.shape, len(self._states)
             rows = max(1, min(ny, STATES_BYTES // (4 * len(COMPONENTS) * nx * count)))
             blocks = [self._plane(plane.depth, first, min(first + rows, ny)) for first in range(0, ny, rows)]
-            found, along, above = zip(*blocks, strict=True)
+            found, along, dang_van = zip(*blocks, strict=True)
             self.take(
                 plane.depth,
                 np.concatenate(found, axis=1),
                 np.concatenate(along, axis=1) * plane.grid.spacing[1],
-                np.average(above, axis=0, weights=[part.shape[1] for part in found]),
+                np.concatenate(dang_van),
             )
 
     def _use(self, grid: Grid) -> None:
@@ -161,7 +156,7 @@ class Histories(CycleMaps):
         return None if pressure is None else LoadedSolid(pressure, self._grid, self._moving.layer)
 
     def _plane(self, depth: float, first: int, last: int) -> tuple[Array, Array, Array]:
-        """Largest numbers of some rows of a plane, (5, rows), their columns, and shares above a stress."""
+        """Largest numbers of some rows of a plane, (5, rows), their columns, and the Dang Van stress."""
         layer, nx = self._moving.layer, self._grid.shape[1]
         states = np.zeros((len(self._states), len(COMPONENTS), (last - first) * nx), np.float32)
         count, uniform = len(COMPONENTS), uniform_part(layer, layer.poisson, depth)
@@ -181,8 +176,7 @@ class Histories(CycleMaps):
         ]
         found, along, halves, dang_van = zip(*run_tasks(tasks, self._threads), strict=True)
         self._halves = np.max([self._halves, *halves], axis=0)
-        above = self.criteria.above(np.concatenate(dang_van))
-        return np.concatenate(found, axis=1), np.concatenate(along, axis=1), above
+        return np.concatenate(found, axis=1), np.concatenate(along, axis=1), np.concatenate(dang_van)
 
     def _strip(self, states: Array, columns: int) -> tuple[Array, Array, Array, Array]:
         """Largest numbers of some rows, (5, rows), their columns, the same of half the states, Dang Van."""

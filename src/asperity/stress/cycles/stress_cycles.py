@@ -22,7 +22,7 @@ from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.stress.cycles.criteria import Criteria, CycleMaps
 from asperity.stress.cycles.histories import Histories, MovingPressure
 from asperity.stress.planes.fields import ROW_MARGIN
-from asperity.stress.planes.planes import depth_grid
+from asperity.stress.planes.planes import default_depths
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
 
 TURNED = [1, 0, 2, 4, 3, 5]
@@ -167,7 +167,7 @@ def stress_cycles(
         return histories.dataset()
     solid = LoadedSolid.of(contact)
     if depths is None:
-        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+        depths = default_depths(solid)
     settings = tolerance, threads, None, friction, sliding_direction
     stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
     cycles = Cycles(solid, criteria, sliding_direction, stream.ratios[0], threads)

@@ -8,7 +8,8 @@ mean is t₋₁ for specimens of the stressed volume V₀, the expected number o
 with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−n_c A)
 (W. Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is that
 of E. Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and
-threshold). The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
+threshold). The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1). The
+integral is that of the trapezoidal rule over the planes, of means over all points of each.
 """
 
 import numpy as np
@@ -50,7 +51,9 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     cycles : dataset
         Of `asperity.stress_cycles` with fatigue limits.
     scatter : float
-        Coefficient of variation of the fatigue limit, from 0.01 to 1.
+        Coefficient of variation of the fatigue limit, from 0.01 to 1. The smaller it is, the more the few
+        highest points count: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of `asperity.depth_grid`
+        causes errors of up to 1, 5, 20 and 40 %.
     volume : float
         Stressed volume of the specimens on which limits and scatter were measured, in the unit of length of
         the contact cubed.
@@ -69,11 +72,11 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     >>> bool(0 < np.exp(-cracks * 1e-6) < 1)
     True
     """
-    if "fatigue_volume" not in cycles:
+    if "fatigue_mean" not in cycles:
         raise ValueError("cycles: a result of stress_cycles with fatigue limits is needed")
-    exponent, above = weibull_exponent(scatter), cycles["fatigue_volume"].values
-    shares = cycles["fatigue_share"].values
-    weight = np.exp(exponent * (gammaln(1 + 1 / exponent) + np.log(shares)))
-    # ∫ d^m dV = ∫ V(d > s) d(s^m)
-    total = above[0] * weight[0] + np.trapezoid(above, weight)
+    exponent, depths = weibull_exponent(scatter), cycles["cycle_depth"].values
+    means = np.maximum(cycles["fatigue_mean"].values, 1e-300)  # nothing is above 0 under enough compression
+    log_mean = scipy.interpolate.CubicSpline(np.log(cycles["fatigue_exponent"].values), np.log(means))
+    power = np.exp(exponent * (gammaln(1 + 1 / exponent) + log_mean(np.log(exponent))))
+    total = power * (depths[-1] - depths[0])
     return float(total / magnitude("volume", volume))

@@ -8,13 +8,14 @@ NaN where the quantity is the same for every one; `peaks` finds such peaks under
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from asperity.core.arguments import choice, number
 from asperity.core.errors import shown
-from asperity.core.types import Array
+from asperity.core.types import Array, ArrayLike
 
 SELECTIONS = ("all", "at_contact", "interior", "under_contact")
 """Names of the selections of `peaks`."""
@@ -33,6 +34,9 @@ LARGEST_AT_SURFACE = (
 
 SAME_RATIO = 1e-9
 """Poisson's ratios that differ by less are the same: room for numbers such as 0.1 + 0.2."""
+
+ROUNDING = 1e-9
+"""Of the number of peaks above a quantile."""
 
 HIGHEST_SHARE = 0.1
 """Share of the peaks that counts as the highest ones."""
@@ -116,6 +120,14 @@ def selection_for(quantity: str) -> str:
     They count peaks under a contact, and those in the surface only of quantities that are largest there.
     """
     return "at_contact" if quantity in LARGEST_AT_SURFACE else "under_contact"
+
+
+def has_percentile(count: ArrayLike, share: ArrayLike) -> Any:
+    """True where one of `count` peaks or more lies above the quantile at `share`: 100 at 99 %.
+
+    Of fewer peaks that quantile is the largest one, or lies between the two largest.
+    """
+    return np.asarray(count) * (1 - np.asarray(share)) >= 1 - ROUNDING
 
 
 def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:

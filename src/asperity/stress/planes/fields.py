@@ -222,7 +222,7 @@ class PlaneFields:
         precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
         needed = np.array([_needed(int(kind), basis.index) for kind in self.formulas.kinds])
         pairs = zip(shape if shape != own else (1, 1), own, strict=True)
-        stencils = tuple(_stencils(*pair, self.periodic) for pair in pairs)
+        stencils = tuple(lagrange_stencils(*pair, self.periodic) for pair in pairs)
 
         values = [np.empty((0, 3, 3), real)]
         for start in range(0, which.size, COMPARED_AT_ONCE):
@@ -601,7 +601,7 @@ def _compare(
                             (place_y[j + 1], weight_y[j + 1]),
                             (place_x[i + 1], weight_x[i + 1]),
                         )
-                        given.values[part, 0, 0] = _weighted(values, along_y, along_x)
+                        given.values[part, 0, 0] = lagrange(values, along_y, along_x)
                 of_field = kinds[m], precise.ratios[m], precise.uniforms[m]
                 value = basis.values.dtype.type(value_at(given, *of_field, zero, zero))
             out[count, a + 1, b + 1] = value
@@ -614,7 +614,7 @@ def _compare(
 
 
 @inlined
-def _weighted(values: Any, along_y: Any, along_x: Any) -> float:
+def lagrange(values: Any, along_y: Any, along_x: Any) -> float:
     """Lagrange's formula from the values at the places of a stencil along each axis."""
     place, weight = along_x
     a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
@@ -632,7 +632,7 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 
 
 @lru_cache(maxsize=256)
-def _stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
+def lagrange_stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
     """Places and weights, (others + 2, 6), of the six nodes nearest to nodes −1 to `others` of another grid.
 
     Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.

@@ -29,12 +29,16 @@ from numpy.typing import ArrayLike
 
 from asperity.core.arguments import number, require_finite
 from asperity.core.types import Array, Progress
-from asperity.elasticity.loaded_solid import ContactLike
+from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import Grid, Work
 from asperity.stress.planes.stream import MAX_PLANES, PLANE_TOLERANCE, PlaneStream
 
 COATING_PLANES = 4
 """Fewest planes in a coating above its interface, in which a thin one is stretched, sheared and bent."""
+
+DEEP_GROWTH = 0.06
+"""Distance between planes below the depth of the cell, relative to their depth, where only a background
+changes: the largest stress of a Hertz contact is that of a plane to 0.1 %."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -213,3 +217,12 @@ def depth_grid(
         found = np.concatenate([inside, [face, np.nextafter(face, np.inf)], outside])
     require_finite("depth_grid", {"depths": found})
     return found
+
+
+def default_depths(solid: LoadedSolid) -> Array:
+    """Depths of `depth_grid` for a solid, and below them depths down to `LoadedSolid.deepest`."""
+    depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+    if solid.deepest <= depths[-1]:
+        return depths
+    count = int(np.log(solid.deepest / depths[-1]) / np.log1p(DEEP_GROWTH)) + 2
+    return np.append(depths, np.geomspace(depths[-1], solid.deepest, count)[1:])

@@ -29,7 +29,7 @@ from asperity.core.arguments import choices, number, real_array, thread_count
 from asperity.core.parallel import aligned_memory
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid, degrees_of
+from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid, direction_cosines
 from asperity.fourier.grid import Grid, Work
 from asperity.stress.planes.fields import (
     BASIS,
@@ -320,17 +320,13 @@ def shear_traction(friction: Any, direction: Any, layer: Layer) -> tuple[float, 
     """Shear traction over pressure along x and y under full sliding, see `asperity.stress_planes`."""
     accepted = f"a number from 0 to {MAX_FRICTION:g}"
     friction = number("friction", friction, accepted, lambda size: 0 <= size <= MAX_FRICTION)
-    degrees = degrees_of(direction)
+    cosine, sine = direction_cosines(direction)
     if friction and layer.height is not None and layer.bottom != "bonded":
         raise ValueError(
             f"friction = {friction:g}: 0 is needed in a layer with a {layer.bottom} bottom, which bears no "
             "shear"
         )
-    if degrees % 90 == 0:  # exact zeros
-        cosine, sine = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(degrees % 360) // 90]
-    else:
-        cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return float(friction * cosine), float(friction * sine)
+    return friction * cosine, friction * sine
 
 
 def _checked_depths(depths: ArrayLike, solid: LoadedSolid) -> Array:

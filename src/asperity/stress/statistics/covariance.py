@@ -386,13 +386,15 @@ def decay_lengths(profiles: xr.Dataset, prefix: str = "") -> tuple[Array, Array]
     Returns
     -------
     along_depth, in_plane : (ratios,) arrays
+        NaN under a uniform stress, which has no variance, and where the covariance does not fall to half.
     """
     depth, lag = profiles["plane_depth"].values, profiles["lag"].values
     names = f"{prefix}covariance_depth", f"{prefix}covariance_plane", "reference_depth"
     lengths = []
     for along_depth, in_plane, reference in zip(*(profiles[name].values for name in names), strict=True):
         below = depth >= reference
-        below_reference = half_length(depth[below] - reference, along_depth[below] / in_plane[0])
-        lengths.append((below_reference, half_length(lag, in_plane / in_plane[0])))
+        variance = in_plane[0] if in_plane[0] > 0 else np.nan
+        below_reference = half_length(depth[below] - reference, along_depth[below] / variance)
+        lengths.append((below_reference, half_length(lag, in_plane / variance)))
     found = np.array(lengths).T
     return found[0], found[1]

@@ -20,7 +20,7 @@ import xarray as xr
 
 from asperity.core.arguments import number, real_array, require_finite, whole_number
 from asperity.core.types import Array
-from asperity.stress.peaks.selection import HIGHEST_SHARE, SELECTIONS, is_selected, peaks
+from asperity.stress.peaks.selection import HIGHEST_SHARE, SELECTIONS, has_percentile, is_selected, peaks
 from asperity.stress.statistics.covariance import decay_lengths
 from asperity.stress.statistics.density import bin_edges, normalised
 
@@ -66,8 +66,9 @@ def pool_peaks(
     -------
     dataset
         Along `bin` and `depth_bin`: densities of the peaks of all seeds, and counts. Along `percent`:
-        percentiles. Along `plane` and `lag`: covariances of Eq. 22 and depth profiles, means over seeds,
-        with the lengths over which the covariances fall to half. ``…_low`` and ``…_high`` bound a band.
+        percentiles, NaN if no peak lies above them. Along `plane` and `lag`: covariances of Eq. 22 and depth
+        profiles, means over seeds, with the lengths over which the covariances fall to half. ``…_low`` and
+        ``…_high`` bound a band.
 
     Raises
     ------
@@ -268,7 +269,7 @@ def mean(weights: Array, values: Array) -> Array:
 
 
 def _percentiles(values: Sequence[Array], bootstrap: Bootstrap) -> Array:
-    """Percentiles of the magnitudes of all values, and their bands, (3, percents).
+    """Percentiles of the magnitudes of all values, and their bands, (3, percents); NaN of too few values.
 
     The percentiles are exact, those of the resamples are found in fine bins.
     """
@@ -290,7 +291,7 @@ def _percentiles(values: Sequence[Array], bootstrap: Bootstrap) -> Array:
 
     banded = bootstrap.banded(estimate, counts)
     banded[0] = np.percentile(pooled, PERCENTS)
-    return banded
+    return np.where(has_percentile(pooled.size, shares), banded, np.nan)
 
 
 def with_bounds(name: str, dimensions: tuple[Hashable, ...], values: Array) -> dict[str, tuple]:

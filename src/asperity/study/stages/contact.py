@@ -62,7 +62,7 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
     return chosen.layer, record
 
 
-def solve_contact(
+def press_surface(
     surface: xr.Dataset,
     layer_settings: Mapping[str, Any],
     contact_settings: Mapping[str, Any],
@@ -142,7 +142,7 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
     Parameters
     ----------
     contact : dataset
-        As of `solve_contact`.
+        As of `press_surface`.
     layer_settings : mapping
         Section ``layer`` of the configuration.
 

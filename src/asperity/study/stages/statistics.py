@@ -20,7 +20,7 @@ import xarray as xr
 from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
-from asperity.results.dataset import grid_of, read_result, settings_of
+from asperity.results.dataset import grid_of, height_of, read_result, settings_of
 from asperity.stress.peaks.selection import peaks, selection_for
 from asperity.stress.statistics.density import bin_edges
 from asperity.stress.statistics.extrapolation import OnGrid, extrapolated_numbers, numbers_on
@@ -231,7 +231,8 @@ def stress_numbers(
 def _on_grid(contact: xr.Dataset, stress: xr.Dataset) -> OnGrid:
     """Results of the stages contact and stress, whose effective modulus is one."""
     load, gradient = float(contact["mean_pressure"]), float(contact["gradient_rms_contact"])
-    return OnGrid(contact["pressure"].values, load, gradient, grid_of(contact), stress)
+    pressure, height = contact["pressure"].values, height_of(contact).values
+    return OnGrid(pressure, load, gradient, grid_of(contact), stress, height=height)
 
 
 def _patch_correlations(

@@ -1,6 +1,7 @@
 """One map in metres from the contents of a file and the options of the caller.
 
-The options must not contradict the file. Everything that is wrong or missing is reported at once.
+Whatever a file says, or is taken from its heading, an option overrides, and the map notes it; only the
+orientation of a result of asperity is certain. Everything that is wrong or missing is reported at once.
 """
 
 import math
@@ -10,7 +11,7 @@ import numpy as np
 
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.core.units import to_si
+from asperity.core.units import shown_si, to_si
 from asperity.surface.reading.formats import UNNAMED, Channel
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
@@ -33,6 +34,11 @@ have about as many points as each other; a plateau of one exact height is report
 AGREEMENT = 1e-3
 """Relative difference up to which a value of the caller agrees with that of the file: one pixel of 1000."""
 
+
+SAME = "that of the heights"
+"""Unit of the edges of a file with one unit for all lengths."""
+
+UNITS = "set it to that of x and y and that of z, for example to 'mm um'"
 
 GIB = 2**30
 
@@ -65,7 +71,7 @@ class FileContent(NamedTuple):
     length : (length_y, length_x), optional
         Edges in `length_unit`.
     length_unit : str, optional
-        Unit of the edges, if it is not `unit`.
+        Unit of the edges; `SAME` stands for `unit`.
     unit : str, optional
         Unit of length.
     factor : float, optional
@@ -81,7 +87,7 @@ class FileContent(NamedTuple):
     channels: tuple[Channel, ...] = ()
     undecided: str = ""
     length: tuple[float, float] | None = None
-    length_unit: str | None = None
+    length_unit: str | None = SAME
     unit: str | None = None
     factor: float | None = None
     periodic: bool = False
@@ -105,15 +111,22 @@ class MapFile:
         In metres if the unit is known. Its edges are numbers of pixels if they are not known.
     channels : tuple of Channel
     problems : list of str
-        What is missing or contradicts the file; empty if the map can be used.
+        What is missing or wrong; empty if the map can be used.
+    unit_needed : str
+        Problem of a calculation in metres if no unit is known.
+    overridden : set of str
+        Options that replace what the file says.
     options : MapOptions
         The options given; for a file with several channels, with the one that was chosen.
-    edges_known, unit_stated : bool
-        True if the edges are known, and if the file states its unit.
+    edges_known, edges_comparable, unit_stated : bool
+        True if the edges are known, if they are in the unit of the heights, and if the file states this.
     """
 
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
         self.problems = [content.undecided] if content.undecided else []
+        self._notes: list[tuple[str, str]] = []
+        is_bare = content.length is not None and content.length_unit is None and not options.physical_size
+        self.unit_needed = f"unit: the file does not say its units; {UNITS}" if is_bare else UNIT_NEEDED
         factor = self._height_factor(content, options)
         unit, metre = self._unit(content, options)
         length = self._length(content, options, metre)
@@ -145,8 +158,11 @@ class MapFile:
                 else f"missing: {repeated[1]} points have the height {repeated[0]:.9g}; set it to this number"
             )
         self.edges_known = length is not None
-        self.unit_stated = content.unit is not None
-        self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
+        self.edges_comparable = self.edges_known and not (is_bare and unit is None)
+        self.overridden = {option for option, _ in self._notes}
+        self.unit_stated = content.unit is not None and "unit" not in self.overridden
+        notes = tuple(note for _, note in self._notes)
+        self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel, notes)
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
         several = len(self.channels) > 1 and options.channel is None
         self.options = options.replaced(channel=content.channel) if several else options
@@ -159,44 +175,63 @@ class MapFile:
                 self.problems.append(
                     "height_factor: the file holds grey levels; set it to the height of one level"
                 )
-        elif own is None and unit is None:
-            return float(given)
-        elif not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
-            said = f"heights in {unit}" if own is None else f"{own:g}"
-            self.problems.append(f"height_factor = {given:g}: the file says {said}; leave it out")
-        return 1.0
+            return 1.0
+        if own is not None or unit is not None:
+            if math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+                return 1.0
+            self._note("height_factor", f"{given:g}", f"heights in {unit}" if own is None else f"{own:g}")
+        return float(given) / (own or 1.0)
+
+    def _note(self, option: str, given: str, stated: str) -> None:
+        self._notes.append((option, f"{option}: {given} is given, the file says {stated}"))
+
+    def _given_size(self, unit: str | None) -> float | None:
+        """Size of a unit of the options in metres; None without one, and for a wrong one, a problem."""
+        try:
+            return None if unit is None else metres(unit)
+        except ValueError as error:
+            self.problems.append(str(error))
+            return None
 
     def _unit(self, content: FileContent, options: MapOptions) -> tuple[str | None, float | None]:
-        """Unit of the heights and its size in metres, None if neither file nor options state it."""
-        known, own, given = {}, content.unit, options.unit
-        for name, unit in (("unit of the file", own), ("unit", given)):
-            try:
-                if unit is not None:
-                    known[unit] = metres(unit, name)
-            except ValueError as error:
-                if unit is given:
-                    self.problems.append(str(error))
-                elif given is None:
-                    self.problems.append(
-                        f"unit: the file says {shown(unit)}, which is no unit of length; set it"
-                    )
-        sizes = list(known.values())
-        if len(sizes) == 2 and not math.isclose(*sizes, rel_tol=1e-9):
-            self.problems.append(f"unit = {given!r}: the file says {own}; leave it out")
-        return next(iter(known.items()), (None, None))
+        """Unit of the heights and its size in metres, None if neither options nor file state it."""
+        own, (_, given) = content.unit, units_of(options.unit)
+        stated, size = _stated_size(own), self._given_size(given)
+        if given is None and own is not None and stated is None:
+            self.problems.append(f"unit: the file says {shown(own)}, which is no unit of length; set it")
+        if size is None:
+            return (None, None) if stated is None else (own, stated)
+        if stated is not None and not math.isclose(size, stated, rel_tol=1e-9):
+            self._note("unit", str(given), str(own))
+        return given, size
 
     def _length(
         self, content: FileContent, options: MapOptions, metre: float | None
     ) -> tuple[float, float] | None:
-        """Edges in metres, or in the unknown unit of the file; None if neither states them."""
-        scale, own, size = metre or 1.0, content.length, options.physical_size
-        if own is not None and content.length_unit is not None:
-            if metre is None:  # the unit of the heights is asked for
+        """Edges in metres, or in the unknown unit of the file; None if neither states them.
+
+        Edges of which the file states the unit keep it if only the unit of the heights is given.
+        """
+        own, size, (lateral, _) = content.length, options.physical_size, units_of(options.unit)
+        own_unit = content.unit if content.length_unit == SAME else content.length_unit
+        given, stated = self._given_size(lateral), _stated_size(own_unit)
+        if own_unit is None and content.length_unit == SAME:
+            stated = metre
+        if own is not None and (factor := given or stated):
+            if given and stated and not math.isclose(given, stated, rel_tol=1e-9):
+                self._note("unit", f"{lateral} of x and y", str(own_unit))
+            own = own[0] * factor, own[1] * factor
+            if metre is None and own_unit is not None:  # heights without a unit beside edges in metres
+                self.problems.append(UNIT_NEEDED)
                 return None
-            lateral = metres(content.length_unit, "unit of the file")
-            own = own[0] * lateral, own[1] * lateral
-        elif own is not None:
-            own = own[0] * scale, own[1] * scale
+        elif own is not None and metre is not None:
+            if size is None:
+                edges = " x ".join(f"{edge:.6g}" for edge in own)
+                self.problems.append(
+                    f"unit: the file does not say that of its edges, {edges} (y, x); {UNITS}"
+                )
+                return None
+            own = None
         if size is None:
             if own is None:
                 self.problems.append(
@@ -206,14 +241,38 @@ class MapFile:
         if metre is None and any(isinstance(edge, str) for edge in size):
             self.problems.append(UNIT_NEEDED)
             return own
-        y, x = (to_si(edge, "length") if isinstance(edge, str) else edge * scale for edge in size)
-        if own is None:
-            return y, x
-        if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
-            stated = " x ".join(f"{edge / scale:.6g}" for edge in own)
-            stated += f" {next(filter(None, (content.unit, options.unit)), '')}".rstrip()
-            self.problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
-        return own
+        y, x = (to_si(edge, "length") if isinstance(edge, str) else edge * (metre or 1.0) for edge in size)
+        if own is not None and not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
+            given_edges, stated_edges = (
+                " x ".join(shown_si(edge, "m") if metre else f"{edge:.6g}" for edge in edges) + " (y, x)"
+                for edges in ((y, x), own)
+            )
+            self._note("physical_size", given_edges, stated_edges)
+        return y, x
+
+
+def units_of(unit: str | None) -> tuple[str | None, str | None]:
+    """Unit of x and y, and of z, in the option `unit`, which may state the second alone."""
+    words = unit.split() if isinstance(unit, str) else []
+    return (words[0], words[1]) if len(words) == 2 else (None, unit)
+
+
+def _stated_size(unit: str | None) -> float | None:
+    """Size of a unit of a file in metres, None if it states none or one that is not of length."""
+    try:
+        return None if unit is None else metres(unit)
+    except ValueError:
+        return None
+
+
+def edges_in_one_unit(
+    length: tuple[float, float], units: tuple[str | None, str | None]
+) -> tuple[tuple[float, float], str | None]:
+    """Edges (y, x) and their unit; in metres if each has a unit of its own, None if one of them has none."""
+    if None in units or units[0] == units[1]:
+        return length, units[0] and units[1]
+    y, x = (edge * metres(unit) for edge, unit in zip(length, units, strict=True) if unit)
+    return (y, x), "m"
 
 
 def repeated_height(height: Array) -> tuple[float, int] | None:

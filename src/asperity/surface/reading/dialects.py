@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from asperity.surface.reading.agreement import FileContent, metres, require_size
+from asperity.surface.reading.agreement import FileContent, edges_in_one_unit, metres, require_size
 
 HEADING = 512
 """Bytes at the beginning of a file from which `corrected` takes the units."""
@@ -228,6 +228,11 @@ def corrected(format_name: str, begin: bytes, info: Any, content: FileContent) -
     info : SurfaceTopography.IO.Reader.ChannelInfo
     content : FileContent
     """
+    if format_name == "asc" and content.length and content.unit is None:
+        units = info.info["raw_metadata"]
+        across = units.get("xunit")
+        length, unit = edges_in_one_unit(content.length, (units.get("yunit") or across, across))
+        return content._replace(length=length, length_unit=unit)
     if format_name == "sdf":
         smallest = {3: -3.4e38, 4: -128.0, 7: -3.4e38}.get(info.info["raw_metadata"]["DataType"], -np.inf)
         gaps = content.height / content.factor <= smallest * (1 - 1e-9)

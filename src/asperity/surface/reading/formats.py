@@ -114,8 +114,15 @@ def _match(begins: str, begin: bytes) -> bool:
 
 
 def extension_of(name: str) -> str:
-    """Extension of a file name in small letters, that below ``.gz`` of a packed file."""
-    return os.path.splitext(name.lower().removesuffix(".gz"))[1].removeprefix(".")
+    """Extension of a file name in small letters, that below ``.gz`` of a packed file; also of ``...txt``."""
+    stem, _, extension = os.path.basename(name).lower().removesuffix(".gz").rpartition(".")
+    return extension if stem else ""
+
+
+def unread_look(begin: bytes) -> str:
+    """Description in words, with the remedy, of a file that only looks like one of a known format."""
+    unread = packaged_yaml("asperity.surface.reading", "formats.yaml")["unread"]
+    return next((words for words, begins in unread.items() if _match(begins, begin)), "")
 
 
 def look_of(begin: bytes) -> str:

@@ -61,6 +61,11 @@ class MapError(InputError):
         return MapError(self.source, [name.sub(lambda found: name_of(found[0]), p) for p in self.problems])
 
 
+def is_period(options: MapOptions, surface: HeightMap) -> bool:
+    """True if a map is taken as one period: as declared, or as its file states if nothing is given."""
+    return options.periodic == "declared" or (options.periodic is None and surface.periodic)
+
+
 @dataclass(frozen=True, repr=False)
 class HeightMap:
     """A rectangular height map as measured.
@@ -82,6 +87,8 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
+    notes : tuple of str
+        Properties that options gave in place of those of the file.
 
     Raises
     ------
@@ -105,6 +112,7 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         try:

@@ -6,7 +6,7 @@ import numpy as np
 
 from asperity.core.arguments import plane_axes, rising
 from asperity.fourier.grid import grid_of
-from asperity.surface.reading.agreement import FileContent, metres, require_size
+from asperity.surface.reading.agreement import SAME, FileContent, metres, require_size
 from asperity.surface.reading.formats import Channel, choose_channel
 from asperity.surface.reading.height_map import LOWER_FACE, ORIENTATIONS, MapOptions
 
@@ -45,13 +45,14 @@ def largest_chunk(file: BinaryIO) -> int:
 def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     """A map in a NetCDF file, over axes with the names of rows and columns; None if there is none.
 
-    Rows and columns follow from the names of the axes and their positions, which have units of their own. A
-    surface that asperity wrote states its orientation, and is one period.
+    Rows and columns follow from the names of the axes and their positions, which have units of their own;
+    axes of one point are dropped. A surface that asperity wrote states its orientation, and is one period.
 
     Raises
     ------
     ValueError
-        If the positions are not equally spaced, or the map is larger than accepted.
+        If the positions are not equally spaced, the map is larger than accepted, or all variables have more
+        than two axes.
     """
     import xarray as xr
 
@@ -60,19 +61,26 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
         return None
     with opened:
+        found = opened.squeeze()
+        numeric = {
+            str(name): values for name, values in found.data_vars.items() if values.dtype.kind in "fiu"
+        }
         maps = [
-            str(name)
-            for name, values in opened.data_vars.items()
-            if values.ndim == 2
-            and values.dtype.kind in "fiu"
-            and min(values.shape) > 1
-            and plane_axes(values.dims)
+            name
+            for name, values in numeric.items()
+            if values.ndim == 2 and min(values.shape) > 1 and plane_axes(values.dims)
         ]
-        if not maps or "heights" in opened.variables:  # of SurfaceTopography, which reads it
+        if "heights" in opened.variables:  # of SurfaceTopography, which reads it
             return None
-        channels = tuple(Channel(name, (opened[name].shape[0], opened[name].shape[1])) for name in maps)
+        if not maps:
+            for name, values in numeric.items():
+                if values.ndim > 2:
+                    axes = ", ".join(map(str, values.dims))
+                    raise ValueError(f"its variable {name} lies over {axes}: a map over two axes is needed")
+            return None
+        channels = tuple(Channel(name, (found[name].shape[0], found[name].shape[1])) for name in maps)
         index, undecided = choose_channel(channels, options.channel)
-        chosen = opened[maps[index]]
+        chosen = found[maps[index]]
         require_size(8.0 * chosen.size, options.max_memory)
         values = rising(chosen.load())
     default = LOWER_FACE if "lower face" in str(values.attrs.get("long_name")) else None
@@ -95,7 +103,7 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
 def _edges(values: "xr.DataArray", is_own: bool) -> tuple[tuple[float, float] | None, str | None]:
     """Edges of a map, from the positions along its axes, and their unit if it is not that of the heights.
 
-    None if the positions are not there, are numbers of points, or have no unit beside heights that have one.
+    None if the positions are not there, or are numbers of points or degrees.
     """
     axes = [values[axis] for axis in values.dims if axis in values.coords]
     if len(axes) < 2:
@@ -117,10 +125,9 @@ def _edges(values: "xr.DataArray", is_own: bool) -> tuple[tuple[float, float] | 
         return None, None
     if len(sizes) == 2:
         return (edges[0] * sizes[0], edges[1] * sizes[1]), "m"
-    is_numbered = edges == [axis.size for axis in axes]
-    if not is_own and (is_numbered or _unit(values) is not None):
+    if not is_own and edges == [axis.size for axis in axes]:  # numbers of points
         return None, None
-    return (edges[0], edges[1]), None
+    return (edges[0], edges[1]), SAME if is_own else None
 
 
 def _unit(values: "xr.DataArray") -> str | None:

@@ -26,8 +26,17 @@ from asperity.core.packages import require
 from asperity.core.types import Array, FilePath
 from asperity.settings.map import MapOptions
 from asperity.surface.reading import dialects, formats
-from asperity.surface.reading.agreement import GIB, FileContent, MapFile, metres, require_size
+from asperity.surface.reading.agreement import (
+    GIB,
+    SAME,
+    FileContent,
+    MapFile,
+    edges_in_one_unit,
+    require_size,
+)
 from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
+from asperity.surface.reading.grids import read_grid, tiff_scale
+from asperity.surface.reading.heading import height_unit, keyence_sizes, zygo_units
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError
 from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes
@@ -42,11 +51,11 @@ PROFILE_LINES = 4
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
 
-_SAID_BY_FILE = re.compile(
-    r"(channel|missing|unit|height_factor|physical_size)\b(?: = |: the file itself).*"
-    r"(; leave it out|: one of .* is needed)$"
-)
-"""Messages about an option that contradicts the file."""
+_NOT_IN_FILE = re.compile(r"(channel|missing) = .*(; leave it out|: one of .* is needed)$")
+"""Messages about an option that does not suit the file."""
+
+LONGEST_LINE = 900_000
+"""Most bytes of a line of text: rows of 65536 heights have about twelve characters for each."""
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a file in HDF5, and in NetCDF-4."""
@@ -80,8 +89,7 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
         If SurfaceTopography is not installed, for files of instruments.
     MapError
         If the file is not a rectangular height map, if it does not contain what is needed and no option
-        gives it, if an option contradicts it, or if it unpacks to more than `max_memory`. The message names
-        all of this at once.
+        gives it, or if it unpacks to more than `max_memory`. The message names all of this at once.
 
     Examples
     --------
@@ -123,13 +131,14 @@ def open_map(path: FilePath, options: MapOptions) -> MapFile:
 
 
 def open_shared_map(path: FilePath, options: MapOptions) -> MapFile:
-    """Read one of several maps that share options; those that this file contradicts are ignored."""
+    """Read one of several maps that share options; what this file says itself takes precedence."""
+    found, said = None, set[str]()
     try:
         found = open_map(path, options)
-        problems = tuple(found.problems)
+        problems, said = tuple(found.problems), found.overridden
     except MapError as error:
-        found, problems = None, error.problems
-    said = {text.partition(" = ")[0].partition(":")[0] for text in problems if _SAID_BY_FILE.match(text)}
+        problems = error.problems
+    said |= {match[1] for text in problems if (match := _NOT_IN_FILE.match(text))}
     if not said:
         return found or open_map(path, options)  # which raises its error
     left_out: dict[str, Any] = dict.fromkeys(said)
@@ -151,9 +160,15 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     plain.seek(0)
     file: Any = gzip.GzipFile(fileobj=plain) if is_packed else plain
     begin = file.read(formats.BLOCK)
+    if options.format is None and (look := formats.unread_look(begin)):
+        raise ValueError(f"{UNREADABLE}: it looks like {look}")
     is_profile = options.format == PROFILE
     possible = formats.possible_formats(begin, file, name, None if is_profile else options.format)
     is_text = bool(possible) and possible[0].name in TEXT_FORMATS
+    if is_text and max(map(len, re.split(rb"[\r\n]", begin))) > LONGEST_LINE:
+        raise ValueError(
+            f"{UNREADABLE}: a line of text has more than {LONGEST_LINE:,} characters; a table has one a row"
+        )
     dialect = find_dialect(_text(begin)) if is_text else None
     if not possible or (is_text and dialect is None):
         raise ValueError(
@@ -182,6 +197,8 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
         content = content._replace(height=np.tile(content.height.ravel(), (PROFILE_LINES, 1)), length=length)
     elif min(content.height.shape) < 2:
         raise ValueError(f"{LINE_SCAN} of {content.height.size} points; {DECLARED}")
+    if content.length is not None and not min(content.length) > 0:  # such as an unknown scan size
+        content = content._replace(length=None)
     if not content.channels:
         choose_channel([Channel(content.channel, None)], options.channel)
     rows, columns = content.height.shape
@@ -228,6 +245,8 @@ def _first_readable(
             return form, _picture(form, file, options)
         if form.name == "x3p":
             return form, read_x3p(file)
+        if form.name in ("esri", "surfer", "gsf"):
+            return form, read_grid(form.name, file)
         if form.name == "nc" and (found := netcdf_map(name, options)):
             return form, found
         try:
@@ -240,34 +259,51 @@ def _first_readable(
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
     """Content of a table, and its format: a matrix of heights, points, or a line scan."""
     matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
-    columns = len(table.rows[0])
     if options.format == PROFILE:
         return profile, _profile(table)
-    if columns < 3:
-        raise ValueError(f"{LINE_SCAN} of {columns} columns; {DECLARED}")
-    if options.format != points.name and any(map(MATRIX_HEADER.search, table.header)):
-        lines = io.StringIO("\n".join(table.with_unlike_channels()))
-        return matrix, _instrument_map(matrix, lines, options)
-    units = table.units()
-    if options.format == matrix.name or (columns > 3 and options.format is None):
-        heights, unit = table.heights(), units[0] if len(units) == 1 else None
-        return matrix, FileContent(heights, unit=unit, orientation=None)
+    if table.columns < 3:
+        raise ValueError(f"{LINE_SCAN} of {table.columns} columns; {DECLARED}")
+    if options.format != points.name and (found := _matrix(table, matrix, options)):
+        return matrix, found
     try:
-        height, length = grid_points(table.numbers()[:, :3])
+        height, (y, x) = grid_points(table.numbers()[:, :3])
     except ValueError as error:
         raise ValueError(
             f"three columns of numbers that are no points x, y, z on a regular grid ({_first_line(error)})"
         ) from error
-    if len(units) == 3:
-        factor = metres(units[0]) / metres(units[2])
-        length = length[0] * factor, length[1] * factor
-    unit = units[-1] if units else None
-    return points, FileContent(height, "z", length=length, unit=unit)
+    unit_x, unit_y, unit = table.column_units[:3]
+    length, length_unit = edges_in_one_unit((y, x), (unit_y, unit_x))
+    if stated := zygo_units(table.header):
+        pixel, length_unit, unit = stated
+        length = y * pixel, x * pixel
+    return points, FileContent(height, "z", length=length, length_unit=length_unit, unit=unit)
+
+
+def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileContent | None:
+    """A matrix of heights, with the edges and units of its heading; None for three columns without edges."""
+    is_asked_for = options.format == form.name or table.columns > 3
+    try:
+        lines, bare = table.with_headings()
+    except ValueError:  # numbers of points beside a list of them
+        if is_asked_for:
+            raise
+        return None
+    if any(map(MATRIX_HEADER.search, lines[: len(table.header)])):
+        content = _instrument_map(form, io.StringIO("\n".join(lines)), options)
+    elif not is_asked_for:
+        return None
+    else:
+        content = FileContent(table.heights(), unit=height_unit(table.header), orientation=None)
+        if stated := keyence_sizes(table.header, content.height.shape):
+            content = content._replace(**stated, orientation=PEAKS_UP)
+    if content.length is None and len(bare) == 2:
+        return content._replace(length=(bare["y"], bare["x"]), length_unit=None)
+    return content
 
 
 def _profile(table: NumberTable) -> FileContent:
     """A line scan of columns x and z, or z."""
-    numbers, units = table.numbers(), table.units(2)
+    numbers, unit = table.numbers(), table.column_units[-1]
     if numbers.shape[1] > 2:
         raise ValueError(
             f"format = 'profile': columns x and z, or z, are needed, not {numbers.shape[1]} columns"
@@ -279,9 +315,10 @@ def _profile(table: NumberTable) -> FileContent:
             raise ValueError("two points have the same position")
         line = np.full(count, np.nan)
         line[index] = numbers[:, 1]
-        factor = metres(units[0]) / metres(units[-1]) if len(units) == 2 else 1.0
-        length = spacing * factor, count * spacing * factor
-    return FileContent(line[None, :], "z", length=length, unit=units[-1] if units else None)
+        if np.median(np.diff(np.sort(index))) > 1:
+            raise ValueError("the positions x are not equally spaced")
+        length = spacing, count * spacing
+    return FileContent(line[None, :], "z", length=length, length_unit=table.column_units[0], unit=unit)
 
 
 def _array(file: BinaryIO, options: MapOptions) -> FileContent:
@@ -304,13 +341,16 @@ def _array(file: BinaryIO, options: MapOptions) -> FileContent:
 def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
     """A picture of heights, or of grey levels."""
     require(("tifffile", "matplotlib"))  # which brings Pillow
+    scale: dict[str, Any] = {}
     try:
         if form.name == "tiff":
             import tifffile
 
-            pages = tifffile.TiffFile(file).pages
+            opened = tifffile.TiffFile(file)
+            pages = opened.pages
             require_size(8.0 * math.prod(pages[0].shape), options.max_memory)
             values = pages[0].asarray() if len(pages) == 1 else np.empty(0)
+            scale = tiff_scale(opened) if values.ndim == 2 else {}
         else:
             from PIL import Image
 
@@ -321,7 +361,10 @@ def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
         raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
     if values.ndim != 2 or values.dtype.kind not in "fiu":
         raise ValueError("one picture of heights or grey levels is needed, not one in colours or several")
-    return FileContent(values.astype(float), orientation=None, is_grey=values.dtype.kind != "f")
+    height, missing = values.astype(float), scale.pop("missing", None)
+    if missing is not None:
+        height[np.isclose(height, missing, rtol=1e-6, atol=0)] = np.nan
+    return FileContent(height, orientation=None, is_grey=values.dtype.kind != "f", **scale)
 
 
 _readers: dict[str, ModuleType] = {}
@@ -407,6 +450,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
         channel=channels[index].name,
         undecided=undecided,
         length=(float(sizes[-1]) if len(sizes) > 1 else 0.0, float(sizes[0])) if known_size else None,
+        length_unit=SAME if topography.unit else None,
         unit=topography.unit,
         factor=info.height_scale_factor,
         periodic=bool(topography.is_periodic),

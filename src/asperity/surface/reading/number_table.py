@@ -16,6 +16,7 @@ import numpy as np
 
 from asperity.core.errors import shown
 from asperity.core.types import Array
+from asperity.surface.reading.heading import MatrixSizes, column_units, ends_with_validity, zygo_lines
 
 MERGE_DISTANCE = 1e-6
 """Positions nearer than this, relative to the extent of the points, are one column or row of the grid; it
@@ -25,17 +26,26 @@ GRID_TOLERANCE = 0.05
 """Largest distance of a point from its grid node, in units of the spacing; positions printed with three
 digits per pixel stay below 0.01."""
 
+ROUNDED_TOLERANCE = 0.55
+"""Largest distance of positions printed with few digits from equal steps, in units of their last digit."""
+
 FEWEST_PRESENT = 0.05
 """Smallest share of grid nodes that must have a point; below it, the points are not a map but scattered."""
 
 SAMPLE = 400
 """Lines by which the dialect of a text is found; more than half of them belong to the table."""
 
-DIALECTS = (("\t", "."), ("\t", ","), (";", ","), (";", "."), (",", ","), (",", "."), (" ", "."), (" ", ","))
+DIALECTS = (
+    *(("\t", "."), ("\t", ","), (";", ","), (";", "."), (", ", ","), (",", ","), (",", ".")),
+    *((" ", "."), (" ", ",")),
+)
 """Separators of fields with their decimal marks; of two that suit a text equally, the first is taken."""
 
+CLOSING_ROWS = 0.9
+"""Share of the rows that end with as many separators as are no fields: the last lines may have fewer."""
+
 MATRIX_HEADER = re.compile(
-    r"\b(?:width|breite|largeur|anchura|larghezza|x-pixels|x-length|nx|x\s+size|pixel\s+size|z-unit)\b"
+    r"\b(?:width|breite|largeur|anchura|larghezza|x-pixels|x-length|nx|x\s+size|pixel\s+size|scale\s+x|z-unit)\b"
     r"\s*[:=]?\s*[\d\w]|Wyko ASCII",
     re.IGNORECASE,
 )
@@ -51,10 +61,6 @@ _MISSING = re.compile(
 _EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(,\d{3}){2,})")
 _QUOTED_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
-_UNIT = re.compile(r"[\[(]\s*([A-Za-zµμÅ]+)\s*[\])]")
-_STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
-
-
 _CHANNEL_NAME = re.compile(r"#?\s*(?:channel|kan[aá]l|canale?|канал)\s*[:=]\s*(\S.*)", re.IGNORECASE)
 
 
@@ -65,15 +71,15 @@ class Dialect(NamedTuple):
     ----------
     separator, mark : str
         Between fields, and between the whole part of a number and its fraction.
-    closed : bool
-        True if a separator ends every line.
+    closing : int
+        Separators at the end of every row.
     columns : int
         Fields in most lines.
     """
 
     separator: str
     mark: str
-    closed: bool
+    closing: int
     columns: int = 0
 
     def fields(self, line: str) -> list[str]:
@@ -81,7 +87,10 @@ class Dialect(NamedTuple):
         line = line.strip("\r\n ")
         if self.separator == " ":
             return line.replace('"', "").split()
-        line = line.removesuffix(self.separator if self.closed else "")
+        if self.separator == ", ":  # a row may end with a comma
+            return line.removesuffix(",").split(self.separator)
+        for _ in range(self.closing):
+            line = line.removesuffix(self.separator)
         if '"' not in line:
             return line.split(self.separator)
         return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
@@ -118,6 +127,10 @@ class NumberTable:
     ----------
     header : list of str
         Lines before the table, with blanks between their fields.
+    columns : int
+        Columns of numbers, without one that says whether the point of its row has data.
+    column_units : list of str or None
+        Unit of each column, None where the header states none.
     lines : list of str
         Lines of the table and comments between them, with blanks between numbers.
     rows : list of list of float
@@ -133,11 +146,15 @@ class NumberTable:
     def __init__(self, text: str, dialect: Dialect) -> None:
         written, columns = text.splitlines(), dialect.columns
         lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
+        heading = zygo_lines(written)
+        rows[:heading] = [[] for _ in range(heading)]
         whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
         if not whole:
             raise ValueError(f"a table of {columns} columns of numbers is needed")
         begin, end = whole[0], whole[-1] + 1
         self.header = [dialect.heading(line) for line in written[:begin]]
+        self.columns = columns
+        self.column_units = column_units(written[:begin], columns, dialect.separator)
         is_matrix, width = any(map(MATRIX_HEADER.search, self.header)), columns
         for number, written_line in enumerate(written):
             is_inside = begin <= number < end
@@ -148,7 +165,7 @@ class NumberTable:
                 lines[number], rows[number], width = dialect.heading(written_line), [], 0
             elif row is None:
                 wrong = [word for word in line.split() if not _row(word)[1]]
-                if is_inside or (len(line.split()) == columns and 2 * len(wrong) <= columns):
+                if is_inside or (len(line.split()) == columns and 2 * len(wrong) < columns):
                     raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
             elif row and len(row) != (width or len(row)):
                 raise ValueError(f"line {number + 1}: {width} numbers are needed, not {len(row)}")
@@ -156,6 +173,9 @@ class NumberTable:
                 width = 0 if _is_comment(line) else len(row) or width
         self.lines = lines[begin:end]
         self.rows = [row for row in rows[begin:end] if row]
+        if columns > 2 and ends_with_validity(written[:begin], columns, dialect.separator):
+            self.rows = [[*row[:-2], row[-2] if row[-1] else math.nan] for row in self.rows]
+            self.columns, self.column_units = columns - 1, self.column_units[:-1]
 
     def numbers(self) -> Array:
         """The numbers as an array, if all rows have the same number of them.
@@ -183,23 +203,17 @@ class NumberTable:
                 raise ValueError(f"its first {name} holds numbers or positions of points; delete it")
         return heights
 
-    def with_unlike_channels(self) -> list[str]:
-        """Header and lines, in which a repeated name of a channel gets a number."""
-        lines, names = [*self.header, *self.lines], Counter[str]()
+    def with_headings(self) -> tuple[list[str], dict[str, float]]:
+        """Header and lines as SurfaceTopography expects them, and edges along x and y without a unit.
+
+        A width or height that is no edge is left out, and a repeated name of a channel gets a number.
+        """
+        sizes, names = MatrixSizes(len(self.rows), self.columns), Counter[str]()
+        lines = [sizes.line(line) for line in (*self.header, *self.lines)]
         for number, line in enumerate(lines):
             if (found := _CHANNEL_NAME.match(line)) and (names := names + Counter([found[1]]))[found[1]] > 1:
                 lines[number] = f"{line} {names[found[1]]}"
-        return lines
-
-    def units(self, columns: int = 3) -> list[str]:
-        """Units in the header: one for all columns, or one for each of `columns` columns; otherwise none."""
-        stated = {found[1].lower(): found[2] for line in self.header if (found := _STATED_UNIT.search(line))}
-        units = [unit for line in self.header for unit in _UNIT.findall(line)]
-        if "lateral" in stated and "value" in stated:
-            units = [stated["lateral"], stated["lateral"], stated["value"]]
-        if len({*units}) == 1:
-            return units[:1]
-        return units if len(units) == columns else []
+        return lines, sizes.bare
 
 
 def find_dialect(text: str) -> Dialect | None:
@@ -209,14 +223,18 @@ def find_dialect(text: str) -> Dialect | None:
     for separator, mark in DIALECTS:
         if (separator, mark) == (",", ",") and ('"' not in text or _has_thousands(sample)):
             continue
+        if separator == ", " and '"' in text:  # which the csv module splits
+            continue
         lined = [line.strip("\r\n ") for line in sample if separator in line or separator == " "]
-        closed = separator != " " and 2 * sum(line.endswith(separator) for line in lined) > len(lined)
-        dialect = Dialect(separator, mark, closed)
-        rows = (_row(dialect.plain(line))[1] for line in lined)
-        widths = Counter(len(row) for row in rows if row and not all(map(math.isnan, row)))
+        rows = ((line, _row(Dialect(separator, mark, 0).plain(line))[1]) for line in lined)
+        whole = [(line, row) for line, row in rows if row and not all(map(math.isnan, row))]
+        last = "" if " " in separator else separator
+        ends = [len(line) - len(line.rstrip(last)) if last else 0 for line, _ in whole]
+        closing = sorted(ends)[int((1 - CLOSING_ROWS) * len(ends))] if ends else 0
+        widths = Counter(len(row) - min(closing, end) for (_, row), end in zip(whole, ends, strict=True))
         columns, count = widths.most_common(1)[0] if widths else (0, 0)
         if (columns > 1, count) > most:
-            best, most = dialect._replace(columns=columns), (columns > 1, count)
+            best, most = Dialect(separator, mark, closing, columns), (columns > 1, count)
     return best
 
 
@@ -224,7 +242,7 @@ def _has_thousands(lines: list[str]) -> bool:
     """True if all commas of quoted numbers may separate thousands, and some numbers of a column have none."""
     commas: dict[int, set[bool]] = {}
     for line in lines:
-        for number, field in enumerate(Dialect(",", ",", False).fields(line)):
+        for number, field in enumerate(Dialect(",", ",", 0).fields(line)):
             word = field.strip()
             if not re.fullmatch(r"[-+]?[\d.,]*\d[\d.,]*", word):
                 continue
@@ -251,7 +269,7 @@ def _has_equal_steps(values: Array) -> bool:
 
 
 def _is_comment(line: str) -> bool:
-    return line.startswith("#") and not line.upper().startswith("#N/A")
+    return line.startswith(("#", "%")) and not line.upper().startswith("#N/A")
 
 
 def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
@@ -292,13 +310,19 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
 
 
 def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
-    """Index of the grid line of every point, spacing and number of the lines."""
+    """Index of the grid line of every point, spacing and number of the lines.
+
+    Lines without a point are allowed, and positions rounded to few digits if no line lacks points.
+    """
     ordered = np.sort(position)
     extent = ordered[-1] - ordered[0]
-    gaps = np.diff(ordered)
-    gaps = gaps[gaps > MERGE_DISTANCE * extent]
-    if gaps.size == 0:
+    lines = ordered[np.diff(ordered, prepend=-np.inf) > MERGE_DISTANCE * extent]
+    if lines.size < 2:
         raise ValueError(f"all points have the same {axis}")
+    gaps, order = np.diff(lines), np.arange(lines.size)
+    fitted, first = np.polyfit(order, lines, 1)
+    tolerance = max(GRID_TOLERANCE * fitted, ROUNDED_TOLERANCE * _printed_step(lines))
+    is_rounded = np.abs(lines - first - fitted * order).max() <= min(tolerance, fitted / 2)
     for step in (np.median(gaps), gaps.min()):
         count = round(extent / step) + 1
         spacing = extent / (count - 1)
@@ -306,4 +330,14 @@ def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
         nearest = np.rint(index)
         if np.abs(index - nearest).max() <= GRID_TOLERANCE:
             return nearest.astype(np.int64), float(spacing), count
+        if is_rounded:
+            return np.searchsorted(lines, position, side="right") - 1, float(fitted), lines.size
     raise ValueError(f"the positions {axis} are not equally spaced")
+
+
+def _printed_step(position: Array) -> float:
+    """Unit of the last digit with which all positions are printed; 0 for more than six decimals."""
+    for decimals in range(7):
+        if np.allclose(position, np.round(position, decimals), rtol=0, atol=1e-9):
+            return 10.0**-decimals
+    return 0.0

@@ -58,11 +58,10 @@ def find_spikes(height: Array, threshold: float) -> Array:
     from scipy.ndimage import distance_transform_edt
 
     missing = ~np.isfinite(height)
-    smooth = np.array(height, dtype=float)
+    smooth = subtract_trend(height, "tilt", (1.0, 1.0))[0]
     if missing.any():  # until the end they have the heights of the nearest points
         nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
         smooth = smooth[tuple(nearest)]
-    smooth = subtract_trend(smooth, "tilt", (1.0, 1.0))[0]
     spikes = np.zeros(height.shape, dtype=bool)
     for _ in range(_MAX_DESPIKE_ITERATIONS):
         median = mean = smooth
@@ -169,25 +168,31 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
 
 
 def subtract_trend(
-    height: Array, detrend: str, length: tuple[float, float]
+    height: Array, detrend: str, length: tuple[float, float], fitted: Array | None = None
 ) -> tuple[Array, tuple[float, float], float]:
     """The heights minus their least-squares polynomial; its mean gradient (y, x), and the height of its bow.
 
     The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``), and the bow is the
-    range of the terms of degree two. The terms are orthogonal on a full grid.
+    range of the terms of degree two over the map. It is fitted to the points of the mask `fitted`, by default
+    to all points that have data (are not NaN); points that were filled would bend it.
     """
     y, x = (
         [np.ones_like(line), line, np.square(line) - np.mean(np.square(line))]
         for line in (np.linspace(-1.0, 1.0, n) for n in height.shape)
     )
+    known = np.isfinite(height) if fitted is None else fitted
+    weight, values = known.astype(float), np.where(known, height, 0.0)
+    orders = [
+        order
+        for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+        if sum(order) <= get_args(Detrend).index(detrend)
+    ]
+    products = [[(y[i] * y[k]) @ weight @ (x[j] * x[m]) for k, m in orders] for i, j in orders]
+    # Of the solutions for points on few lines the smallest one.
+    coefficients = np.linalg.lstsq(products, [y[i] @ values @ x[j] for i, j in orders])[0]
     left, slopes, curved = height.astype(float), {(1, 0): 0.0, (0, 1): 0.0}, np.zeros(height.shape)
-    for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
-        term_y, term_x = y[order[0]], x[order[1]]
-        norm = (term_y @ term_y) * (term_x @ term_x)
-        if sum(order) > get_args(Detrend).index(detrend) or norm == 0:
-            continue
-        coefficient = (term_y @ height @ term_x) / norm
-        subtracted = np.outer(coefficient * term_y, term_x)
+    for order, coefficient in zip(orders, coefficients, strict=True):
+        subtracted = np.outer(coefficient * y[order[0]], x[order[1]])
         left -= subtracted
         if sum(order) == 2:
             curved += subtracted

@@ -1,9 +1,9 @@
 """From a measured map to the lower face of an indenter, with a record of everything that was done to it.
 
-The steps are, in this order: scan lines are levelled, spikes are removed, points without data are filled, a
-trend is subtracted, Gaussian filters are applied, the map is made periodic (or left as it is, for a contact
-without periodic boundaries), short waves are removed, the map is resampled, and the form of a sphere or
-cylinder is added.
+The steps are, in this order: scan lines are levelled, spikes are found, a trend is fitted to all other points
+that have data and subtracted, spikes and points without data are filled, Gaussian filters are applied, the
+map is made periodic (or left as it is, for a contact without periodic boundaries), short waves are removed,
+the map is resampled, and the form of a sphere or cylinder is added.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from asperity.surface.reading.formats import PROFILE, UNNAMED
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
-    UNIT_NEEDED,
     HeightMap,
     MapError,
+    is_period,
 )
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import rms_step
@@ -218,7 +218,7 @@ def missing_options(found: MapFile, options: MapOptions, needs_unit: bool = True
     """Everything that a file and the options lack for the treatment of a map."""
     problems = list(found.problems)
     if needs_unit and found.map.unit is None and not any(text.startswith("unit") for text in problems):
-        problems.append(UNIT_NEEDED)
+        problems.append(found.unit_needed)
     return problems + [text for text in _missing(found.map, options) if text not in problems]
 
 
@@ -259,6 +259,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         done = ["used as it is: the heights are those of an indenter's lower face"]
     if surface.channel not in ("", UNNAMED):
         done.append(f"channel of the file: {one_line(surface.channel)}")
+    done += surface.notes
     if options.format == PROFILE:
         done.append("line scan: the same heights for all y, which is plane strain")
 
@@ -274,18 +275,21 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
             f"spikes: {surface.shown_share(spikes)} beyond {options.despike:g} robust standard deviations "
             "from the local median replaced"
         )
-    if surface.missing:
-        done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
-    filled = levelling.fill_harmonic(raw, gaps)
-
-    level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
-    if np.ptp(level) <= FLAT_VARIATION * np.abs(filled).max():
-        raise MapError(surface.name, ["a surface that varies is needed, this one is flat"])
+    one_period = is_period(options, surface)
+    detrend = options.detrend or ("none" if one_period else "tilt")
+    level, slope, bow = levelling.subtract_trend(raw, detrend, surface.length, ~gaps)
+    is_flat = np.ptp(level[~gaps]) <= FLAT_VARIATION * np.abs(raw[~gaps]).max()
+    if is_flat and radius is None:
+        raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
     tilt = math.atan(math.hypot(*slope))
     degrees = f"tilt of {math.degrees(tilt):.3g}°"
     curvature = f"{degrees} and curvature of {surface.shown_length(bow)} height"
     trends = {"none": "mean height", "tilt": degrees, "curvature": curvature}
-    done.append(f"levelled: {trends[options.detrend]} removed")
+    remark = ", a period has no tilt" if detrend == "none" else ", with a step at the edges of the period"
+    done.append(f"levelled: {trends[detrend]} removed{remark if one_period else ''}")
+    if surface.missing:
+        done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
+    level = levelling.fill_harmonic(level, gaps)
 
     level, filtered, words = _filtered(level, surface, options, grid)
     done += words
@@ -311,7 +315,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     height = low_pass(lower, grid, target, shortest)
     if images > 1:
         height = levelling.mirrored(height)
-    if np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
+    if not is_flat and np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
     if shortest is not None:
@@ -412,6 +416,11 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
         problems.append(
             "periodic: the file does not say that the map is one period; set it to declared, mirrored or "
             "windowed, or press it with a free boundary"
+        )
+    if options.periodic is None and surface.periodic and options.detrend not in (None, "none"):
+        problems.append(
+            f"detrend = {options.detrend!r}: the file states that the map is one period, which has no trend; "
+            "leave it out, or set periodic too"
         )
     if surface.missing and options.undefined is None:
         problems.append(f"undefined: {surface.missing} points of the map have no data; set it to harmonic")

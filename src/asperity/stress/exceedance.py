@@ -1,0 +1,281 @@
+"""Volume of a solid in which a field of the stress exceeds a limit, from a stream of planes, and its error.
+
+Each node stands for a box that reaches halfway to its neighbours in its plane and to the adjacent planes. In
+the box the field is the quadratic through the node and 18 of its 26 neighbours, that of the peaks between
+nodes (`asperity.stress.peaks.maxima`). Along the depth the part of the box above a limit is in closed form;
+in the plane it is sampled. A volume smaller than a box, as at the onset of yield, is found like a large one.
+
+Error:
+-----
+Near the onset a small error of the stress is a large one of the volume. The volume is therefore measured
+above lower limits, too: its error is its change when the limit falls by the error of the stress, which is
+more than when the limit rises. The error of the stress follows from the stated error of the largest peak, and
+falls with the number of peaks above the limit.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from asperity.core.compiled import compiled
+from asperity.core.types import Array
+from asperity.fourier.grid import Grid
+from asperity.stress.planes.fields import lagrange, lagrange_stencils, neighbour
+from asperity.stress.statistics.extrapolation import resolution
+
+SAMPLES = 4
+"""Places along each axis of a box at an extreme value at which the depths above the limit are found; half as
+many where the field changes steadily, and half of these for lower limits."""
+
+NEAR_BELOW, NEAR_ABOVE = 0.95, 1.1
+"""A box whose node and nearest neighbours lie outside these multiples of the lowest and the highest limit is
+below or above all limits."""
+
+LEAST_NODE = 0.8
+"""Nodes below this share of the lowest limit are left out."""
+
+
+SHARES = 1 - np.array([0.15, 0.04, 0.0])
+"""Limits over the one that is asked for."""
+
+
+OF_ALL, OF_ONE, OF_PLASTIC = 0.3, 0.5, 1.5
+"""Error of the stress at all peaks, and that of a single one, over the stated error of the largest peak;
+factor of both under a hardness (`benchmarks/volume.py`)."""
+
+RESOLVED = 0.14
+"""`resolution` below which these errors fall with its square."""
+
+OF_QUADRATIC = 0.002
+"""Relative error of the stress by the quadratics between nodes and planes."""
+
+
+class _Plane(NamedTuple):
+    depth: float
+    grid: Grid
+    values: Array
+
+
+class Exceedance:
+    """Volume in which a field exceeds a limit, and the depths between which it does.
+
+    Parameters
+    ----------
+    limit : float
+    periodic : bool
+        Whether planes repeat sideways.
+    """
+
+    def __init__(self, limit: float, periodic: bool) -> None:
+        self._limits, self._periodic = limit * SHARES, periodic
+        self._volumes = np.zeros(SHARES.size)
+        self._depths = np.array([np.inf, -np.inf])
+        self._planes: list[_Plane] = []
+
+    @property
+    def volume(self) -> float:
+        """Volume over the area of a plane, a length."""
+        return float(self._volumes[-1])
+
+    @property
+    def depths(self) -> tuple[float, float] | None:
+        """Depths of the uppermost and the lowest point above the limit; None without any."""
+        return (float(self._depths[0]), float(self._depths[1])) if self.volume else None
+
+    def error(self, estimates: xr.Dataset, peaks: int) -> float:
+        """Error of the volume over the area, by pixels and planes; NaN where that of the peaks is not known.
+
+        Parameters
+        ----------
+        estimates : dataset
+            Result of `asperity.continuum` for one Poisson's ratio.
+        peaks : int
+            Number of peaks above the limit, whose errors differ in part.
+        """
+        of_largest = estimates["largest"].sel(quantity="von_mises", kind="error").item()
+        if estimates.attrs["plastic_area"] > 0:
+            of_largest *= OF_PLASTIC
+        else:
+            of_largest *= min(1.0, (resolution(estimates) / RESOLVED) ** 2)
+        relative = np.hypot(of_largest * np.hypot(OF_ALL, OF_ONE / np.sqrt(max(peaks, 1))), OF_QUADRATIC)
+        return float(np.interp(1 - relative, SHARES, self._volumes)) - self.volume
+
+    def add(self, depth: float, grid: Grid, values: Array) -> None:
+        """Add the next plane downward, (ny, nx), which must not be changed later."""
+        self._planes = [*self._planes[-2:], _Plane(depth, grid, values)]
+        if len(self._planes) > 1:
+            above = self._planes[0] if len(self._planes) == 3 else None
+            self._measure(above, self._planes[-2], self._planes[-1])
+
+    def finish(self, largest: float) -> None:
+        """Add the boxes of the last plane; nothing is above the largest value, at nodes and between them."""
+        if len(self._planes) > 1:
+            self._measure(self._planes[-2], self._planes[-1], None)
+        self._volumes[self._limits >= largest] = 0.0
+
+    def _measure(self, above: _Plane | None, here: _Plane, below: _Plane | None) -> None:
+        """Add the boxes of a plane; at the ends of the stream the quadratic is linear along the depth."""
+        if not here.values.max() > LEAST_NODE * self._limits[0]:
+            return
+        sides, other = [], above or below
+        assert other is not None
+        for side in (above or other, below or other):
+            pairs = zip(here.grid.shape, side.grid.shape, strict=True)
+            sides.append((side.values, tuple(lagrange_stencils(*pair, self._periodic) for pair in pairs)))
+        up, down = (abs((plane or other).depth - here.depth) for plane in (above, below))
+        ends = np.array([-up / 2 if above else 0.0, down / 2 if below else 0.0])
+        _add_boxes(
+            here.values,
+            sides[0],
+            sides[1],
+            (above is None, below is None),
+            (up, down),
+            here.depth,
+            ends,
+            self._limits,
+            self._periodic,
+            np.empty((3, 3, 3)),
+            self._volumes,
+            self._depths,
+        )
+
+
+@compiled
+def _add_boxes(
+    here: Any,
+    above: Any,
+    below: Any,
+    is_end: Any,
+    distances: Any,
+    depth: float,
+    ends: Any,
+    limits: Any,
+    periodic: bool,
+    values: Any,
+    volume: Any,
+    depths: Any,
+) -> None:
+    (ny, nx), (up, down), (first, last) = here.shape, distances, ends
+    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
+    over, around, under = values[0], values[1], values[2]
+    share = 1.0 / (ny * nx)
+    for j in range(ny):
+        for i in range(nx):
+            if not here[j, i] > LEAST_NODE * limits[0]:
+                continue
+            least, most = np.inf, -np.inf
+            for a in range(3):
+                row = neighbour(j - 1 + a, ny, periodic)
+                for b in range(3):
+                    around[a, b] = here[row, neighbour(i - 1 + b, nx, periodic)]
+                    least, most = min(least, around[a, b]), max(most, around[a, b])
+            for side in (above, below):
+                low, high = _range(side, here.shape, j, i)
+                least, most = min(least, low), max(most, high)
+            if most < NEAR_BELOW * limits[0]:
+                continue
+            if least > NEAR_ABOVE * limits[-1]:
+                for n in range(limits.size):
+                    volume[n] += share * (last - first)
+                depths[0], depths[1] = min(depths[0], depth + first), max(depths[1], depth + last)
+                continue
+            _fill_cross(above, here.shape, j, i, periodic, over)
+            _fill_cross(below, here.shape, j, i, periodic, under)
+            for a in range(3):
+                for b in range(3):
+                    if is_end[0]:
+                        over[a, b] = 2 * around[a, b] - under[a, b]
+                    if is_end[1]:
+                        under[a, b] = 2 * around[a, b] - over[a, b]
+            centre = around[1, 1]
+            y, x = (around[2, 1] - around[0, 1]) / 2, (around[1, 2] - around[1, 0]) / 2
+            yy, xx = around[2, 1] - 2 * centre + around[0, 1], around[1, 2] - 2 * centre + around[1, 0]
+            yx = (around[2, 2] - around[2, 0] - around[0, 2] + around[0, 0]) / 4
+            z = weight_up * (over[1, 1] - centre) + weight_down * (under[1, 1] - centre)
+            zz = 2 * ((over[1, 1] - centre) / up + (under[1, 1] - centre) / down) / (up + down)
+            zy = weight_up * ((over[2, 1] - over[0, 1]) / 2 - y) + weight_down * (
+                (under[2, 1] - under[0, 1]) / 2 - y
+            )
+            zx = weight_up * ((over[1, 2] - over[1, 0]) / 2 - x) + weight_down * (
+                (under[1, 2] - under[1, 0]) / 2 - x
+            )
+            far = max(-first, last)
+            reach = (abs(y) + abs(x)) / 2 + (abs(yy) + abs(xx)) / 8 + abs(yx) / 4
+            reach += far * (abs(z) + (abs(zy) + abs(zx)) / 2 + abs(zz) * far / 2)
+            is_extreme = abs(y) + abs(x) < 2 * (abs(yy) + abs(xx))
+            for n in range(limits.size):
+                if centre + reach <= limits[n]:
+                    break
+                is_last = n == limits.size - 1
+                samples = SAMPLES if is_extreme else SAMPLES // 2
+                if not is_last:
+                    samples //= 2
+                if centre - reach > limits[n]:
+                    samples = 0
+                    volume[n] += share * (last - first)
+                    if is_last:
+                        depths[0], depths[1] = min(depths[0], depth + first), max(depths[1], depth + last)
+                total = 0.0
+                for k in range(samples):
+                    v = (k + 0.5) / samples - 0.5
+                    for m in range(samples):
+                        u = (m + 0.5) / samples - 0.5
+                        level = centre - limits[n] + v * (y + 0.5 * yy * v + yx * u) + u * (x + 0.5 * xx * u)
+                        length, top, bottom = _above_zero(level, z + zy * v + zx * u, zz / 2, first, last)
+                        total += length
+                        if length > 0 and is_last:
+                            depths[0], depths[1] = min(depths[0], depth + top), max(depths[1], depth + bottom)
+                if samples:
+                    volume[n] += share * total / (samples * samples)
+
+
+@compiled
+def _range(side: Any, shape: Any, j: int, i: int) -> tuple[float, float]:
+    """Least and largest value of a plane at its nodes nearest to a node of another grid."""
+    values, ((place_y, _), (place_x, _)) = side
+    if values.shape == shape:
+        return values[j, i], values[j, i]
+    least, most = np.inf, -np.inf
+    for a in (2, 3):
+        for b in (2, 3):
+            value = values[place_y[j + 1][a], place_x[i + 1][b]]
+            least, most = min(least, value), max(most, value)
+    return least, most
+
+
+@compiled
+def _fill_cross(side: Any, shape: Any, j: int, i: int, periodic: bool, out: Any) -> None:
+    """Fill a node of a grid and its nearest four neighbours with values of a plane."""
+    values, ((place_y, weight_y), (place_x, weight_x)) = side
+    for a, b in ((1, 1), (0, 1), (2, 1), (1, 0), (1, 2)):
+        if values.shape == shape:
+            row, column = neighbour(j - 1 + a, shape[0], periodic), neighbour(i - 1 + b, shape[1], periodic)
+            out[a, b] = values[row, column]
+        else:
+            out[a, b] = lagrange(values, (place_y[j + a], weight_y[j + a]), (place_x[i + b], weight_x[i + b]))
+
+
+@compiled
+def _above_zero(level: float, slope: float, bend: float, first: float, last: float) -> Any:
+    """Length of the part of an interval where a quadratic is above 0, and its first and last point."""
+    start, stop = level + first * (slope + bend * first), level + last * (slope + bend * last)
+    square = slope * slope - 4 * bend * level
+    if bend == 0.0 or square <= 0.0:  # linear, or without zeros
+        if start > 0 and stop > 0:
+            return last - first, first, last
+        if start <= 0 and stop <= 0:
+            return 0.0, first, last
+        zero = first + (last - first) * start / (start - stop)
+        return (zero - first, first, zero) if start > 0 else (last - zero, zero, last)
+    # Both zeros without cancellation.
+    half = -0.5 * (slope + np.copysign(np.sqrt(square), slope))
+    one, two = half / bend, level / half
+    low, high = min(max(min(one, two), first), last), min(max(max(one, two), first), last)
+    if bend < 0:
+        return high - low, low, high
+    length = (low - first) + (last - high)
+    top = first if low > first else high
+    return length, top, last if last > high else low

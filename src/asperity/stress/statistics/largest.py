@@ -1,0 +1,165 @@
+"""Largest peak on an area that was not measured, from the peaks of maps of the same surface.
+
+Excesses of peaks over a high threshold follow a generalised Pareto distribution (J. Pickands, Ann. Statist.
+3 (1975) 119, https://doi.org/10.1214/aos/1176343003). With λ such peaks per area the largest one on an area S
+is below x with probability exp(−λ S (1 − F(x))), where F is that distribution. Median and interval are those
+of the predictive distribution: this probability, averaged over all shapes, scales and rates by their
+likelihood. With the most likely ones alone both are too low.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from asperity.core.types import Array, ArrayLike
+from asperity.core.units import shown_si
+
+FEWEST_PEAKS, MOST_PEAKS = 20, 200
+"""Fewest and most peaks above the threshold."""
+
+TAIL = 0.15
+"""Share of the peaks above the threshold, between these numbers."""
+
+MAX_AREA_RATIO = 100
+"""Largest area over that of the sample; `benchmarks/largest.py` measures the intervals up to 39."""
+
+SHAPE_PRIOR = -0.1, 0.2, 0.2
+"""Mean and standard deviation of the shape ξ before any peak is known, since tails of stresses are nearly
+exponential, and the probability that ξ is anywhere in `SHAPES`: under a hardness tails end abruptly. Chosen
+on cells of other surfaces than those of `benchmarks/largest.py`."""
+
+SHAPES = -2 + 0.0325 * (np.arange(80) + 0.5)
+"""Shapes over which the average is taken."""
+
+SCALES = np.exp(np.linspace(-1.6, 1.6, 81))
+"""The same for the scale, over the mean excess; each has the same weight before any peak is known."""
+
+NEGLIGIBLE_WEIGHT = 1e-6
+"""Likelihood over the largest one below which shape and scale are left out."""
+
+QUANTILES = 0.5, 0.025, 0.975
+"""Of the largest value: its median, and the ends of the interval."""
+
+
+class Largest(NamedTuple):
+    """Largest value on an area, with what it follows from.
+
+    Attributes
+    ----------
+    value, low, high : float
+        Median, and 95 % interval, of the largest value on one such area: it holds the scatter of the largest
+        value from area to area and that of the maps. Of one map the interval is NaN.
+    threshold, shape : float
+        Threshold of the peaks, and mean shape ξ of the generalised Pareto distribution.
+    peaks : int
+        Peaks of the sample above the threshold.
+    times : float
+        Area over that of the sample.
+    """
+
+    value: float
+    low: float
+    high: float
+    threshold: float
+    shape: float
+    peaks: int
+    times: float
+
+
+def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> Largest:
+    """Largest peak on an area, from the peaks of maps of the same surface.
+
+    Peaks of one map are alike. The likelihood is that of fewer independent peaks, by the ratio of the
+    variances of number and sum of the excesses over the maps to those of independent peaks. On an area as
+    large as the maps or larger, median and upper end are not below the largest peak of the maps.
+
+    Parameters
+    ----------
+    peaks : sequence of arrays
+        Values of the peaks of each map.
+    sample_area : float
+        Of all maps together, in m².
+    area : float
+        In m², too; at most `MAX_AREA_RATIO` times that of the sample.
+
+    Raises
+    ------
+    ValueError
+        If the area is too large, or there are fewer than 2 `FEWEST_PEAKS` peaks.
+
+    Examples
+    --------
+    For exponential peaks, 100 per unit area, the median of the largest of 10000 is log(10000 / log 2) = 9.6:
+
+    >>> from asperity.stress.statistics.largest import largest_on
+    >>> random = np.random.default_rng(1)
+    >>> found = largest_on([random.exponential(size=1000) for _ in range(4)], sample_area=40.0, area=100.0)
+    >>> print(f"{found.value:.1f}, 95 % between {found.low:.1f} and {found.high:.1f}")
+    8.7, 95 % between 7.2 and 12.9
+    """
+    check_area(area, sample_area)
+    maps = [np.asarray(values, dtype=float) for values in peaks]
+    ordered = np.sort(np.concatenate(maps))[::-1]
+    if ordered.size < 2 * FEWEST_PEAKS:
+        raise ValueError(f"area: {2 * FEWEST_PEAKS} peaks are needed, the maps have {ordered.size}")
+    count, times = int(np.clip(TAIL * ordered.size, FEWEST_PEAKS, MOST_PEAKS)), area / sample_area
+    threshold, observed = float(ordered[count]), float(ordered[0])
+    excesses = ordered[:count] - threshold
+    unit = float(excesses.mean())
+    if unit <= 1e-9 * abs(threshold):  # all at the hardness
+        return Largest(observed, observed, observed, threshold, 0.0, count, times)
+    dependence = 1.0
+    if len(maps) > 1:
+        above = [values[values > threshold] - threshold for values in maps]
+        numbers, sums = np.array([(some.size, some.sum()) for some in above]).T
+        of_numbers = numbers.var(ddof=1) / numbers.mean()
+        of_sums = sums.var(ddof=1) / np.square(excesses).sum() * len(maps)
+        dependence = max(1.0, of_numbers, of_sums)
+    shapes, scales, weights = _posterior(excesses / unit, dependence)
+
+    def below(excess: float) -> float:
+        beyond = np.maximum(1 + shapes * excess / scales, 0) ** (-1 / shapes)
+        # The mean over the rate, whose distribution is that of Gamma after `count` independent peaks.
+        return float(weights @ (1 + times * dependence * beyond) ** (-count / dependence))
+
+    most = 1.0
+    while below(most) < max(QUANTILES):
+        most *= 2
+    value, low, high = (
+        threshold + unit * brentq(lambda excess, level=level: below(excess) - level, 0, most)
+        if below(0) < level
+        else threshold
+        for level in QUANTILES
+    )
+    if times >= 1:
+        value, high = max(value, observed), max(high, observed)
+    if len(maps) == 1:
+        low = high = np.nan
+    return Largest(value, low, high, threshold, float(weights @ shapes), count, times)
+
+
+def _posterior(excesses: Array, dependence: float) -> tuple[Array, Array, Array]:
+    """Shapes and scales of the distribution of excesses, and their weights, which add up to one."""
+    shapes, scales = (axis.ravel() for axis in np.meshgrid(SHAPES, SCALES, indexing="ij"))
+    argument = 1 + shapes[:, None] * excesses / scales[:, None]
+    held = argument.min(axis=1) > 0
+    shapes, scales, argument = shapes[held], scales[held], argument[held]
+    likelihood = -(1 + 1 / shapes) * np.log(argument).sum(axis=1) - excesses.size * np.log(scales)
+    mean, deviation, share = SHAPE_PRIOR
+    nearly_exponential = np.exp(-0.5 * ((shapes - mean) / deviation) ** 2) / (deviation * np.sqrt(2 * np.pi))
+    prior = (1 - share) * nearly_exponential + share / np.ptp(SHAPES)
+    weights = prior * np.exp((likelihood - likelihood.max()) / dependence)
+    kept = weights > NEGLIGIBLE_WEIGHT * weights.max()
+    return shapes[kept], scales[kept], weights[kept] / weights[kept].sum()
+
+
+def check_area(area: float, sample_area: float) -> None:
+    """Raise `ValueError` for an area too large to predict from a sample."""
+    if not 0 < area <= MAX_AREA_RATIO * sample_area * (1 + 1e-9):
+        given, most = (shown_si(value, "m^2") for value in (area, MAX_AREA_RATIO * sample_area))
+        raise ValueError(
+            f"area = {given}: an area > 0 and ≤ {most} is needed, {MAX_AREA_RATIO} times that of all maps "
+            "together"
+        )

@@ -1,0 +1,118 @@
+"""Grids with a short heading: ESRI and Surfer in ASCII, and the Simple Field of Gwyddion."""
+
+from collections.abc import Sequence
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from asperity.core.types import Array
+from asperity.surface.reading.agreement import FileContent
+
+SURFER_BLANK = 1.70141e38
+"""Smallest number by which Surfer marks nodes without data."""
+
+_ESRI_KEYS = ("ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "dx", "dy")
+_NO_DATA = "nodata_value"
+
+
+def read_grid(name: str, file: BinaryIO) -> FileContent:
+    """The map in a file of the format ``esri``, ``surfer`` or ``gsf``.
+
+    Raises
+    ------
+    ValueError
+        If an entry of the heading is missing, or the number of heights is not the stated one.
+    """
+    content = file.read()
+    try:
+        return _simple_field(content) if name == "gsf" else _READERS[name](content.decode("latin-1").split())
+    except (KeyError, IndexError) as error:
+        raise ValueError(f"its heading has no {error.args[0]}") from error
+
+
+def _esri(words: Sequence[str]) -> FileContent:
+    """ESRI ASCII grid: square cells, rows from the largest y downwards."""
+    entries: dict[str, float] = {_NO_DATA: -9999.0}
+    begin = 0
+    while words[begin].lower() in (*_ESRI_KEYS, _NO_DATA):
+        entries[words[begin].lower()] = _numbers(words[begin + 1 : begin + 2])[0]
+        begin += 2
+    ny, nx = int(entries["nrows"]), int(entries["ncols"])
+    dx = entries["dx"] if "dx" in entries else entries["cellsize"]
+    height = _matrix(_numbers(words[begin:]), (ny, nx))[::-1]
+    height = np.where(height == entries[_NO_DATA], np.nan, height)
+    return FileContent(height, length=(ny * entries.get("dy", dx), nx * dx), length_unit=None)
+
+
+def _surfer(words: Sequence[str]) -> FileContent:
+    """Surfer ASCII grid: nodes from the smallest to the largest x and y, rows from the smallest y upwards."""
+    nx, ny, left, right, bottom, top = _numbers(words[1:7])
+    height = _matrix(_numbers(words[9:]), (int(ny), int(nx)))
+    height = np.where(height >= SURFER_BLANK, np.nan, height)
+    length = ny * (top - bottom) / (ny - 1), nx * (right - left) / (nx - 1)
+    return FileContent(height, length=length, length_unit=None)
+
+
+_READERS = {"esri": _esri, "surfer": _surfer}
+
+
+def _simple_field(content: bytes) -> FileContent:
+    """Gwyddion Simple Field: lines ``key = value``, zeros to a multiple of four bytes, and floats."""
+    heading = content.partition(b"\0")[0]
+    lines = (line.partition("=") for line in heading.decode("utf-8", errors="replace").splitlines()[1:])
+    entries: dict[str, Any] = {key.strip(): value.strip() for key, _, value in lines}
+    ny, nx = int(entries["YRes"]), int(entries["XRes"])
+    begin = 4 * (len(heading) // 4 + 1)
+    data = np.frombuffer(content[begin : begin + 4 * ny * nx], "<f4")
+    length = None
+    if "XReal" in entries and "YReal" in entries:
+        length = float(entries["YReal"]), float(entries["XReal"])
+    return FileContent(
+        height=_matrix(data.astype(float), (ny, nx)),
+        channel=entries.get("Title") or "Default",
+        length=length,
+        length_unit=entries.get("XYUnits") or None,
+        unit=entries.get("ZUnits") or None,
+    )
+
+
+def _numbers(words: Sequence[str]) -> Array:
+    return np.array([word.replace(",", ".") for word in words], dtype=float)
+
+
+def _matrix(numbers: Array, shape: tuple[int, int]) -> Array:
+    if min(shape) < 2 or numbers.size != shape[0] * shape[1]:
+        raise ValueError(f"its heading says {shape[0]} x {shape[1]} heights, it holds {numbers.size}")
+    return numbers.reshape(shape)
+
+
+def tiff_scale(opened: Any) -> dict[str, Any]:
+    """Edges with their unit, and the mark of missing data, in a TIFF of ImageJ or a GeoTIFF; else empty.
+
+    The resolution of other TIFF files is that of a print, not of the map.
+
+    Parameters
+    ----------
+    opened : tifffile.TiffFile
+    """
+    page = opened.pages[0]
+    (ny, nx), tags = page.shape, page.tags
+    scale: dict[str, Any] = {}
+    if opened.is_imagej and "XResolution" in tags and "YResolution" in tags:
+        unit = str((opened.imagej_metadata or {}).get("unit", "")).replace("\\u00B5", "µ")
+        (x, per_x), (y, per_y) = tags["XResolution"].value, tags["YResolution"].value
+        if unit.lower() not in ("", "pixel", "pixels") and x and y:
+            scale |= {"length": (ny * per_y / y, nx * per_x / x), "length_unit": unit}
+    if opened.is_geotiff:
+        keys = page.geotiff_tags
+        is_projected = int(keys.get("GTModelTypeGeoKey", 0)) == 1  # others are in degrees
+        known = _GEOTIFF_UNITS.get(int(keys.get("ProjLinearUnitsGeoKey", 9001)))
+        if is_projected and known and "ModelPixelScale" in keys:
+            x, y = keys["ModelPixelScale"][:2]
+            scale |= {"length": (ny * y, nx * x), "length_unit": known}
+    if "GDAL_NODATA" in tags:
+        scale["missing"] = float(tags["GDAL_NODATA"].value)
+    return scale
+
+
+_GEOTIFF_UNITS = {9001: "m", 9002: "ft"}

@@ -1,0 +1,225 @@
+"""Folders of answers that were changed, copied or damaged, and names of files that would damage them.
+
+Small maps, through the command line alone. The tests marked `xfail` show faults that are known.
+"""
+
+import os
+import shutil
+import signal
+
+import numpy as np
+import pytest
+import yaml
+
+from asperity.cli.main import main
+
+STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa"]
+NAMES = ("a", "b")
+fault = pytest.mark.xfail(strict=True, reason="known fault")
+
+
+def write_map(path, seed, pixel=(1.0, 1.0)):
+    """A rough map of 16 x 16 points, with edges in µm, as text."""
+    height = np.random.default_rng(seed).normal(scale=0.01, size=(16, 16))
+    head = f"# Channel: Height\n# Width: {16 * pixel[1]} um\n# Height: {16 * pixel[0]} um\n# Value units: um"
+    np.savetxt(path, height, header=head, comments="", fmt="%.6f")
+    return str(path)
+
+
+@pytest.fixture(autouse=True)
+def without_pictures(monkeypatch):
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
+
+
+def status(*command):
+    """Exit status of a command."""
+    try:
+        return main([*map(str, command)])
+    except SystemExit as ended:
+        return ended.code
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """Two maps and the folder of their pooled answers."""
+    folder = tmp_path_factory.mktemp("kept")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
+        maps = [write_map(folder / f"{name}.txt", seed) for seed, name in enumerate(NAMES)]
+        assert main(["run", *maps, *STEEL, "--pooled", "--out", str(folder / "pool")]) == 0
+    return folder
+
+
+@pytest.fixture
+def pool(kept, tmp_path):
+    """A copy of the maps and their pooled answers."""
+    shutil.copytree(kept, tmp_path / "kept")
+    return tmp_path / "kept/pool"
+
+
+def copied_table(pool):
+    shutil.copy(pool / "a/answer.csv", pool / "b/answer.csv")
+
+
+def cut_table(pool):
+    (pool / "b/answer.csv").write_bytes((pool / "b/answer.csv").read_bytes()[:700])
+
+
+def deleted_result(pool):
+    (pool / "b/contact.nc").unlink()
+
+
+def other_version(pool):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asperity.results.dataset.__version__", "0.9.0")
+        assert status("run", pool / "case.yaml", "--out", pool, "--only", "b") == 0
+
+
+def untouched(_):
+    pass
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        untouched,
+        *(pytest.param(f, marks=fault) for f in (copied_table, cut_table, deleted_result, other_version)),
+    ],
+)
+def test_resume_keeps_whole_answers_alone(pool, damage, capsys):
+    """The others are computed again: the means are those of the maps."""
+    before = (pool / "sample.csv").read_bytes()
+    damage(pool)
+    capsys.readouterr()
+    assert status("run", pool / "case.yaml", "--out", pool, "--resume") == 0
+    assert (capsys.readouterr().out.count(": kept\n") == 2) == (damage is untouched)
+    assert (pool / "sample.csv").read_bytes() == before
+    assert (pool / "b/contact.nc").exists()
+
+
+def lost_answer(pool):
+    shutil.rmtree(pool / "b")
+
+
+def lost_manifest(pool):
+    (pool / "b/.asperity-run.json").unlink()
+
+
+def edited_means(pool):
+    (pool / "sample.csv").write_text((pool / "sample.csv").read_text().replace("1", "2"))
+
+
+def edited_means_without_manifest(pool):
+    (pool / ".asperity-run.json").unlink()
+    edited_means(pool)
+
+
+def edited_means_with_a_damaged_manifest(pool):
+    (pool / ".asperity-run.json").write_text("{")
+    edited_means(pool)
+
+
+def exchanged_answers(pool):
+    (pool / "a").rename(pool / "c")
+    (pool / "b").rename(pool / "a")
+    (pool / "c").rename(pool / "b")
+
+
+def answer_of_a_changed_map(pool):
+    write_map(pool.parent / "b.txt", 7)
+    assert status("run", pool.parent / "b.txt", *STEEL, "--out", pool / "b") == 0
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        edited_means,
+        *(
+            pytest.param(f, marks=fault)
+            for f in (
+                *(lost_answer, lost_manifest, edited_means_without_manifest),
+                *(edited_means_with_a_damaged_manifest, exchanged_answers, answer_of_a_changed_map),
+            )
+        ),
+    ],
+)
+def test_verify_finds_what_is_wrong_in_a_pool(pool, damage):
+    assert status("verify", pool) == 0
+    damage(pool)
+    assert status("verify", pool) == 1
+
+
+@fault
+@pytest.mark.parametrize("file", ["mine.yaml", "pool/a/case.yaml"])
+def test_save_replaces_no_file_of_others(pool, file):
+    """Neither a file that a user has written, nor one that belongs to another answer."""
+    path = pool.parent / file
+    if not path.exists():
+        path.write_text("map: a.txt  # my own\nyoung: 1 GPa\n", encoding="utf-8")
+    before = path.read_bytes()
+    assert status("run", pool.parent / "b.txt", *STEEL, "--out", pool.parent / "out", "--save", path) == 2
+    assert path.read_bytes() == before
+
+
+@fault
+def test_damaged_case_of_an_answer_is_one_line(pool, capsys):
+    """It is computed again, or refused with one line; the parser's own error is neither."""
+    (pool / "a/case.yaml").write_text("{{{", encoding="utf-8")
+    capsys.readouterr()
+    assert status("run", pool / "case.yaml", "--out", pool, "--resume") in (0, 1, 2)
+    assert "Error" not in capsys.readouterr().err
+
+
+@fault
+def test_case_of_an_answer_without_its_map(pool, capsys):
+    case = pool / "a/case.yaml"
+    content = yaml.safe_load(case.read_text(encoding="utf-8"))
+    case.write_text(yaml.safe_dump({key: value for key, value in content.items() if key != "map"}))
+    capsys.readouterr()
+    assert status("verify", pool) == 1
+    assert "Error" not in capsys.readouterr().err
+
+
+class Waits(BaseException):
+    """Raised where a command would wait for ever."""
+
+
+@fault
+def test_manifest_that_is_no_file_is_not_read(pool):
+    (pool / "a/.asperity-run.json").unlink()
+    os.mkfifo(pool / "a/.asperity-run.json")
+
+    def stop(*_):
+        raise Waits
+
+    earlier = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(5)
+    try:
+        assert status("verify", pool) == 1
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, earlier)
+
+
+@pytest.mark.parametrize("name", ["..", "sample.csv", "case.yaml", ".complete"])
+@fault
+def test_maps_named_like_files_of_answers_are_refused(tmp_path, name):
+    """Before anything is computed: the answer would be outside the folder, or in the way of another file."""
+    maps = [write_map(tmp_path / f"{stem}.txt", seed) for seed, stem in enumerate(("a", name))]
+    out = tmp_path / "answers/pool"
+    assert status("run", *maps, *STEEL, "--pooled", "--out", out, "--check") == 2
+
+
+@pytest.mark.parametrize(
+    ("pixel", "options"),
+    [
+        ((1.0, 2.0), ["--viscosity", "0.1", "--pressure-difference", "1 MPa"]),
+        ((1.0, 1.0), ["--friction", "0.2", "--tangential-force", "1 N"]),
+    ],
+)
+@fault
+def test_check_refuses_what_run_refuses(tmp_path, pixel, options):
+    """Pixels that are not square, and a force above friction times load, 2.6 mN; or both commands answer."""
+    command = ["run", write_map(tmp_path / "map.txt", 1, pixel), *STEEL, *options, "--out", tmp_path / "out"]
+    checked = status(*command, "--check")
+    assert checked == status(*command)

@@ -1,0 +1,106 @@
+"""A film that carries a part of the load, and run-in: limits, equilibrium and published values."""
+
+import math
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.engineering.questions.film import Film
+from asperity.settings.model import SettingsError
+
+EDGE, PRESSURE = 64e-6, 1e9
+STEEL = asp.Body(young=210e9, poisson=0.3)
+BALL = {"hertz_pressure": PRESSURE, "radius_x": 0.02}
+
+
+@pytest.fixture(scope="module")
+def ground():
+    height = asp.self_affine((32, 32), 0.8, EDGE / 2, EDGE / 8, 3e-8, seed=1, length=EDGE)
+    return asp.HeightMap(height, (EDGE, EDGE), periodic=True, unit="m", name="ground")
+
+
+@pytest.mark.parametrize("load", [{"mean_pressure": 2e8}, BALL])
+def test_no_share_is_the_dry_answer(ground, load):
+    """To the bit: every number but those of the film."""
+    dry = asp.run(ground, STEEL, STEEL, load=load, sliding={"friction": 0.1})
+    wet = asp.run(ground, STEEL, STEEL, load=load, sliding={"friction": 0.1}, film={"load_share": 0.0})
+    numbers = [answer.frame().query("group != 'film'").reset_index(drop=True) for answer in (dry, wet)]
+    assert numbers[0].equals(numbers[1])
+
+
+def test_full_film_leaves_the_stress_of_hertz(ground):
+    """0.620 p₀ at 0.481 radii for ν = 0.3 (K. L. Johnson, Contact Mechanics, 1985, section 3.4).
+
+    The asperities carry a thousandth of the load, and cause as much of the stress.
+    """
+    answer = asp.run(ground, STEEL, STEEL, load=BALL, film={"load_share": 0.999})
+    depth = 0.481 * answer.case.hertz_contact.narrow
+    (plane,) = asp.stress_planes(answer.loaded_body(answer.contact, "lower"), [depth])
+    assert float(np.mean(plane.fields["von_mises"])) == pytest.approx(0.6197 * PRESSURE, rel=2e-3)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_film_and_asperities_carry_the_load(ground, share):
+    """Equilibrium: the mean of σ_zz in every plane is minus the load over the nominal area."""
+    answer = asp.run(ground, STEEL, mean_pressure=2e8, film={"load_share": share})
+    loaded = answer.loaded_body(answer.contact, "lower")
+    for plane in asp.stress_planes(loaded, [0.0, 5e-6, 3e-5], fields=("zz",)):
+        assert plane.fields["zz"].mean() == pytest.approx(-2e8, rel=1e-5)  # tolerance of the contact
+    assert answer.contact.mean_pressure == pytest.approx((1 - share) * 2e8, rel=1e-6)
+
+
+def test_film_lowers_the_cycles(ground):
+    """Faces that roll through the contact: less load on asperities, less shear."""
+    smooth = asp.Body(young=210e9, poisson=0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
+    worst = []
+    for share in (0.0, 0.5, 0.9):
+        answer = asp.run(ground, smooth, STEEL, load=BALL, film={"load_share": share}, cycles={"shifts": 8})
+        worst.append(answer.found["cycles"]["lower"].attrs["worst_dang_van"][0])
+    assert worst[0] > worst[1] > worst[2]
+
+
+@pytest.mark.parametrize(
+    ("correlation", "ratio", "asperities"),
+    [("arana", 1.0, 0.157299), ("arana", 0.5, 0.479500), ("balan", 1.0, 0.116788), ("balan", 0.5, 0.32744)],
+)
+def test_share_follows_published_correlations(correlation, ratio, asperities):
+    """1 − erf from tables (Abramowitz and Stegun, table 7.1); Balan's Eq. A2 by hand."""
+    film = Film(lambda_ratio=ratio, correlation=correlation)
+    assert 1 - film.share == pytest.approx(asperities, abs=2e-5)
+
+
+def test_run_in_ends_at_the_hardness(ground):
+    """The flattened map touches as the plastic contact did, nowhere with more than the hardness."""
+    hardness = 3e9
+    plastic = asp.run(ground, asp.Body(young=210e9, poisson=0.3, hardness=hardness), mean_pressure=3e8)
+    answer = asp.run(ground, STEEL, mean_pressure=3e8, run_in={"hardness": hardness})
+    assert plastic.contact.plastic_area > 0.01
+    assert answer.contact.area_fraction == pytest.approx(plastic.contact.area_fraction, rel=5e-3)
+    assert answer.numbers.largest_pressure == pytest.approx(hardness, rel=1e-4)  # tolerance of the contact
+    found = answer.found["run_in"]
+    assert found.depths[0] == pytest.approx(float(plastic.contact.plastic_depth.max()), rel=1e-6)
+    assert found.another < 1e-3
+    assert math.isinf(answer.contact.hardness)
+
+
+def test_run_in_below_the_hardness_changes_nothing(ground):
+    dry = asp.run(ground, STEEL, mean_pressure=1e8)
+    after = asp.run(ground, STEEL, mean_pressure=1e8, run_in={"hardness": 1e11})
+    assert np.array_equal(dry.contact.pressure, after.contact.pressure)
+    assert any("flattens nothing" in advice.text for advice in after.advice)
+
+
+@pytest.mark.parametrize(
+    ("groups", "message"),
+    [
+        ({"film": {}}, "film: exactly one of load_share and lambda_ratio is needed"),
+        ({"film": {"load_share": 1.0}}, "film.load_share = 1.0: a number ≥ 0 and < 1 is needed"),
+        ({"film": {"lambda_ratio": 3}}, "film.lambda_ratio = 3: a number ≥ 0 and ≤ 2 is needed"),
+        ({"run_in": {}}, "run_in.hardness: missing"),
+        ({"run_in": {"hardness": 1e8}}, "run_in.hardness = 100 MPa: more than the mean pressure"),
+    ],
+)
+def test_wrong_film_or_run_in_is_refused(ground, groups, message):
+    with pytest.raises(SettingsError, match=message.replace("(", r"\(")):
+        asp.Case(map=ground, body=STEEL, load={"mean_pressure": 1e8}, **groups)
