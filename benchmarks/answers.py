@@ -28,8 +28,8 @@ EDGE, MODULUS, POISSON = 1e-4, 210e9, 0.3
 def answers(surface: dict[str, float], share: float, plastic: bool) -> dict[int, asp.engineering.Answer]:
     """Pixels on the shortest wavelength → answer under the same load."""
     height = {nodes: EDGE * height_of(surface, nodes) for nodes in (*NODES, FINEST)}
-    steel = asp.Layer(young=MODULUS, poisson=POISSON)
-    elastic = asp.solve(height[8], steel, EDGE, area_fraction=surface["area_fraction"])
+    steel = asp.Solid(young=MODULUS, poisson=POISSON)
+    elastic = asp.solve_contact(height[8], steel, EDGE, area_fraction=surface["area_fraction"])
     hardness = float(np.quantile(elastic.pressure[elastic.pressure > 0], share))
     hardness = max(hardness, 1.1 * elastic.mean_pressure)
     body = asp.Body(

@@ -7,7 +7,7 @@ draws layers with q height from 0.01 to 10, ν from −0.9 to 0.5, both bottoms,
 (on a bonded bottom) in any direction, and prints the largest stress of any kind over its bound; with
 ``--coated`` half-spaces under coatings of q height from 1e-4 to 30, with a ratio of the moduli from 1e-4 to
 1e4, to a depth of three heights. The tensor is
-that of `asperity.Layer`, the fields are its eigenvalues; the phase is searched in steps of five degrees.
+that of `asperity.Solid`, the fields are its eigenvalues; the phase is searched in steps of five degrees.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from asperity.stress.planes.truncation import envelope_of
 PHASE = np.radians(np.arange(0.0, 180.0, 5.0))
 
 
-def largest_field(layer: asp.Layer, q: float, depth: float, friction: float, angle: float) -> float:
+def largest_field(layer: asp.Solid, q: float, depth: float, friction: float, angle: float) -> float:
     """Largest component, principal stress, largest shear or von Mises stress of a unit mode."""
     cosine, sine = np.cos(PHASE), np.sin(PHASE)
     poisson = layer.poisson if layer.base is None or depth <= 1 else layer.base.poisson
@@ -61,17 +61,17 @@ def main() -> None:
     for _ in range(options.layers):
         scaled, share = 10 ** random.uniform(-2, 1), random.uniform() ** random.choice([0.2, 1.0, 5.0])
         bottom = str(random.choice(["bonded", "frictionless"]))
-        layer = asp.Layer(1.0, random.uniform(-0.9, 0.5), 1.0, bottom)
+        layer = asp.Solid(1.0, random.uniform(-0.9, 0.5), 1.0, bottom)
         if options.coated:
-            base = asp.Layer(10 ** random.uniform(-4, 4), random.uniform(-0.9, 0.5))
+            base = asp.Solid(10 ** random.uniform(-4, 4), random.uniform(-0.9, 0.5))
             bottom, scaled, share = "bonded", 10 ** random.uniform(-4, 1.5), 3 * share
-            layer = asp.Layer(1.0, layer.poisson, 1.0, base=base)
+            layer = asp.Solid(1.0, layer.poisson, 1.0, base=base)
         friction = random.uniform() if bottom == "bonded" else 0.0
         found = largest_field(layer, scaled, share, friction, random.uniform(0, np.pi))
         decayed = (1 + scaled * share) * np.exp(-scaled * share)
         ratio = found / (envelope_of(layer, layer.poisson, friction, share) * decayed)
         twice = found / (
-            2 * envelope_of(asp.Layer(1.0, layer.poisson), layer.poisson, friction, share) * decayed
+            2 * envelope_of(asp.Solid(1.0, layer.poisson), layer.poisson, friction, share) * decayed
         )
         worst = [max(worst[0], ratio), max(worst[1], twice)]
     print(f"{options.layers} layers, seed {options.seed}: largest stress over its bound {worst[0]:.4f}")

@@ -41,7 +41,7 @@ from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import PaddedFourier
 from asperity.fourier.grid import Fourier, Grid
 
-LAYER = asp.Layer(1.0, 0.0)
+LAYER = asp.Solid(1.0, 0.0)
 FRACTION = 0.05
 """Mean pressure over E* times the rms gradient."""
 
@@ -143,7 +143,7 @@ def solve(
         return *peers.SOLVERS[solver](height, load, tolerance, boundary), np.nan
     method, dtype = solver.split()
     settings = {"method": method, "dtype": dtype, "boundary": boundary}
-    contact = asp.solve(height, LAYER, mean_pressure=load, rtol=tolerance, **settings)
+    contact = asp.solve_contact(height, LAYER, mean_pressure=load, rtol=tolerance, **settings)
     return contact.pressure, contact.certificate.iterations, contact.certificate.worst
 
 
@@ -239,7 +239,7 @@ def compare_threads(points: int, hurst: float, pairs: int = 9) -> dict[str, Any]
         for threads in (1, 2):
             with counted() as spent:
                 start = time.perf_counter()
-                asp.solve(height, LAYER, mean_pressure=load, rtol=1e-6, threads=threads)
+                asp.solve_contact(height, LAYER, mean_pressure=load, rtol=1e-6, threads=threads)
                 walls[threads - 1, number] = time.perf_counter() - start
             transforms[threads - 1, number] = spent.wall
     walls, transforms = walls[..., 1:], transforms[..., 1:]  # the first compiles and finds no memory to reuse

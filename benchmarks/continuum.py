@@ -1,4 +1,4 @@
-"""Errors of `asperity.continuum` on random surfaces, against 32 nodes on the shortest wavelength.
+"""Errors of `asperity.continuum_limit` on random surfaces, against 32 nodes on the shortest wavelength.
 
     python benchmarks/continuum.py    # writes docs/continuum.csv and prints it, in a quarter of an hour
 
@@ -22,7 +22,7 @@ import asperity as asp
 
 NODES = (2, 4, 8)
 FINEST = 32
-LAYER = asp.Layer(young=1.0, poisson=0.33)
+LAYER = asp.Solid(young=1.0, poisson=0.33)
 RATIOS = (0.0, 0.33, 0.5)
 AREAS = (0.0, 0.2, 0.5, 0.8, 0.95)
 """Ends of the ranges of contact area for which the coverage is listed, too."""
@@ -52,16 +52,16 @@ def height_of(surface: dict[str, float], nodes: int) -> np.ndarray:
     height = asp.self_affine(
         (points, points), surface["hurst"], long, short, rms_height=1e-3, seed=surface["seed"]
     )
-    return asp.johnson(height, surface["gamma"], surface["delta"]) if surface["delta"] else height
+    return asp.surface.johnson(height, surface["gamma"], surface["delta"]) if surface["delta"] else height
 
 
 def estimated(surface: dict[str, float], nodes: int, **load: float) -> tuple[asp.Contact, xr.Dataset, float]:
     """Contact, its estimates, and the processor time of these over that of contact and stress."""
     begin = time.process_time()
-    contact = asp.solve(height_of(surface, nodes), LAYER, **load)
+    contact = asp.solve_contact(height_of(surface, nodes), LAYER, **load)
     stress = asp.analyse_stress(contact, poisson=RATIOS, quantities=("pressure", "von_mises"), tolerance=1e-4)
     middle = time.process_time()
-    estimates = asp.continuum(contact, stress)
+    estimates = asp.continuum_limit(contact, stress)
     return contact, estimates, (time.process_time() - begin) / (middle - begin)
 
 

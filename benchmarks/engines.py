@@ -14,7 +14,7 @@ if __name__ == "__main__":
         for engine in ENGINES:
             with asp.fft_engine(engine):
                 begin = time.process_time()
-                contact = asp.solve(height, asp.Layer(210e9, 0.3), 2e-4, mean_pressure=50e6)
+                contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), 2e-4, mean_pressure=50e6)
                 middle = time.process_time()
                 asp.analyse_stress(contact)
             seconds = middle - begin, time.process_time() - middle

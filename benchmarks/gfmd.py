@@ -15,12 +15,12 @@ from asperity.contact import gfmd
 from asperity.contact.problem import Control, Problem
 from asperity.contact.response import response_on
 from asperity.core.errors import ConvergenceError
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 from asperity.reference.pivoting import pivot
 
-HALF_SPACE = Layer(1.0, 0.0)
-SLAB = Layer(1.0, 0.0, 1.0)
+HALF_SPACE = Solid(1.0, 0.0)
+SLAB = Solid(1.0, 0.0, 1.0)
 FACTORS = (0.3, 0.5, 0.7, 0.99, 1.2, 1.5, 2.0)
 LOADS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.2)
 TOLERANCE = 1e-6

@@ -1,4 +1,4 @@
-"""Errors of `asperity.continuum` on surfaces that are not isotropic and Gaussian.
+"""Errors of `asperity.continuum_limit` on surfaces that are not isotropic and Gaussian.
 
     python benchmarks/kinds.py    # writes docs/kinds.csv and prints it, in six minutes on one core
 
@@ -20,7 +20,7 @@ from asperity.core.types import Array
 
 KINDS = "lay", "straight ridges", "plateau", "skewed", "two scales"
 NODES, FINEST, WAVES = (2, 4, 8), 24, (16, 24)
-LAYER = asp.Layer(young=1.0, poisson=0.33)
+LAYER = asp.Solid(young=1.0, poisson=0.33)
 NUMBERS = {
     "area at given load": ("area_fraction", None),
     "rms gradient of the contact": ("gradient_rms_contact", None),
@@ -83,7 +83,7 @@ def height_of(settings: dict, nodes: int) -> Array:
         fine = (0.03 + 0.15 * one) * field(points, max(long, 4), short, settings, seed + 1) + 1.6 * two - 0.8
         height = (height + fine + np.sqrt((height - fine) ** 2 + 0.01)) / 2
     elif settings["kind"] == "skewed":
-        height = asp.johnson(height, settings["sign"] * (0.2 + one), 0.8 + 1.2 * two)
+        height = asp.surface.johnson(height, settings["sign"] * (0.2 + one), 0.8 + 1.2 * two)
     elif settings["kind"] == "two scales":
         fine = field(points, round(0.6 * short), short, settings, seed + 1)
         height = field(points, 1, 3, settings, seed) + (0.02 + 0.3 * one) * fine
@@ -92,9 +92,9 @@ def height_of(settings: dict, nodes: int) -> Array:
 
 def estimated(settings: dict, nodes: int, **load: float) -> tuple[asp.Contact, xr.Dataset]:
     """Contact and its estimates."""
-    contact = asp.solve(height_of(settings, nodes), LAYER, **load)
+    contact = asp.solve_contact(height_of(settings, nodes), LAYER, **load)
     stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"), tolerance=1e-4)
-    return contact, asp.continuum(contact, stress)
+    return contact, asp.continuum_limit(contact, stress)
 
 
 def compared(settings: dict) -> list[dict]:

@@ -17,7 +17,7 @@ import asperity as asp
 from asperity.stress.statistics.largest import largest_on
 
 CELLS, FEW, POINTS, TIMES = 160, 4, 64, (9, 39)
-LAYER = asp.Layer(young=1.0, poisson=0.3)
+LAYER = asp.Solid(young=1.0, poisson=0.3)
 SURFACES = {
     "H = 0.3, 15 % area": (0.3, 1 / 3, 0.15, 0.0, None),
     "H = 0.7, skewed, 8 % area": (0.7, 1 / 3, 0.08, 0.4, None),
@@ -33,16 +33,20 @@ def peaks_of(surface: str) -> list[dict[str, np.ndarray]]:
 
     def height(seed: int) -> np.ndarray:
         gaussian = asp.self_affine((POINTS, POINTS), hurst, long, 1 / 8, rms_height=1e-3, seed=seed)
-        return asp.johnson(gaussian, gamma, 1.0) if gamma else gaussian
+        return asp.surface.johnson(gaussian, gamma, 1.0) if gamma else gaussian
 
-    load = np.mean([asp.solve(height(seed), LAYER, area_fraction=area).mean_pressure for seed in range(5)])
+    load = np.mean(
+        [asp.solve_contact(height(seed), LAYER, area_fraction=area).mean_pressure for seed in range(5)]
+    )
     found = []
     for seed in tqdm(range(100, 100 + CELLS), desc=surface):
         limit = None if hardness is None else hardness * load
-        contact = asp.solve(height(seed), LAYER, mean_pressure=load, hardness=limit)
+        contact = asp.solve_contact(height(seed), LAYER, mean_pressure=load, hardness=limit)
         stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"), tolerance=1e-4)
         names = ("pressure", "von_mises") if hardness is None else ("von_mises",)
-        found.append({name: asp.peaks(stress, name)["peak_value"].values / load for name in names})
+        found.append(
+            {name: asp.stress.select_peaks(stress, name)["peak_value"].values / load for name in names}
+        )
     return found
 
 

@@ -20,7 +20,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     options = parser.parse_args()
     points, wave = options.grid, NODES_PER_WAVE / options.grid
-    half_space = asp.Layer(1.0, 0.3)
+    half_space = asp.Solid(1.0, 0.3)
     pair = asp.TwoBodies(half_space, half_space)
     for seed in range(options.seeds):
         low, high = (
@@ -28,7 +28,7 @@ def main() -> None:
             for number, rms in enumerate((1e-3, 7e-4))
         )
         begin = time.process_time()
-        contact = asp.solve(high - low, pair, mean_pressure=3e-3)
+        contact = asp.solve_contact(high - low, pair, mean_pressure=3e-3)
         middle = time.process_time()
         asp.analyse_stress(contact.in_body("lower"), tolerance=1e-4)
         analysis = time.process_time() - middle
@@ -39,8 +39,8 @@ def main() -> None:
         for shifts in (points, points // 2, points // 4):
             begin = time.process_time()
             settings = {"shifts": shifts, "sliding_direction": "y", "wavelength_short": wave}
-            moving = asp.MovingContact(low, high, pair, mean_pressure=3e-3, **settings)
-            found = asp.stress_cycles(moving.in_body("lower"), **LIMITS, tolerance=1e-4).attrs
+            moving = asp.engineering.MovingContact(low, high, pair, mean_pressure=3e-3, **settings)
+            found = asp.stress.stress_cycles(moving.in_body("lower"), **LIMITS, tolerance=1e-4).attrs
             cost = (time.process_time() - begin) / analysis
             every = every or found
             errors = [abs(found[f"worst_{name}"][0] / every[f"worst_{name}"][0] - 1) for name in NAMES]

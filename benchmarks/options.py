@@ -41,20 +41,24 @@ def seconds(call: Callable[[], Any]) -> float:
 def rows(points: int) -> Iterator[tuple[str, str, float]]:
     """Option, the calculation by whose time its time is divided, and the ratio."""
     height = asp.self_affine((points, points), 0.8, 0.25, 8 / points, rms_height=1e-3, seed=1)
-    solid, gradient = asp.Layer(1.0, 0.0), asp.roughness_parameters(height).rms_gradient
+    solid, gradient = asp.Solid(1.0, 0.0), asp.roughness_parameters(height).rms_gradient
     load = 0.02 * gradient
-    contact = asp.solve(height, solid, mean_pressure=load)
-    elastic = seconds(lambda: asp.solve(height, solid, mean_pressure=load))
+    contact = asp.solve_contact(height, solid, mean_pressure=load)
+    elastic = seconds(lambda: asp.solve_contact(height, solid, mean_pressure=load))
     for scaled in HARDNESSES:
-        plastic = partial(asp.solve, height, solid, mean_pressure=load, hardness=scaled * gradient)
+        plastic = partial(asp.solve_contact, height, solid, mean_pressure=load, hardness=scaled * gradient)
         ratio = seconds(plastic) / elastic
         yield f"contact with a hardness of {scaled:g} E* ḡ", "elastic contact", ratio
-    moving = seconds(lambda: asp.load_curve([asp.solve(height, solid, mean_pressure=load)])) / elastic - 1
+    moving = (
+        seconds(lambda: asp.engineering.load_curve([asp.solve_contact(height, solid, mean_pressure=load)]))
+        / elastic
+        - 1
+    )
     yield "stiffness", "elastic contact", moving
     loads = np.geomspace(load / 10, load, 12)
     for bodies in ((), ("lower",)):
         begin = time.process_time()
-        asp.load_curve(asp.solve_path(height, solid, mean_pressures=loads), bodies)
+        asp.engineering.load_curve(asp.solve_load_path(height, solid, mean_pressures=loads), bodies)
         ratio = (time.process_time() - begin) / elastic
         yield f"curve of 12 loads{', with the largest stress' if bodies else ''}", "elastic contact", ratio
     yield from interface_rows(contact, elastic)
@@ -64,8 +68,8 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
     both = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE, observe=watch.add))
     yield "stress with cycles", "stress", both / alone
     for young in COATINGS:
-        coated = asp.Layer(young, 0.25, 8 / points, base=solid)
-        pressing = partial(asp.solve, height, coated, mean_pressure=load)
+        coated = asp.Solid(young, 0.25, 8 / points, base=solid)
+        pressing = partial(asp.solve_contact, height, coated, mean_pressure=load)
         name = f"coating of {young:g} E, one short wave thick"
         yield f"contact with a {name}", "elastic contact", seconds(pressing) / elastic
         ours = partial(asp.analyse_stress, pressing(), tolerance=TOLERANCE)
@@ -74,15 +78,15 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
 
 def interface_rows(contact: asp.Contact, elastic: float) -> Iterator[tuple[str, str, float]]:
     """Partial slip, percolation and flow; the flow needs reynoldsflow, and is timed once."""
-    push = partial(asp.partial_slip, contact, 0.4, tangential_force=0.2 * contact.force)
+    push = partial(asp.contact.partial_slip, contact, 0.4, tangential_force=0.2 * contact.force)
     slip = push()
     yield "partial slip", "elastic contact", seconds(lambda: push().displacement) / elastic
     yield "cycle of fretting, 6 forces", "elastic contact", seconds(lambda: slip.cycle(6)) / elastic
-    yield "percolation", "elastic contact", seconds(lambda: asp.percolation(contact)) / elastic
-    small = asp.solve(contact.height[:64, :64], contact.solid, mean_pressure=1e-4)
-    asp.film_flow(small, 1.0, 1.0)  # compiles
+    yield "percolation", "elastic contact", seconds(lambda: asp.contact.percolation(contact)) / elastic
+    small = asp.solve_contact(contact.height[:64, :64], contact.solid, mean_pressure=1e-4)
+    asp.contact.film_flow(small, 1.0, 1.0)  # compiles
     begin = time.process_time()
-    asp.film_flow(contact, 1.0, 1.0)
+    asp.contact.film_flow(contact, 1.0, 1.0)
     yield "flow of a film", "elastic contact", (time.process_time() - begin) / elastic
 
 

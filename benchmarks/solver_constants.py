@@ -23,7 +23,7 @@ CONSTANTS = {
 }
 """Constant → module below `asperity.contact`."""
 
-LAYER = asp.Layer(1.0, 0.0)
+LAYER = asp.Solid(1.0, 0.0)
 POINTS = 512
 FACTORS = (0.5, 1.0, 2.0)
 
@@ -35,7 +35,7 @@ def cost():
         height = asp.self_affine((POINTS, POINTS), hurst, 1 / 8, 8 / POINTS, 1e-3, seed=1)
         gradient = asp.roughness_parameters(height).rms_gradient
         for imposed in ({"mean_pressure": 0.05 * gradient}, {"area_fraction": 0.01}, {"area_fraction": 0.1}):
-            certificate = asp.solve(height, LAYER, **imposed).certificate
+            certificate = asp.solve_contact(height, LAYER, **imposed).certificate
             spent.append((certificate.pairs, certificate.iterations))
     return np.mean(spent, axis=0)
 

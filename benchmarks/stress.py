@@ -38,7 +38,7 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Work, resample
 
 RATIOS = [0.0, 0.1, 0.25, 0.33, 0.5]
-LAYER = asp.Layer(young=1.0, poisson=0.33)
+LAYER = asp.Solid(young=1.0, poisson=0.33)
 HURST = 0.8
 TOLERANCE = 1e-4
 REPEATS = 3
@@ -52,7 +52,7 @@ def under(pressure: Array) -> asp.LoadedSolid:
 def press(points: int, hurst: float, nodes: int = 8) -> asp.LoadedSolid:
     """Contact at ten per cent area with some nodes on the shortest wave, and the longest wave L/8."""
     height = asp.self_affine((points, points), hurst, 1 / 8, nodes / points, 1e-3, seed=1)
-    return under(asp.solve(height, LAYER, area_fraction=0.1, rtol=1e-5).pressure)
+    return under(asp.solve_contact(height, LAYER, area_fraction=0.1, rtol=1e-5).pressure)
 
 
 class TransformClock:
@@ -140,7 +140,7 @@ def against_depth(contact: asp.LoadedSolid) -> None:
 
 def von_mises_peaks(contact: asp.LoadedSolid, depths: Array) -> tuple[Any, Array]:
     """Von Mises peaks in the solid, and which of them are under contact."""
-    found = asp.find_peaks(asp.stress_planes(contact, depths, 0.33, tolerance=TOLERANCE), "von_mises")
+    found = asp.stress.find_peaks(asp.stress_planes(contact, depths, 0.33, tolerance=TOLERANCE), "von_mises")
     return found, found.interior & found.under_contact(contact.pressure, contact.grid)
 
 
@@ -154,7 +154,9 @@ def distance_of_planes(hurst: float) -> None:
     """Print percentiles of the von Mises peaks at three distances between planes."""
     contact = press(512, hurst)
     for spacing in (1.0, 0.5, 0.25):
-        found, kept = von_mises_peaks(contact, asp.depth_grid(contact.grid, 0.05, spacing, 0.25 * spacing))
+        found, kept = von_mises_peaks(
+            contact, asp.stress.depth_grid(contact.grid, 0.05, spacing, 0.25 * spacing)
+        )
         print_percentiles(f"{spacing:g} refined", found.value[kept])
         print_percentiles(f"{spacing:g} at nodes", found.node_value[kept])
 
@@ -164,7 +166,7 @@ def convergence(hurst: float, wavelengths: int = 32) -> None:
     peaks = []
     for nodes in (8, 16, 32):
         contact = press(wavelengths * nodes, hurst, nodes)
-        found, kept = von_mises_peaks(contact, asp.depth_grid(contact.grid, 0.25))
+        found, kept = von_mises_peaks(contact, asp.stress.depth_grid(contact.grid, 0.25))
         peaks.append((np.stack([found.y, found.x], axis=1)[kept] % 1.0, found.value[kept]))
         print_percentiles(f"λ_s/{nodes}", found.value[kept])
     changes = []

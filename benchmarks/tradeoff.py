@@ -4,7 +4,8 @@
     python benchmarks/tradeoff.py --pages    # writes the tables and the figure again
 
 Random surfaces with H = 0.2 and 0.8 and eight seeds (λ_l = L/8, λ_s = L/32, ν = 0.33) are pressed with the
-loads that make 2 and 10 % contact. Grids are compared with the estimate of `asperity.continuum` on 32 nodes
+loads that make 2 and 10 % contact. Grids are compared with the estimate of `asperity.continuum_limit` on 32
+nodes
 on λ_s. Every other parameter is varied alone from a converged reference on 8 nodes. The error of an output is
 the largest of all surfaces under that load. Times are those of a surface with λ_s = L/256, as the paper has.
 
@@ -28,7 +29,7 @@ from tqdm import tqdm
 
 import asperity as asp
 from asperity.core.markup import markdown
-from asperity.elasticity.layer import simplest_solid
+from asperity.elasticity.solid import simplest_solid
 from asperity.settings.accuracy import KEYS, PRESETS
 from asperity.study.cost.plan import spacing_of
 from asperity.views.style import panels, save, style
@@ -76,7 +77,7 @@ def pressed(
     nodes: float,
     load: dict[str, float],
     *,
-    layer: asp.Layer = LAYER,
+    layer: asp.Solid = LAYER,
     deepest: float = 1.0,
     contact_tolerance: float = 1e-6,
     depth_tolerance: float = 1e-4,
@@ -86,13 +87,13 @@ def pressed(
     """Contact of a surface, and its outputs with the seconds: columns ``on_grid`` and ``estimate``."""
     height = height_of(surface, nodes)
     times = [time.process_time()]
-    contact = asp.solve(height, layer, **load, rtol=contact_tolerance, dtype=precision)
-    depths = asp.depth_grid(contact.grid, deepest, depth_spacing, depth_spacing / 4)
+    contact = asp.solve_contact(height, layer, **load, rtol=contact_tolerance, dtype=precision)
+    depths = asp.stress.depth_grid(contact.grid, deepest, depth_spacing, depth_spacing / 4)
     stress = asp.analyse_stress(
         contact, depths, quantities=("pressure", "von_mises"), tolerance=depth_tolerance
     )
     times.append(time.process_time())
-    found = asp.continuum(contact, stress).squeeze("poisson")
+    found = asp.continuum_limit(contact, stress).squeeze("poisson")
     times.append(time.process_time())
     von_mises = found.sel(quantity="von_mises")
     outputs = {
@@ -143,7 +144,7 @@ def varied(surface: dict[str, float], load: dict[str, float]) -> Iterator[tuple[
             found = pressed(surface, PAPER, load, **changes)[1]["on_grid"]
             yield parameter, str(setting), _relative(found.to_frame("estimate"), converged)
     for height in HEIGHTS:
-        layer = asp.Layer(LAYER.young, LAYER.poisson, height)
+        layer = asp.Solid(LAYER.young, LAYER.poisson, height)
         bound = simplest_solid(layer, 2 * np.pi, 0.0).difference
         found, expected = (
             pressed(surface, PAPER, load, layer=solid, deepest=height, **CONVERGED)[1]["on_grid"]

@@ -19,7 +19,7 @@ import asperity as asp
 from asperity.engineering.continuum import continuum_on_grids, solved_on_half
 from asperity.stress.exceedance import Exceedance
 
-LAYER = asp.Layer(young=1.0, poisson=0.3)
+LAYER = asp.Solid(young=1.0, poisson=0.3)
 SHARES = (0.4, 0.65, 0.8, 0.9, 0.95, 0.97)
 
 
@@ -34,7 +34,7 @@ def measured(contact: asp.Contact, limits: np.ndarray) -> tuple[np.ndarray, np.n
 
     quantities = ("pressure", "von_mises")
     stress = asp.analyse_stress(contact, quantities=quantities, tolerance=1e-4, observe=observe)
-    peaks = asp.peaks(stress, "von_mises")["peak_value"].values
+    peaks = asp.stress.select_peaks(stress, "von_mises")["peak_value"].values
     for each in found:
         each.finish(max(peaks.max(), stress["largest_von_mises"].values.max()))
     estimates = continuum_on_grids(contact, solved_on_half(contact), stress, "lower")
@@ -47,18 +47,18 @@ def measured(contact: asp.Contact, limits: np.ndarray) -> tuple[np.ndarray, np.n
 def compared(surface: dict[str, float], share: float, plastic: bool) -> list[dict[str, object]]:
     """A row for each number of pixels and each yield stress."""
     heights = {nodes: height_of(surface, nodes) for nodes in (*NODES, FINEST)}
-    elastic = asp.solve(heights[8], LAYER, area_fraction=surface["area_fraction"])
+    elastic = asp.solve_contact(heights[8], LAYER, area_fraction=surface["area_fraction"])
     hardness = max(
         float(np.quantile(elastic.pressure[elastic.pressure > 0], share)), 1.1 * elastic.mean_pressure
     )
     contacts = {
-        nodes: asp.solve(
+        nodes: asp.solve_contact(
             each, LAYER, mean_pressure=elastic.mean_pressure, hardness=hardness if plastic else None
         )
         for nodes, each in heights.items()
     }
     largest = asp.analyse_stress(contacts[FINEST], quantities=("von_mises",), tolerance=1e-4)
-    limits = np.array(SHARES) * float(asp.peaks(largest, "von_mises")["peak_value"].max())
+    limits = np.array(SHARES) * float(asp.stress.select_peaks(largest, "von_mises")["peak_value"].max())
     truth, rows = measured(contacts.pop(FINEST), limits)[0], []
     for nodes, contact in contacts.items():
         volumes, errors, reason = measured(contact, limits)

@@ -5,8 +5,8 @@ import pytest
 
 import asperity as asp
 
-HALF_SPACE, LAYER = asp.Layer(1.0, 0.3), asp.Layer(1.0, 0.3, height=0.2)
-PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(0.1, 0.4, height=0.02))
+HALF_SPACE, LAYER = asp.Solid(1.0, 0.3), asp.Solid(1.0, 0.3, height=0.2)
+PAIR = asp.TwoBodies(HALF_SPACE, asp.Solid(0.1, 0.4, height=0.02))
 
 every_solid = pytest.mark.parametrize(
     ("solid", "boundary"),
@@ -27,8 +27,8 @@ def load_of(height, fraction=0.05):
 def hardened(height, share, solid=HALF_SPACE, **settings):
     """A contact whose hardness is a share of its largest pressure without one."""
     settings = {"mean_pressure": load_of(height)} | settings
-    largest = asp.solve(height, solid, **settings).max_pressure
-    return asp.solve(height, solid, hardness=share * largest, **settings)
+    largest = asp.solve_contact(height, solid, **settings).max_pressure
+    return asp.solve_contact(height, solid, hardness=share * largest, **settings)
 
 
 def centred(grid):

@@ -17,13 +17,13 @@ import numpy as np
 import asperity as asp
 
 radius, force = 10e-3, 20.0  # m, N
-steel = asp.Layer(young=210e9, poisson=0.3)  # Pa; without a height it is a half-space
+steel = asp.Solid(young=210e9, poisson=0.3)  # Pa; without a height it is a half-space
 
 # %%
 # The map is 0.3 mm long. A smooth ball is the form of a sphere added to zero roughness.
 grid = asp.Grid((128, 128), 0.3e-3)
-height = asp.add_sphere(np.zeros(grid.shape), grid, radius)
-contact = asp.solve(height, steel, grid.length, force=force, boundary="free")
+height = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
+contact = asp.solve_contact(height, steel, grid.length, force=force, boundary="free")
 print(f"largest pressure {contact.max_pressure / 1e9:.3f} GPa")
 print(f"largest violation of the conditions of contact {contact.certificate.worst:.1e}")
 

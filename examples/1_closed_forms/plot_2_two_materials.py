@@ -13,12 +13,12 @@ import numpy as np
 import asperity as asp
 from asperity.reference.hertz import Hertz
 
-steel, bronze = asp.Layer(young=210e9, poisson=0.30), asp.Layer(young=110e9, poisson=0.34)
+steel, bronze = asp.Solid(young=210e9, poisson=0.30), asp.Solid(young=110e9, poisson=0.34)
 pair = asp.TwoBodies(lower=bronze, upper=steel)
 radius, force = 10e-3, 20.0
 grid = asp.Grid((96, 96), 0.3e-3)
-ball = asp.add_sphere(np.zeros(grid.shape), grid, radius)
-contact = asp.solve(ball, pair, grid.length, force=force, boundary="free")
+ball = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
+contact = asp.solve_contact(ball, pair, grid.length, force=force, boundary="free")
 hertz = Hertz.from_load(force, radius, pair.effective_modulus)
 print(f"E* of the pair {pair.effective_modulus / 1e9:.1f} GPa")
 print(f"largest pressure {contact.max_pressure / 1e6:.0f} MPa, Hertz {hertz.largest_pressure / 1e6:.0f} MPa")
@@ -48,5 +48,5 @@ assert abs(contact.max_pressure / hertz.largest_pressure - 1) < 0.003
 for found, expected in largest.values():
     assert abs(found / expected - 1) < 0.005
 assert largest["lower"][0] < largest["upper"][0]
-exchanged = asp.solve(ball, asp.TwoBodies(steel, bronze), grid.length, force=force, boundary="free")
+exchanged = asp.solve_contact(ball, asp.TwoBodies(steel, bronze), grid.length, force=force, boundary="free")
 assert np.array_equal(exchanged.pressure, contact.pressure)

@@ -17,7 +17,7 @@ import asperity as asp
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
 
-steel = asp.Layer(young=210e9, poisson=0.3)
+steel = asp.Solid(young=210e9, poisson=0.3)
 friction = 0.5
 grid = asp.Grid((128, 128), 0.3e-3)
 hertz = Hertz.from_load(20.0, 10e-3, steel.effective_modulus)

@@ -14,19 +14,19 @@ from matplotlib.patches import Ellipse
 import asperity as asp
 from asperity.reference.elliptic_hertz import EllipticHertz
 
-steel = asp.Layer(young=210e9, poisson=0.3)
+steel = asp.Solid(young=210e9, poisson=0.3)
 force, radius_x, radius_y = 20.0, 20e-3, 5e-3  # curvature along x and along y
 grid = asp.Grid((96, 128), (0.24e-3, 0.4e-3))
 
 # %%
 # A cylinder with its axis along y curves along x.
-height = asp.add_cylinder(np.zeros(grid.shape), grid, radius_x, axis="y")
-height = asp.add_cylinder(height, grid, radius_y, axis="x")
-contact = asp.solve(height, steel, grid.length, force=force, boundary="free")
+height = asp.surface.add_cylinder(np.zeros(grid.shape), grid, radius_x, axis="y")
+height = asp.surface.add_cylinder(height, grid, radius_y, axis="x")
+contact = asp.solve_contact(height, steel, grid.length, force=force, boundary="free")
 hertz = EllipticHertz.from_load(force, radius_x, radius_y, steel.effective_modulus)
 
 figure, axes = plt.subplots(figsize=(6, 3.4), layout="compressed")
-asp.plot_pressure(contact, axes=axes, unit_system="SI")
+asp.views.plot_pressure(contact, axes=axes, unit_system="SI")
 middle = [(axis[0] + axis[-1]) / 2 * 1e6 for axis in grid.coordinates()]
 size = 2e6 * hertz.semi_major, 2e6 * hertz.semi_minor
 axes.add_patch(Ellipse((middle[1], middle[0]), *size, fill=False, linestyle="--"))

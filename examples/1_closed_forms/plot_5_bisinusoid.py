@@ -13,7 +13,7 @@ import numpy as np
 import asperity as asp
 from asperity.reference.bisinusoid import Bisinusoid
 
-solid = asp.Layer(young=1.0, poisson=0.0)  # E* = 1
+solid = asp.Solid(young=1.0, poisson=0.0)  # E* = 1
 wave = Bisinusoid(amplitude=1e-3, wavelength=1.0, effective_modulus=solid.effective_modulus)
 grid = asp.Grid((96, 96), 1.0)
 y, x = grid.coordinates()
@@ -23,7 +23,9 @@ height = wave.height(y[:, None], x)
 # One load after the other, each solved from the solution before.
 shares = np.array([0.003, 0.01, 0.03, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.99])
 loads = shares * wave.complete_pressure
-areas = np.array([contact.area_fraction for contact in asp.solve_path(height, solid, mean_pressures=loads)])
+areas = np.array(
+    [contact.area_fraction for contact in asp.solve_load_path(height, solid, mean_pressures=loads)]
+)
 
 figure, axes = plt.subplots(figsize=(6, 3.8), layout="compressed")
 axes.plot(shares, areas, "o", label="computed")
@@ -41,7 +43,7 @@ plt.show()
 assert np.all(np.diff(areas) > 0)
 assert abs(areas[0] / wave.small_area_fraction(loads[0]) - 1) < 0.03
 assert abs((1 - areas[-1]) / (1 - wave.nearly_complete_area_fraction(loads[-1])) - 1) < 0.05
-full = asp.solve(height, solid, mean_pressure=1.01 * wave.complete_pressure)
+full = asp.solve_contact(height, solid, mean_pressure=1.01 * wave.complete_pressure)
 exact = wave.complete_contact_pressure(y[:, None], x, full.mean_pressure)
 assert full.area_fraction == 1
 assert np.abs(full.pressure - exact).max() < 1e-5 * exact.max()

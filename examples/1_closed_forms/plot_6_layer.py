@@ -16,8 +16,8 @@ from asperity.reference.hertz import Hertz
 
 young, poisson, radius = 1.0, 0.33, 10.0
 grid = asp.Grid((128, 128), 1.0)
-height = asp.add_sphere(np.zeros(grid.shape), grid, radius)
-half_space = asp.Layer(young, poisson)
+height = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
+half_space = asp.Solid(young, poisson)
 
 # %%
 # The same contact radius is pressed into layers of different heights. At these heights the repeated
@@ -31,8 +31,8 @@ for layer_height in heights:
     single = BondedLayer(layer_height, poisson, half_space.effective_modulus).paraboloid(
         contact_radius, radius
     )
-    layer = asp.Layer(young, poisson, height=layer_height, bottom="bonded")
-    contact = asp.solve(height, layer, approach=height.min() + single.approach)
+    layer = asp.Solid(young, poisson, height=layer_height, bottom="bonded")
+    contact = asp.solve_contact(height, layer, approach=height.min() + single.approach)
     ratios.append(contact.force / hertz.load)
     expected.append(single.load / hertz.load)
     print(f"height {layer_height / contact_radius:.2f} a: load {ratios[-1]:.3f} times that of Hertz")

@@ -13,9 +13,9 @@ import numpy as np
 import asperity as asp
 from asperity.reference.hertz import Hertz
 
-solid = asp.Layer(young=1.0, poisson=0.3)
+solid = asp.Solid(young=1.0, poisson=0.3)
 grid = asp.Grid((96, 96), 1.0)
-ball = asp.add_sphere(np.zeros(grid.shape), grid, radius=20.0)
+ball = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius=20.0)
 contact_radius = np.array([0.15, 0.25, 0.35, 0.45])
 forces = [Hertz(a, 20.0, solid.effective_modulus).load for a in contact_radius]
 
@@ -23,7 +23,7 @@ forces = [Hertz(a, 20.0, solid.effective_modulus).load for a in contact_radius]
 # The same loads with both boundaries. The largest pressure is compared with that of Hertz.
 errors = {}
 for boundary in ("free", "periodic"):
-    path = asp.solve_path(ball, solid, grid.length, forces=forces, boundary=boundary)
+    path = asp.solve_load_path(ball, solid, grid.length, forces=forces, boundary=boundary)
     hertz = [Hertz(a, 20.0, solid.effective_modulus).largest_pressure for a in contact_radius]
     errors[boundary] = np.array([contact.max_pressure for contact in path]) / hertz - 1
 
@@ -37,10 +37,10 @@ plt.show()
 # %%
 # A rough ball under the free boundary: the approach is absolute, so that it can be compared with a test rig.
 roughness = asp.self_affine(grid.shape, 0.8, 0.25, 0.06, 4e-5, seed=1)
-rough = asp.solve(ball + roughness, solid, grid.length, force=forces[1], boundary="free")
+rough = asp.solve_contact(ball + roughness, solid, grid.length, force=forces[1], boundary="free")
 print(f"displacement of the ball {rough.approach - (ball + roughness).min():.2e} edges of the map")
 figure, axes = plt.subplots(figsize=(4.6, 3.8), layout="compressed")
-asp.plot_pressure(rough, axes=axes)
+asp.views.plot_pressure(rough, axes=axes)
 plt.show()
 
 # %%

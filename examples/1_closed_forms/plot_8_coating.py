@@ -15,27 +15,27 @@ import asperity as asp
 from asperity.reference.bonded_layer import Coating
 
 radius, contact_radius, thickness, poisson = 10.0, 0.05, 0.04, 0.3
-base = asp.Layer(1.0, poisson)
+base = asp.Solid(1.0, poisson)
 grid = asp.Grid((256, 256), 1.0)
-height = asp.add_sphere(np.zeros(grid.shape), grid, radius)
+height = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
 
 # %%
 # Half-spaces under coatings a quarter and four times as stiff, and without one. The load is the one that the
 # integral equation gives for the same contact radius.
 contacts, expected = {}, {}
 for name, ratio in {"soft coating": 0.25, "no coating": 1.0, "hard coating": 4.0}.items():
-    solid = asp.Layer(ratio, poisson, thickness, base=base)
+    solid = asp.Solid(ratio, poisson, thickness, base=base)
     single = Coating(
         thickness, poisson, solid.effective_modulus, base_modulus=base.effective_modulus
     ).paraboloid(contact_radius, radius)
-    contacts[name] = asp.solve(height, solid, grid, force=single.load)
+    contacts[name] = asp.solve_contact(height, solid, grid, force=single.load)
     expected[name] = float(single.pressure(0.0))
     print(f"{name}: largest pressure {contacts[name].max_pressure / expected[name]:.4f} of the expected one")
 
 # %%
 # The stress below the middle. Depths hold both faces of the interface: ``layer.interface`` is the lower face
 # of the coating, and the next larger number the upper face of the base.
-depths = asp.depth_grid(grid, height=5 * thickness, interface=thickness)
+depths = asp.stress.depth_grid(grid, height=5 * thickness, interface=thickness)
 sections = {
     name: asp.stress_section(contact, depths=depths, fields=("xx", "zz", "xz", "von_mises")).isel(poisson=0)
     for name, contact in contacts.items()

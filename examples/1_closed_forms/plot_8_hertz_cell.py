@@ -14,8 +14,10 @@ import numpy as np
 
 import asperity as asp
 
-solid, radius, half = asp.Layer(young=1.0, poisson=0.3), 1.0, 0.1
-ball = asp.HertzContact.from_radii(radius, radius, solid.effective_modulus, force=4 / 3 * half**3 / 0.91)
+solid, radius, half = asp.Solid(young=1.0, poisson=0.3), 1.0, 0.1
+ball = asp.stress.HertzContact.from_radii(
+    radius, radius, solid.effective_modulus, force=4 / 3 * half**3 / 0.91
+)
 largest, wave = ball.largest_pressure, half / 6
 
 # %%
@@ -24,7 +26,7 @@ edge, nodes = 2.4 * half, 256
 x = (np.arange(nodes) - nodes // 2) * edge / nodes
 amplitude = largest * wave / (2 * np.pi * solid.effective_modulus)
 height = (x**2 + x[:, None] ** 2) / (2 * radius) + amplitude * (1 - np.cos(2 * np.pi * x / wave))
-whole = asp.solve(height, solid, edge, boundary="free", force=4 / 3 * half**3 / 0.91)
+whole = asp.solve_contact(height, solid, edge, boundary="free", force=4 / 3 * half**3 / 0.91)
 
 # %%
 # One wave as a periodic cell in the middle of the contact.

@@ -12,7 +12,7 @@ import numpy as np
 
 import asperity as asp
 
-solid = asp.Layer(young=1.0, poisson=0.33)
+solid = asp.Solid(young=1.0, poisson=0.33)
 wavelengths = {"wavelength_long": 1 / 4, "wavelength_short": 1 / 32}
 exponents = (0.2, 0.5, 0.8)
 
@@ -21,13 +21,13 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="compressed"
 slopes, contacts, depths, numbers = [], {}, [], []
 for hurst in exponents:
     height = asp.self_affine((256, 256), hurst, rms_height=1e-3, seed=1, **wavelengths)
-    wavenumber, power = asp.spectrum(height)
+    wavenumber, power = asp.surface.spectrum(height)
     inside = (wavenumber > 2 * np.pi * 4.5) & (wavenumber < 2 * np.pi * 31)
     slopes.append(np.polyfit(np.log(wavenumber[inside]), np.log(power[inside]), 1)[0])
     left.loglog(wavenumber[inside], power[inside], label=f"H = {hurst}")
-    contact = asp.solve(height, solid, area_fraction=0.1)
+    contact = asp.solve_contact(height, solid, area_fraction=0.1)
     stress = asp.analyse_stress(contact, quantities=("von_mises",), tolerance=1e-4)
-    found = asp.peaks(stress, "von_mises", selection="under_contact")
+    found = asp.stress.select_peaks(stress, "von_mises", selection="under_contact")
     value = found["peak_value"] / (contact.solid.effective_modulus * contact.gradient_rms_contact)
     right.scatter(value, found["peak_depth"] / wavelengths["wavelength_short"], s=3, label=f"H = {hurst}")
     contacts[f"H = {hurst}"] = contact
@@ -43,7 +43,7 @@ plt.show()
 # %%
 # The contacts of 10 % of the area.
 figure, axes = plt.subplots(1, 3, figsize=(10, 3.4), layout="compressed")
-asp.plot_pressure(contacts, axes=axes)
+asp.views.plot_pressure(contacts, axes=axes)
 plt.show()
 
 # %%

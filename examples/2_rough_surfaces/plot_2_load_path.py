@@ -15,11 +15,13 @@ import numpy as np
 
 import asperity as asp
 
-solid = asp.Layer(young=1.0, poisson=0.33)
+solid = asp.Solid(young=1.0, poisson=0.33)
 height = asp.self_affine((256, 256), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=2)
 gradient = asp.roughness_parameters(height).rms_gradient
 scaled = np.array([0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0])
-contacts = list(asp.solve_path(height, solid, mean_pressures=scaled * solid.effective_modulus * gradient))
+contacts = list(
+    asp.solve_load_path(height, solid, mean_pressures=scaled * solid.effective_modulus * gradient)
+)
 area = np.array([contact.area_fraction for contact in contacts])
 kappa = area / scaled
 
@@ -48,5 +50,5 @@ assert np.all(np.diff(area) > 0)
 assert area[-1] < 1
 assert np.all((kappa[2:6] > 1.9) & (kappa[2:6] < 2.6))
 assert np.all(np.diff([contact.gap.mean() for contact in contacts]) < 0)
-alone = asp.solve(height, solid, mean_pressure=contacts[4].mean_pressure)
+alone = asp.solve_contact(height, solid, mean_pressure=contacts[4].mean_pressure)
 assert np.linalg.norm(alone.pressure - contacts[4].pressure) < 1e-4 * np.linalg.norm(alone.pressure)

@@ -12,12 +12,12 @@ import matplotlib.pyplot as plt
 
 import asperity as asp
 
-solid = asp.Layer(young=1.0, poisson=0.33)
+solid = asp.Solid(young=1.0, poisson=0.33)
 gaussian = asp.self_affine((192, 192), 0.8, 1 / 4, 1 / 24, rms_height=1e-3, seed=1)
 surfaces = {
-    "sharp": asp.with_moments(gaussian, skewness=-0.9, kurtosis=4.0),
+    "sharp": asp.surface.with_moments(gaussian, skewness=-0.9, kurtosis=4.0),
     "Gaussian": gaussian,
-    "blunt": asp.with_moments(gaussian, skewness=0.9, kurtosis=4.0),
+    "blunt": asp.surface.with_moments(gaussian, skewness=0.9, kurtosis=4.0),
 }
 
 # %%
@@ -25,9 +25,9 @@ figure, axes = plt.subplots(figsize=(6, 3.6), layout="compressed")
 contacts, moments = {}, {}
 for name, height in surfaces.items():
     moments[name] = asp.roughness_parameters(height)
-    density = asp.probability_density(height / moments[name].rms_height, bins=50, limits=(-5, 5))
+    density = asp.stress.probability_density(height / moments[name].rms_height, bins=50, limits=(-5, 5))
     axes.stairs(density.density, density.edges, label=f"{name}: skewness {moments[name].skewness:+.2f}")
-    contacts[name] = asp.solve(height, solid, mean_pressure=0.002 * solid.effective_modulus)
+    contacts[name] = asp.solve_contact(height, solid, mean_pressure=0.002 * solid.effective_modulus)
 axes.set(xlabel="height/rms height", ylabel="probability density", ylim=(0, 0.7))
 axes.legend()
 plt.show()

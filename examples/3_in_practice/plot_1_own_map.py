@@ -28,8 +28,8 @@ print(answer)
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.6), layout="compressed")
-asp.plot_height(answer.contact, axes=axes[0], unit_system="SI")
-asp.plot_pressure(answer.contact, axes=axes[1], unit_system="SI")
+asp.views.plot_height(answer.contact, axes=axes[0], unit_system="SI")
+asp.views.plot_pressure(answer.contact, axes=axes[1], unit_system="SI")
 plt.show()
 
 # %%

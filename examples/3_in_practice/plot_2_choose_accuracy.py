@@ -17,7 +17,7 @@ import yaml
 import asperity as asp
 from asperity.cli.main import main as asperity
 
-solid = asp.Layer(young=1.0, poisson=0.33)
+solid = asp.Solid(young=1.0, poisson=0.33)
 wavelength_short = 1 / 16
 
 
@@ -25,10 +25,12 @@ def highest_peaks(nodes: int) -> float:
     """The 99th percentile of the von Mises peaks with a number of nodes on the shortest wavelength."""
     points = round(nodes / wavelength_short)
     height = asp.self_affine((points, points), 0.8, 1 / 4, wavelength_short, rms_height=1e-3, seed=1)
-    contact = asp.solve(height, solid, area_fraction=0.1)
-    depths = asp.depth_grid(contact.grid, height=0.1, spacing=0.25)
+    contact = asp.solve_contact(height, solid, area_fraction=0.1)
+    depths = asp.stress.depth_grid(contact.grid, height=0.1, spacing=0.25)
     stress = asp.analyse_stress(contact, depths, quantities=("von_mises",), tolerance=1e-4)
-    return float(asp.peaks(stress, "von_mises", selection="under_contact")["peak_value"].quantile(0.99))
+    return float(
+        asp.stress.select_peaks(stress, "von_mises", selection="under_contact")["peak_value"].quantile(0.99)
+    )
 
 
 nodes = np.array([4, 6, 8, 12, 24])

@@ -15,29 +15,29 @@ import xarray as xr
 
 import asperity as asp
 
-solid = asp.Layer(young=210e9, poisson=0.3)
+solid = asp.Solid(young=210e9, poisson=0.3)
 height = asp.self_affine((128, 128), 0.8, 0.05e-3, 12.5e-6, rms_height=0.2e-6, seed=3, length=0.2e-3)
-contact = asp.solve(height, solid, 0.2e-3, mean_pressure=50e6)
+contact = asp.solve_contact(height, solid, 0.2e-3, mean_pressure=50e6)
 
 # %%
 # A section through the largest pressure: by hand from the dataset, or with ``plot_section``.
 section = asp.stress_section(contact, along="x", depths=np.linspace(0, 20e-6, 41), fields=("von_mises", "xz"))
 figure, axes = plt.subplots(2, 1, figsize=(8, 5), layout="compressed")
 section["xz"].isel(poisson=0).plot(ax=axes[0], yincrease=False)
-asp.plot_section(contact, depth=20e-6, axes=axes[1], unit_system="SI")
+asp.views.plot_section(contact, depth=20e-6, axes=axes[1], unit_system="SI")
 plt.show()
 
 # %%
 # A plane of constant depth.
 figure, axes = plt.subplots(figsize=(4.6, 3.8), layout="compressed")
-asp.plot_plane(contact, depth=5e-6, field="largest_shear", axes=axes, unit_system="SI")
+asp.views.plot_plane(contact, depth=5e-6, field="largest_shear", axes=axes, unit_system="SI")
 plt.show()
 
 # %%
 # A box below a quarter of the cell, written as NetCDF. For ParaView, ``asperity export`` writes VTK image
 # data from the result files of the command line.
 depths = np.linspace(0, 30e-6, 16)
-box = asp.stress_box(contact, depths, y=(0, 0.1e-3), x=(0, 0.1e-3), fields=("zz", "von_mises"))
+box = asp.stress.stress_box(contact, depths, y=(0, 0.1e-3), x=(0, 0.1e-3), fields=("zz", "von_mises"))
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "box.nc"
     box.dataset().to_netcdf(path)

@@ -44,8 +44,8 @@ print(json.dumps(settings, indent=2))
 # Pictures are made from the datasets.
 analysed = asp.read_result(stress)
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="compressed")
-asp.plot_gap(pressed, axes=left)
-asp.plot_peaks(analysed, "von_mises", 0.33, axes=right)
+asp.views.plot_gap(pressed, axes=left)
+asp.views.plot_peaks(analysed, "von_mises", 0.33, axes=right)
 plt.show()
 
 # %%
@@ -59,12 +59,12 @@ rows[rows["quantity"] == "von_mises"].head()
 # **Check**: the pressure in the file fulfils the conditions of contact, evaluated anew from surface and
 # solid, and the table holds the peaks of the dataset.
 height = asp.read_result(surface)["height"].values
-solid = asp.Layer(young=1 - 0.33**2, poisson=0.33, height=1.0)  # E* = 1, as in the files of the study
-certificate = asp.verify_contact(
+solid = asp.Solid(young=1 - 0.33**2, poisson=0.33, height=1.0)  # E* = 1, as in the files of the study
+certificate = asp.contact.verify_contact(
     height, pressed["pressure"].values, solid, mean_pressure=pressed["pressure"].values.mean()
 )
 assert certificate.worst < 1e-3
-found = asp.peaks(analysed, "von_mises", poisson=0.33)
+found = asp.stress.select_peaks(analysed, "von_mises", poisson=0.33)
 same = rows[(rows["quantity"] == "von_mises") & (rows["poisson"] == 0.33)]
 assert len(same) == found.sizes["peak"]
 assert abs(same.iloc[0, 4] / float(found["peak_value"].max()) - 1) < 1e-5

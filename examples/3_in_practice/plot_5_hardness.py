@@ -13,10 +13,10 @@ import numpy as np
 import asperity as asp
 
 height = asp.self_affine((256, 256), 0.8, 50e-6, 3e-6, rms_height=0.1e-6, seed=3, length=100e-6)
-steel = asp.Layer(young=210e9, poisson=0.3)
+steel = asp.Solid(young=210e9, poisson=0.3)
 load = 100e6
-elastic = asp.solve(height, steel, 100e-6, mean_pressure=load)
-contact = asp.solve(height, steel, 100e-6, mean_pressure=load, hardness=4.5e9)
+elastic = asp.solve_contact(height, steel, 100e-6, mean_pressure=load)
+contact = asp.solve_contact(height, steel, 100e-6, mean_pressure=load, hardness=4.5e9)
 print(
     f"elastic: {100 * elastic.area_fraction:.2f} % real contact, at most {elastic.max_pressure / 1e9:.1f} GPa"
 )
@@ -28,8 +28,8 @@ print(
 # Pressure without and with the hardness, and the depth by which the surface is flattened.
 figure, axes = plt.subplots(1, 3, figsize=(11, 3.2), layout="compressed")
 window = {"x": (0, 50e-6), "y": (0, 50e-6), "unit_system": "SI"}
-asp.plot_pressure(elastic, axes=axes[0], **window)
-asp.plot_pressure(contact, axes=axes[1], **window)
+asp.views.plot_pressure(elastic, axes=axes[0], **window)
+asp.views.plot_pressure(contact, axes=axes[1], **window)
 axes[0].set_title("elastic")
 axes[1].set_title("hardness 4.5 GPa")
 depth = np.where(contact.plastic_depth > 0, contact.plastic_depth * 1e9, np.nan)
@@ -42,7 +42,7 @@ plt.show()
 # The softer the surface, the more of the contact is plastic; in the soft limit its area is load / hardness.
 shares = []
 for hardness in (20e9, 10e9, 4.5e9, 2e9, 1e9, 0.5e9):
-    found = asp.solve(height, steel, 100e-6, mean_pressure=load, hardness=hardness)
+    found = asp.solve_contact(height, steel, 100e-6, mean_pressure=load, hardness=hardness)
     shares.append((hardness, found.area_fraction, found.plastic_load))
 hardness, area, plastic = np.array(shares).T
 figure, axis = plt.subplots(figsize=(5, 3.5), layout="compressed")
@@ -56,7 +56,7 @@ plt.show()
 # %%
 # **Check**: after this load the surface is flattened by the plastic depth. Pressed elastically under the same
 # load, the flattened surface bears exactly the same pressure: the second loading is elastic.
-again = asp.solve(contact.flattened_height(), steel, 100e-6, mean_pressure=load)
+again = asp.solve_contact(contact.flattened_height(), steel, 100e-6, mean_pressure=load)
 error = np.linalg.norm(again.pressure - contact.pressure) / np.linalg.norm(contact.pressure)
 assert error < 1e-5
 assert np.all(np.diff(area) > 0)

@@ -14,13 +14,15 @@ import asperity as asp
 
 edge, conductivity, hardness = 200e-6, 20.0, 2.5e9  # m, W/(m K) of each body, Pa
 height = asp.self_affine((256, 256), 0.8, 20e-6, 5e-6, rms_height=0.2e-6, seed=2, length=edge)
-steel = asp.Layer(young=200e9, poisson=0.3)
+steel = asp.Solid(young=200e9, poisson=0.3)
 pair = asp.TwoBodies(steel, steel)
 loads = np.geomspace(10e6, 300e6, 7)
 heat = {"thermal_conductance": 2 / conductivity}
-elastic = asp.load_curve(asp.solve_path(height, pair, edge, mean_pressures=loads), resistivities=heat)
-plastic = asp.load_curve(
-    asp.solve_path(height, pair, edge, mean_pressures=loads, hardness=hardness), resistivities=heat
+elastic = asp.engineering.load_curve(
+    asp.solve_load_path(height, pair, edge, mean_pressures=loads), resistivities=heat
+)
+plastic = asp.engineering.load_curve(
+    asp.solve_load_path(height, pair, edge, mean_pressures=loads, hardness=hardness), resistivities=heat
 )
 elastic.to_pandas()
 
@@ -52,10 +54,12 @@ plt.show()
 # **Check**: the stiffness is the slope of the load over the approach, and the conductance grows with the load
 # in about the power of the correlations.
 load = 50e6
-contact = asp.solve(height, pair, edge, mean_pressure=load, rtol=1e-10)
+contact = asp.solve_contact(height, pair, edge, mean_pressure=load, rtol=1e-10)
 low, high = contact.load_interval
 step = 0.2 * min(load - low, high - load)
-ends = [asp.solve(height, pair, edge, mean_pressure=load + sign * step, rtol=1e-10) for sign in (-1, 1)]
+ends = [
+    asp.solve_contact(height, pair, edge, mean_pressure=load + sign * step, rtol=1e-10) for sign in (-1, 1)
+]
 slope_of_load = 2 * step / (ends[1].approach - ends[0].approach)
 assert abs(contact.stiffness / slope_of_load - 1) < 1e-4
 exponent = np.polyfit(np.log(loads), np.log(elastic["thermal_conductance"]), 1)[0]

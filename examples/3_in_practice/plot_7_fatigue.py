@@ -14,11 +14,11 @@ import asperity as asp
 
 length = 100e-6
 height = asp.self_affine((128, 128), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=3, length=length)
-steel = asp.Layer(young=210e9, poisson=0.3)
-contact = asp.solve(height, steel, length, mean_pressure=50e6)
+steel = asp.Solid(young=210e9, poisson=0.3)
+contact = asp.solve_contact(height, steel, length, mean_pressure=50e6)
 limits = {"fatigue_torsion": 300e6, "fatigue_bending": 480e6, "yield_stress": 1.5e9}
-rolling = asp.stress_cycles(contact, **limits)
-sliding = asp.stress_cycles(contact, **limits, friction=0.3)
+rolling = asp.stress.stress_cycles(contact, **limits)
+sliding = asp.stress.stress_cycles(contact, **limits, friction=0.3)
 
 # %%
 # The worst rows, without and with friction.
@@ -53,10 +53,10 @@ plt.show()
 # **Check**: under a cylinder, σ_xz changes by half of the largest pressure, at half of the half-width below
 # the surface, and elastic shakedown ends at 4 k, with the yield stress k in shear (Johnson 1985, Sec. 9.3).
 cell = (1e-3 / 64, 1e-3)
-roller = asp.add_cylinder(np.zeros((16, 1024)), cell, 0.01, axis="y")
-line = asp.solve(roller, steel, cell, area_fraction=0.1)
+roller = asp.surface.add_cylinder(np.zeros((16, 1024)), cell, 0.01, axis="y")
+line = asp.solve_contact(roller, steel, cell, area_fraction=0.1)
 largest, half = line.pressure.max(), 0.05e-3
-cycles = asp.stress_cycles(line, half * np.linspace(0.4, 0.6, 11), yield_stress=np.sqrt(3) * 1e9)
+cycles = asp.stress.stress_cycles(line, half * np.linspace(0.4, 0.6, 11), yield_stress=np.sqrt(3) * 1e9)
 shear, depth, _ = cycles.attrs["worst_shear_range"]
 assert abs(shear / largest - 0.5) < 2e-3
 assert abs(depth / half - 0.5) < 0.03

@@ -14,10 +14,10 @@ import asperity as asp
 
 length, friction = 200e-6, 0.4
 height = asp.self_affine((128, 128), 0.8, 1e-4, 12.5e-6, rms_height=1e-7, seed=1, length=length)
-steel = asp.Layer(young=210e9, poisson=0.3)
-contact = asp.solve(height, asp.TwoBodies(steel, steel), length, mean_pressure=50e6)
+steel = asp.Solid(young=210e9, poisson=0.3)
+contact = asp.solve_contact(height, asp.TwoBodies(steel, steel), length, mean_pressure=50e6)
 limit = friction * contact.force
-slip = asp.partial_slip(contact, friction, tangential_force=0.6 * limit)
+slip = asp.contact.partial_slip(contact, friction, tangential_force=0.6 * limit)
 print(slip)
 print(f"superposition: sticking nodes are displaced unevenly by {100 * slip.deviation:.1f} %")
 
@@ -56,8 +56,8 @@ enclosed = abs(np.trapezoid(force, displacement))
 assert abs(enclosed / slip.lost_energy - 1) < 0.02
 assert abs(slip.traction.mean() * length**2 / (0.6 * limit) - 1) < 1e-5
 assert np.all(slip.traction <= friction * contact.pressure)
-ball = asp.add_sphere(np.zeros((128, 128)), 1e-3, radius=10e-3)
-alone = asp.solve(ball, steel, 1e-3, force=80.0, boundary="free")
-sticks = asp.partial_slip(alone, friction, tangential_force=0.6 * friction * alone.force)
+ball = asp.surface.add_sphere(np.zeros((128, 128)), 1e-3, radius=10e-3)
+alone = asp.solve_contact(ball, steel, 1e-3, force=80.0, boundary="free")
+sticks = asp.contact.partial_slip(alone, friction, tangential_force=0.6 * friction * alone.force)
 assert abs(np.sqrt(sticks.sticking_area) - 0.4 ** (1 / 3)) < 0.01
 assert largest["no friction"] < largest["sliding"]

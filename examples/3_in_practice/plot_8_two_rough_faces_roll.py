@@ -18,24 +18,26 @@ for seed, rms in ((1, 6e-8), (2, 3e-8)):
     relief = asp.self_affine((nodes, nodes), 0.8, 20e-6, 5e-6, rms_height=rms, seed=seed, length=length)
     faces.append(0.5 * relief + 0.5 * relief.mean(axis=0))  # a relief, and one elongated along y
 ring, honed = faces
-steel = asp.Layer(young=210e9, poisson=0.3)
+steel = asp.Solid(young=210e9, poisson=0.3)
 pair = asp.TwoBodies(steel, steel)
 limits = {"fatigue_torsion": 300e6, "fatigue_bending": 480e6, "yield_stress": 1.5e9}
 common = {"wavelength_short": 5e-6, "friction": 0.08}
 
 # %%
 # Along the lay at a mean pressure of 0.5 GPa: the histories of points of both faces.
-along = asp.MovingContact(
+along = asp.engineering.MovingContact(
     ring, -honed, pair, length, shifts=32, sliding_direction="y", mean_pressure=0.5e9, **common
 )
 # %%
 # Through a line contact of p₀ = 1 GPa: pressure and phase of the counter-face change with the position.
-hertz = asp.HertzContact.from_radii(8e-3, np.inf, pair.effective_modulus, largest_pressure=1e9)
-through = asp.MovingContact(ring, -honed, pair, length, shifts=41, hertz=hertz, slide_to_roll=0.05, **common)
+hertz = asp.stress.HertzContact.from_radii(8e-3, np.inf, pair.effective_modulus, largest_pressure=1e9)
+through = asp.engineering.MovingContact(
+    ring, -honed, pair, length, shifts=41, hertz=hertz, slide_to_roll=0.05, **common
+)
 cycles = {}
 for title, moving in {"along the lay": along, "through the contact": through}.items():
     for body in ("lower", "upper"):
-        found = asp.stress_cycles(moving.in_body(body), **limits, tolerance=1e-4)
+        found = asp.stress.stress_cycles(moving.in_body(body), **limits, tolerance=1e-4)
         value, depth, y, x = found.attrs["worst_dang_van"]
         cycles[f"{title}, {body} face"] = found
         print(
@@ -61,6 +63,6 @@ shear = found["shear_range"].max("cycle_y").interp(cycle_depth=half / 2)
 print(f"range of σ_xz at {half * 5e5:.0f} µm: {float(shear) / 1e9:.3f} p₀")
 assert abs(float(shear) / 1e9 - 0.5) < 0.02
 assert found.attrs["worst_dang_van"][1] < 0.05 * half
-smooth = asp.MovingContact(0 * ring, 0 * ring, pair, length, shifts=41, hertz=hertz, **common)
-alone = asp.stress_cycles(smooth.in_body("lower"), **limits, tolerance=1e-4)
+smooth = asp.engineering.MovingContact(0 * ring, 0 * ring, pair, length, shifts=41, hertz=hertz, **common)
+alone = asp.stress.stress_cycles(smooth.in_body("lower"), **limits, tolerance=1e-4)
 assert found.attrs["worst_dang_van"][0] > alone.attrs["worst_dang_van"][0]

@@ -23,7 +23,7 @@ def answer_of(seed):
 
 
 maps = [answer_of(seed) for seed in range(cells)]
-sample = asp.pooled(maps)
+sample = asp.pool_answers(maps)
 times = np.array([1, 5, 20, 100])
 found = [sample.largest(n * cells * edge**2).set_index("quantity").loc["von_mises"] for n in times]
 

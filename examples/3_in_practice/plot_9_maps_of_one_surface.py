@@ -21,7 +21,7 @@ maps = [
     for number, (y, x) in enumerate(places, 1)
 ]
 answers = [asp.run({"file": each, "detrend": "none"}, steel, mean_pressure=200e6) for each in maps]
-sample = asp.pooled(answers)
+sample = asp.pool_answers(answers)
 print(sample)
 
 # %%
@@ -39,7 +39,7 @@ plt.show()
 # **Check**: the larger surface, pressed as a whole, is within the interval of the maps: its contact area and
 # its volume above yield per area. The interval is Student's :math:`t s / \sqrt{n}`, with the pixels.
 all_of_it = asp.HeightMap(-whole, (8 * edge, 8 * edge), periodic=True, name="whole")
-truth = asp.pooled([asp.run(all_of_it, steel, mean_pressure=200e6)])
+truth = asp.pool_answers([asp.run(all_of_it, steel, mean_pressure=200e6)])
 for group, name in (
     ("contact", "real contact"),
     ("stress in the elastic body", "volume above yield per area"),

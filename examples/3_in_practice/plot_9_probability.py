@@ -21,7 +21,7 @@ for seed in (1, 2, 3):
     height = asp.self_affine((64, 64), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=seed, length=edge)
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name=f"ring {seed}")
     answers.append(asp.run(surface, steel, mean_pressure=150e6, cycles=asked))
-sample = asp.pooled(answers)
+sample = asp.pool_answers(answers)
 
 # %%
 # The probability on areas up to a square centimetre.
@@ -44,11 +44,11 @@ plt.show()
 # rise with the power m + 1 of p₀. Two areas survive together with the product of their probabilities.
 flat, cycles = np.zeros((16, 16)), []
 for pressure in (1e9, 1.5e9):
-    hertz = asp.HertzContact.from_radii(8e-3, np.inf, 115e9, largest_pressure=pressure)
-    passage = asp.MovingContact(flat, flat, asp.Layer(210e9, 0.3), edge, shifts=41, hertz=hertz)
+    hertz = asp.stress.HertzContact.from_radii(8e-3, np.inf, 115e9, largest_pressure=pressure)
+    passage = asp.engineering.MovingContact(flat, flat, asp.Solid(210e9, 0.3), edge, shifts=41, hertz=hertz)
     depths = hertz.half_width_x * np.linspace(0, 2, 41)
-    found = asp.stress_cycles(passage.in_body("lower"), depths, **limits)
-    cycles.append(asp.cracks_per_area(found, scatter, volume))
+    found = asp.stress.stress_cycles(passage.in_body("lower"), depths, **limits)
+    cycles.append(asp.stress.cracks_per_area(found, scatter, volume))
 power = np.log(cycles[1] / cycles[0]) / np.log(1.5)
 print(f"exponent {power:.3f}, m + 1 = {weibull_exponent(scatter) + 1:.3f}")
 assert abs(power / (weibull_exponent(scatter) + 1) - 1) < 2e-3

@@ -15,11 +15,11 @@ import asperity as asp
 
 length, viscosity, fall = 200e-6, 1e-3, 1e5  # m, Pa s (water), Pa
 height = asp.self_affine((128, 128), 0.8, 1e-4, 12.5e-6, rms_height=1e-6, seed=1, length=length)
-rubber = asp.Layer(young=10e6, poisson=0.49)
+rubber = asp.Solid(young=10e6, poisson=0.49)
 pressures = np.array([0.05, 0.1, 0.2, 0.3]) * 1e6
-contacts = list(asp.solve_path(height, rubber, length, mean_pressures=pressures))
-paths = [asp.percolation(contact) for contact in contacts]
-flows = [asp.film_flow(contact, viscosity, fall, "x") for contact in contacts]
+contacts = list(asp.solve_load_path(height, rubber, length, mean_pressures=pressures))
+paths = [asp.contact.percolation(contact) for contact in contacts]
+flows = [asp.contact.film_flow(contact, viscosity, fall, "x") for contact in contacts]
 for contact, path, flow in zip(contacts, paths, flows, strict=True):
     print(
         f"{contact.mean_pressure / 1e6:.2f} MPa: contact {100 * contact.area_fraction:.0f} %, "
@@ -47,8 +47,8 @@ rates = np.array([flow.flow_rate for flow in flows])
 assert max(flow.conservation_error for flow in flows) < 1e-4
 assert np.all(np.diff(rates) < 0)
 assert np.all(np.diff([path.constriction[1] for path in paths]) < 0)
-roller = asp.add_cylinder(np.zeros((64, 64)), length, 1e-3, axis="x")
-line = asp.solve(roller, rubber, length, area_fraction=0.3)
-along = asp.film_flow(line, viscosity, fall, "x")
+roller = asp.surface.add_cylinder(np.zeros((64, 64)), length, 1e-3, axis="x")
+line = asp.solve_contact(roller, rubber, length, area_fraction=0.3)
+along = asp.contact.film_flow(line, viscosity, fall, "x")
 gap = np.where(line.pressure > 0, 0, line.gap)
 assert abs(along.flow_rate / (np.mean(gap**3) * fall / (12 * viscosity)) - 1) < 1e-6

@@ -27,7 +27,7 @@ import xarray as xr
 import yaml
 from matplotlib.figure import Figure
 
-from asperity import Grid, Layer, LoadedSolid, analyse_stress, read_map, solve, solve_path
+from asperity import Grid, LoadedSolid, Solid, analyse_stress, read_map, solve_contact, solve_load_path
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, mean_square, resample
 from asperity.stress.statistics.extrapolation import (
@@ -84,9 +84,9 @@ def contacts(
 ) -> xr.Dataset:
     """Area, boundary, mean gap over the rms height, and pressures over E*ḡ under each load."""
     rms_height, rows, densities = float(height.std()), [], []
-    solid = Layer(young=modulus, poisson=0.0)
+    solid = Solid(young=modulus, poisson=0.0)
     unit = modulus * rms_gradient
-    path = solve_path(height, solid, grid.length, mean_pressures=[load * unit for load in loads])
+    path = solve_load_path(height, solid, grid.length, mean_pressures=[load * unit for load in loads])
     start = time.process_time()
     for contact in path:
         touching = contact.pressure > 0
@@ -135,8 +135,8 @@ def stress_on(
     """
     height, grid = on_grid(*surface, points)
     unit = config["effective_modulus"] * config["rms_gradient"]
-    solid, load = Layer(young=config["effective_modulus"], poisson=0.0), config["stress_load"] * unit
-    pressure = solve(height, solid, grid.length, mean_pressure=load).pressure
+    solid, load = Solid(young=config["effective_modulus"], poisson=0.0), config["stress_load"] * unit
+    pressure = solve_contact(height, solid, grid.length, mean_pressure=load).pressure
     del height, surface
     start = time.process_time()
     loaded = LoadedSolid(pressure, grid, solid)
@@ -218,8 +218,8 @@ def draw_stress(rows: pd.DataFrame, profiles: pd.DataFrame) -> Figure:
 def limits(data: xr.Dataset) -> pd.DataFrame:
     """Numbers of each grid, and their limits at vanishing spacing from the first two grids, a row each.
 
-    From the area the strip along its boundary on the finer grid is subtracted (`asperity.continuum`); the
-    other numbers are extrapolated with second order.
+    From the area the strip along its boundary on the finer grid is subtracted (`asperity.continuum_limit`);
+    the other numbers are extrapolated with second order.
     """
     data = data.drop_vars("density")
     coarse, fine = (data.isel(points=number) for number in (0, 1))

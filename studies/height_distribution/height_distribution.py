@@ -49,9 +49,9 @@ GAUSSIAN = "gaussian"
 def shaped(gaussian: np.ndarray, distribution: Mapping[str, Any]) -> tuple[np.ndarray, float]:
     """Heights of a case, and the residual of their distribution."""
     if "johnson" in distribution:
-        return asp.johnson(gaussian, **distribution["johnson"]), 0.0
+        return asp.surface.johnson(gaussian, **distribution["johnson"]), 0.0
     if "moments" in distribution:
-        found = asp.with_heights(gaussian, moments=distribution["moments"])
+        found = asp.surface.with_heights(gaussian, moments=distribution["moments"])
         return found.height, found.heights_residual
     return gaussian, 0.0
 
@@ -62,9 +62,11 @@ def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed:
     gaussian = asp.self_affine((points, points), seed=seed, **band)
     height, residual = shaped(gaussian, distribution)
     reference, own = (asp.roughness_parameters(each) for each in (gaussian, height))
-    contact = asp.solve(height, asp.Layer(1.0, config["poisson"]), area_fraction=config["area_fraction"])
+    contact = asp.solve_contact(
+        height, asp.Solid(1.0, config["poisson"]), area_fraction=config["area_fraction"]
+    )
     stress = asp.analyse_stress(contact, quantities=("von_mises", "pressure"))
-    found = asp.continuum(contact, stress).sel(quantity="von_mises").squeeze("poisson", drop=True)
+    found = asp.continuum_limit(contact, stress).sel(quantity="von_mises").squeeze("poisson", drop=True)
     best, error = (found.sel(kind=kind, drop=True) for kind in ("estimate", "error"))
     load = contact.mean_pressure / contact.solid.effective_modulus
     unit = contact.solid.effective_modulus * reference.rms_gradient
@@ -182,8 +184,8 @@ def _draw_heights(axis: Axes, config: Mapping[str, Any]) -> None:
     bins = np.linspace(-4, 4, 81)
     for number, name in enumerate(("kurtosis_22", "skewness_plus_10", "kurtosis_6")):
         moments = config["cases"][name]["moments"]
-        reached = asp.with_heights(gaussian, moments=moments).height / band["rms_height"]
-        wanted = asp.with_moments(normal, *moments)
+        reached = asp.surface.with_heights(gaussian, moments=moments).height / band["rms_height"]
+        wanted = asp.surface.with_moments(normal, *moments)
         for values, look in ((wanted, "--"), (reached, "-")):
             density, _ = np.histogram(values, bins, density=True)
             label = f"{moments[0]:g}, {moments[1]:g}" if look == "-" else None
@@ -202,7 +204,7 @@ def residuals(config: Mapping[str, Any]) -> dict[str, ShapedSurface]:
     }
     cases["honed, Rpq/Rvq = 0.25, Rmq = 80 %"] = {"plateau": (0.1, 0.4, 80)}
     cases["sample of uniform heights, squared"] = {"sample": np.linspace(0, 1, 1001) ** 2}
-    return {name: asp.with_heights(gaussian, **case) for name, case in cases.items()}
+    return {name: asp.surface.with_heights(gaussian, **case) for name, case in cases.items()}
 
 
 def page(rows: pd.DataFrame, config: Mapping[str, Any]) -> str:

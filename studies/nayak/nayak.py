@@ -25,14 +25,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import stdtrit
 
-from asperity import Grid, Layer, self_affine, solve_path
+from asperity import Grid, Solid, self_affine, solve_load_path
 from asperity.core.markup import with_error
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, gradient, mean_square
 from asperity.study.small_studies import computed_once, rendered
 from asperity.views.style import panels, save, style
 
-HALF_SPACE = Layer(young=1.0, poisson=0.0)
+HALF_SPACE = Solid(young=1.0, poisson=0.0)
 """A solid with E* = 1; area over load does not depend on Poisson's ratio."""
 
 STRIP = (math.pi - 1 + math.log(2)) / 24
@@ -92,7 +92,9 @@ def contacts(surface: Mapping[str, float], points: int, seeds: int, loads: Seque
         squared = slope_y**2 + slope_x**2
         rms_gradient = float(np.sqrt(squared.mean()))
         numbers: dict[str, list[float]] = {}
-        for contact in solve_path(height, HALF_SPACE, mean_pressures=[one * rms_gradient for one in loads]):
+        for contact in solve_load_path(
+            height, HALF_SPACE, mean_pressures=[one * rms_gradient for one in loads]
+        ):
             touching = contact.pressure > 0
             of_load = {
                 "mean_pressure": contact.mean_pressure,

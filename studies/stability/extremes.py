@@ -20,18 +20,18 @@ import numpy as np
 import xarray as xr
 from solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
 
-from asperity.contact import solve
+from asperity.contact import solve_contact
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Grid
 from asperity.surface.heights import johnson
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.self_affine import self_affine
 
-Arguments = tuple[Array, Solid, dict[str, Any], dict[str, Any]]
-"""Height, solid, the imposed quantity, and the other keywords of `asperity.solve`."""
+Arguments = tuple[Array, Solids, dict[str, Any], dict[str, Any]]
+"""Height, solid, the imposed quantity, and the other keywords of `asperity.solve_contact`."""
 
 TOLERANCES = {"float64": 1e-6, "float32": 1e-4}
 """Tolerance of the solver in each precision."""
@@ -236,7 +236,7 @@ def solve_and_check(arguments: Callable[[], Arguments]) -> Attempt:
         try:
             height, solid, imposed, settings = arguments()
             begin = time.process_time()
-            contact = solve(height, solid, **imposed, **settings)
+            contact = solve_contact(height, solid, **imposed, **settings)
             seconds = time.process_time() - begin
         except ConvergenceError as error:
             return Attempt(NOT_CONVERGED, reason=str(error))
@@ -252,10 +252,10 @@ def solve_and_check(arguments: Callable[[], Arguments]) -> Attempt:
 
 
 def extreme_arguments(case: ExtremeCase) -> Arguments:
-    """Height, solid, the imposed quantity, and the other keywords of `asperity.solve`."""
+    """Height, solid, the imposed quantity, and the other keywords of `asperity.solve_contact`."""
     unit = unit_surface(case)
     tall = None if math.isinf(case.scaled_height) else case.scaled_height / (2 * math.pi)
-    layer = Layer(1.0, case.poisson, tall, case.bottom)
+    layer = Solid(1.0, case.poisson, tall, case.bottom)
     imposed = imposed_quantity(case, unit, layer)
     rtol = TOLERANCES.get(case.precision, TOLERANCES["float64"])
     return (
@@ -274,8 +274,8 @@ def unit_surface(case: ExtremeCase) -> Array:
     return height / roughness_parameters(height).rms_gradient
 
 
-def imposed_quantity(case: ExtremeCase, unit_height: Array, layer: Layer) -> dict[str, Any]:
-    """Imposed area fraction, approach or mean pressure, as a keyword of `asperity.solve`."""
+def imposed_quantity(case: ExtremeCase, unit_height: Array, layer: Solid) -> dict[str, Any]:
+    """Imposed area fraction, approach or mean pressure, as a keyword of `asperity.solve_contact`."""
     kind, amount = case.imposed
     if kind == "area":
         return {"area_fraction": amount}
@@ -285,7 +285,7 @@ def imposed_quantity(case: ExtremeCase, unit_height: Array, layer: Layer) -> dic
     return {"mean_pressure": case.rms_gradient * amount * closing_pressure(unit_height, layer)}
 
 
-def closing_pressure(height: Array, layer: Layer) -> float:
+def closing_pressure(height: Array, layer: Solid) -> float:
     """Mean pressure at which the last gap closes.
 
     It is the largest tension needed to hold the surface to the indenter everywhere at zero mean pressure.

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from asperity.core.types import Array
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import Solids, TwoBodies
 
 # Surfaces
 
@@ -103,18 +103,18 @@ FAMILIES: dict[str, Callable[[Nodes], Array]] = {
 
 # Solids
 
-SOLIDS: dict[str, Solid] = {
-    "half-space": Layer(1.0, 0.3),
-    "incompressible": Layer(1.0, 0.5),
-    "layer": Layer(1.0, 0.3, 0.2),
-    "frictionless": Layer(1.0, 0.3, 0.1, "frictionless"),
-    "thin": Layer(1.0, 0.3, 1e-3),
-    "very thin": Layer(1.0, 0.2, 1e-5),
-    "thin, ν = ½": Layer(1.0, 0.5, 1e-2),
-    "free bottom": Layer(1.0, 0.3, 0.3, "free"),
-    "sheet": Layer(1.0, 0.3, 0.03, "free"),
-    "two bodies": TwoBodies(Layer(1.0, 0.3), Layer(0.1, 0.4, 0.02)),
-    "two half-spaces": TwoBodies(Layer(1.0, 0.3), Layer(0.2, 0.45)),
+SOLIDS: dict[str, Solids] = {
+    "half-space": Solid(1.0, 0.3),
+    "incompressible": Solid(1.0, 0.5),
+    "layer": Solid(1.0, 0.3, 0.2),
+    "frictionless": Solid(1.0, 0.3, 0.1, "frictionless"),
+    "thin": Solid(1.0, 0.3, 1e-3),
+    "very thin": Solid(1.0, 0.2, 1e-5),
+    "thin, ν = ½": Solid(1.0, 0.5, 1e-2),
+    "free bottom": Solid(1.0, 0.3, 0.3, "free"),
+    "sheet": Solid(1.0, 0.3, 0.03, "free"),
+    "two bodies": TwoBodies(Solid(1.0, 0.3), Solid(0.1, 0.4, 0.02)),
+    "two half-spaces": TwoBodies(Solid(1.0, 0.3), Solid(0.2, 0.45)),
 }
 HALF_SPACES = ("half-space", "incompressible", "two half-spaces")
 """Solids that a free boundary accepts."""
@@ -210,8 +210,8 @@ def family_height(case: FamilyCase) -> Array:
     return case.relief * (relief + case.offset)
 
 
-def family_arguments(case: FamilyCase) -> tuple[Array, Solid, dict[str, Any], dict[str, Any]]:
-    """Height, solid, the imposed quantity, and the other keywords of `asperity.solve`."""
+def family_arguments(case: FamilyCase) -> tuple[Array, Solids, dict[str, Any], dict[str, Any]]:
+    """Height, solid, the imposed quantity, and the other keywords of `asperity.solve_contact`."""
     height, solid = family_height(case), SOLIDS[case.solid]
     kind, value = case.imposed
     modulus = solid.effective_modulus

@@ -2,7 +2,7 @@
 
 They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
 corrected ones (`rounding.py`); the tensor that is right for every height is that of the library,
-`asperity.Layer.green_tensor`. ``corrected``: False gives the printed text literally, True the nearest form
+`asperity.Solid.green_tensor`. ``corrected``: False gives the printed text literally, True the nearest form
 that holds.
 
 ``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point in the
@@ -126,7 +126,7 @@ def compliance(elements: Mapping[str, Any]) -> list[list[Any]]:
     """Rows of the 6 × 6 compliance of Eq. A.2, as printed, from its elements.
 
     Tractions are t = σ·n with the outward normal n on both faces. The entries (5, 4), (6, 4) and (6, 5) are
-    misprints: `asperity.Layer.green_tensor` has G12, i G13 and i G23 there.
+    misprints: `asperity.Solid.green_tensor` has G12, i G13 and i G23 there.
     """
     g = elements
     return [

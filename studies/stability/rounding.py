@@ -12,7 +12,7 @@ Two quantities are compared over q · height:
   alone is amplified by this factor.
 
 Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected (compliance only),
-``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Layer`.
+``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Solid`.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ import printed
 import xarray as xr
 
 from asperity.core.types import Array
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.reference.state_space import StateSpace
 
 FORMULAS = ("printed", "direct", "layer")
@@ -82,7 +82,7 @@ def rounding_errors(
         exact = [StateSpace(*mode, bottom="bonded", digits=_DIGITS) for mode in modes]
         true = [float(-StateSpace(q, 0, _YOUNG, nu, _HEIGHT, "free").displacement(0)[2].real) for q in along]
         stress = [[m.stress(level) for level in levels] for m, levels in zip(exact, depths, strict=True)]
-        layer, free = Layer(_YOUNG, nu, _HEIGHT), Layer(_YOUNG, nu, _HEIGHT, "free")
+        layer, free = Solid(_YOUNG, nu, _HEIGHT), Solid(_YOUNG, nu, _HEIGHT, "free")
         for p, precision in enumerate(PRECISIONS):
             q, x, y, d = (part.astype(precision) for part in (along, qx, qy, depths))
             number = np.dtype(precision).type(nu)
@@ -112,7 +112,7 @@ def rounding_errors(
 def element_errors(
     poisson: Sequence[float] = (-0.999999, -0.5, 0.0, 0.33, 0.4999, 0.5), per_decade: int = 4
 ) -> Array:
-    """Largest errors of the elements of `asperity.Layer.green_tensor`, (6, 6), over √(G_ii G_jj).
+    """Largest errors of the elements of `asperity.Solid.green_tensor`, (6, 6), over √(G_ii G_jj).
 
     Over q · height from 1e-3 to 1e3, in as many directions of the wavevector.
     """
@@ -122,7 +122,7 @@ def element_errors(
         for nu in poisson:
             exact = StateSpace(qx, qy, _YOUNG, nu, _HEIGHT, "free", _DIGITS).compliance()
             size = np.sqrt(np.abs(np.diag(exact)).astype(float))
-            off = np.abs(Layer(_YOUNG, nu, _HEIGHT).green_tensor(qx, qy) - exact).astype(float)
+            off = np.abs(Solid(_YOUNG, nu, _HEIGHT).green_tensor(qx, qy) - exact).astype(float)
             errors = np.maximum(errors, off / np.outer(size, size))
     return errors
 

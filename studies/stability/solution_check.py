@@ -30,10 +30,10 @@ from typing import Any
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from asperity.contact import Contact, solve, verify_contact
+from asperity.contact import Contact, solve_contact, verify_contact
 from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import rectangle_compliance
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Grid
 from asperity.reference.pivoting import PivotingError, pivot
 
@@ -44,7 +44,7 @@ ALLOWED_AT_NODE = 100.0
 """Allowed violation of the conditions of contact at a single node, in units of the tolerance."""
 
 AREA_ERROR = 1e-4
-"""Relative error of the number of contact nodes to which `asperity.solve` meets an imposed area."""
+"""Relative error of the number of contact nodes to which `asperity.solve_contact` meets an imposed area."""
 
 DIRECT_NODES = 700
 """Limit on the contact nodes of a solution that is compared with the direct one, whose matrix is dense."""
@@ -88,7 +88,7 @@ def check_solution(
     ----------
     contact : Contact
     imposed : dict
-        The imposed quantity as a keyword of `asperity.solve`.
+        The imposed quantity as a keyword of `asperity.solve_contact`.
     tolerance : float
         Tolerance of the solution.
     given : (ny, nx) array, optional
@@ -214,7 +214,7 @@ def energy_error(
 class _PeriodicResponse:
     """Energies of a periodic cell, by its modes; without the uniform one if the load is known."""
 
-    def __init__(self, solid: Solid, grid: Grid, load_is_known: bool) -> None:
+    def __init__(self, solid: Solids, grid: Grid, load_is_known: bool) -> None:
         self._grid, self._compliance = grid, mode_compliance(solid, grid)
         if load_is_known:
             # At a given load the mean mode changes only the approach.
@@ -244,7 +244,7 @@ class _PeriodicResponse:
 class _FreeResponse:
     """Energies of a free map, by the inverse of its dense compliance."""
 
-    def __init__(self, solid: Solid, grid: Grid) -> None:
+    def __init__(self, solid: Solids, grid: Grid) -> None:
         self._matrix, self._factor, trace = free_compliance(grid.shape, grid.spacing)
         self._modulus = solid.effective_modulus
         self.stiffness_trace = trace * self._modulus
@@ -290,7 +290,7 @@ def area_is_nearest(contact: Contact, area_fraction: float, height: Array) -> bo
         load = contact.mean_pressure * (1 + change) ** (1 if nodes < wanted else -1)
         if load >= contact.hardness:
             break
-        other = solve(
+        other = solve_contact(
             height,
             contact.solid,
             contact.grid.length,
@@ -313,7 +313,7 @@ def gap_change_per_tolerance(contact: Contact) -> float:
     return norm * float(contact.solid.surface_compliance(2 * np.pi / max(contact.grid.length)))
 
 
-def mode_compliance(solid: Solid, grid: Grid) -> Array:
+def mode_compliance(solid: Solids, grid: Grid) -> Array:
     """Surface compliance of every stored mode, (ny, nx // 2 + 1)."""
     return solid.surface_compliance(grid.wavenumber())
 

@@ -38,11 +38,11 @@ def surface_of(config: Mapping[str, Any], name: str, seed: int) -> tuple[Array, 
 def elastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dataset:
     """Area with its estimate and error, mean gap, stiffness and pressure spectrum under every load."""
     rows, rms_height = [], float(height.std())
-    solid = asp.Layer(1.0, 0.0)
-    for contact in asp.solve_path(height, solid, mean_pressures=[gradient * p for p in config["loads"]]):
+    solid = asp.Solid(1.0, 0.0)
+    for contact in asp.solve_load_path(height, solid, mean_pressures=[gradient * p for p in config["loads"]]):
         half = solved_on_half(contact)
         area = continuum_on_grids(contact, half, None, "lower")["area_fraction"]
-        wavenumber, power = asp.spectrum(contact.pressure / gradient)
+        wavenumber, power = asp.surface.spectrum(contact.pressure / gradient)
         row = {
             "area": area.sel(kind="estimate", drop=True),
             "area_error": area.sel(kind="error", drop=True),
@@ -64,7 +64,7 @@ def elastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     return found.assign(
         persson_gap=(("load", "gamma"), gap[..., 0]),
         persson_stiffness=(("load", "gamma"), 1 / gap[..., 1]),
-        height_spectrum=("wavenumber", asp.spectrum(height)[1] / rms_height**2),
+        height_spectrum=("wavenumber", asp.surface.spectrum(height)[1] / rms_height**2),
     ).assign_coords(gamma=[closed_forms.GAMMA, 1.0])
 
 
@@ -82,8 +82,8 @@ def plastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     """Elastic and plastic area under every load below each hardness, estimated from both grids.
 
     Nodes count with their whole pixels. Therefore a strip along its boundary is subtracted from the area of
-    contact, as in `asperity.continuum`, and a strip of the same width is added to the plastic area, whose
-    nodes are those whose whole pixel would bear the hardness.
+    contact, as in `asperity.continuum_limit`, and a strip of the same width is added to the plastic area,
+    whose nodes are those whose whole pixel would bear the hardness.
     """
     loads, hardnesses = config["plastic"]["loads"], config["plastic"]["hardness"]
     half = on_half_the_nodes(height, asp.Grid(height.shape))[0]
@@ -91,8 +91,8 @@ def plastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     for number, hardness in enumerate(hardnesses):
         below = [gradient * load for load in loads if load < 0.9 * hardness]
         for grid, heights in enumerate((height, half)):
-            path = asp.solve_path(
-                heights, asp.Layer(1.0, 0.0), mean_pressures=below, hardness=hardness * gradient
+            path = asp.solve_load_path(
+                heights, asp.Solid(1.0, 0.0), mean_pressures=below, hardness=hardness * gradient
             )
             for place, contact in enumerate(path):
                 whole, yielded = (
@@ -132,12 +132,12 @@ def percolation(config: Mapping[str, Any], height: Array, gradient: float) -> xr
         closed = None
         for _ in range(settings["steps"]):
             middle = (low + high) / 2
-            contact = asp.solve(height, asp.Layer(1.0, 0.0), area_fraction=middle)
+            contact = asp.solve_contact(height, asp.Solid(1.0, 0.0), area_fraction=middle)
             if percolates(contact, axis):
                 low = middle
             else:
                 high, closed = middle, contact
-        best = asp.continuum(closed)["area_fraction"] if closed else None
+        best = asp.continuum_limit(closed)["area_fraction"] if closed else None
         found.append([high, np.nan if best is None else float(best.sel(kind="estimate"))])
     critical = np.array(found)
     return xr.Dataset({"critical_grid": ("axis", critical[:, 0]), "critical_area": ("axis", critical[:, 1])})
@@ -151,11 +151,11 @@ def profile(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     """
     settings, poisson = config["profile"], config["poisson"]
     depths = np.array(settings["depths"]) * NODES / height.shape[0]
-    solid = asp.Layer(1.0, poisson)
+    solid = asp.Solid(1.0, poisson)
     unit, rows = solid.effective_modulus * gradient, []
     rings, power = rings_of(height)
     for load in settings["loads"]:
-        contact = asp.solve(height, solid, mean_pressure=load * unit)
+        contact = asp.solve_contact(height, solid, mean_pressure=load * unit)
         planes = asp.stress_planes(contact, depths, tolerance=0)
         fields = [plane.fields["von_mises"][0].ravel() / unit for plane in planes]
         row = {"computed": np.array([[np.sqrt(np.mean(f**2)), *np.quantile(f, SHARES)] for f in fields])}

@@ -222,7 +222,8 @@ def test_a_case_that_contradicts_itself_is_refused(words, line, path, tmp_path, 
 def test_a_case_file_can_say_the_materials(path, tmp_path, capsys, refused):
     config = tmp_path / "steel.yaml"
     config.write_text(
-        "body: {young: 210 GPa, poisson: 0.3}\nload: {force: 1 N}\ncounter_body: {young: 70 GPa, poisson: 0.33}"
+        "body: {young: 210 GPa, poisson: 0.3}\nload: {force: 1 N}\n"
+        "counter_body: {young: 70 GPa, poisson: 0.33}"
     )
     out = tmp_path / "out"
     given = ["run", str(path), "--case", str(config)]

@@ -131,8 +131,8 @@ bodies = layers | layers | st.tuples(layers, layers)
 def solid_of(case):
     """A layer, or two bodies."""
     if isinstance(case, dict):
-        return asp.Layer(**case)
-    return asp.TwoBodies(*(asp.Layer(**body) for body in case))
+        return asp.Solid(**case)
+    return asp.TwoBodies(*(asp.Solid(**body) for body in case))
 
 
 loaded = {
@@ -151,4 +151,4 @@ def loaded_solid(case):
     if values.dtype == float:
         values = np.maximum(values, 0.0)
     grid = asp.Grid(values.shape, case["length"])
-    return asp.LoadedSolid(values, grid, asp.Layer(**case["layer"]), case["boundary"])
+    return asp.LoadedSolid(values, grid, asp.Solid(**case["layer"]), case["boundary"])

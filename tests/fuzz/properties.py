@@ -86,9 +86,9 @@ def try_contact(case):
     kind, values, settings = case["kind"], case["values"], case["settings"]
     height, solid = made(case["height"]), solid_of(case["solid"])
     if len(values) == 1:
-        path = [asp.solve(height, solid, **{kind: values[0]}, **settings)]
+        path = [asp.solve_contact(height, solid, **{kind: values[0]}, **settings)]
     else:
-        path = asp.solve_path(height, solid, **{PLURALS[kind]: values}, **settings)
+        path = asp.solve_load_path(height, solid, **{PLURALS[kind]: values}, **settings)
     for value, contact in zip(values, path, strict=True):
         require_kept(contact, kind, value)
 
@@ -98,7 +98,7 @@ def require_kept(contact, kind, value):
     names = ("pressure", "displacement", "gap", "approach", "mean_pressure")
     require_finite(**{name: getattr(contact, name) for name in names})
     require(contact.pressure.min() >= 0, "a pressure is negative")
-    certificate = asp.verify_contact(
+    certificate = asp.contact.verify_contact(
         contact.height,
         contact.pressure,
         contact.solid,
@@ -219,12 +219,12 @@ def try_stress(case):
         require_finite_dataset(asp.stress_section(solid, case["along"], case["at"], case["depths"], **chosen))
     elif case["kind"] == "box":
         more = {name: case[name] for name in ("y", "x", "spacing")}
-        require_finite_dataset(asp.stress_box(solid, case["depths"], **chosen, **more).dataset())
+        require_finite_dataset(asp.stress.stress_box(solid, case["depths"], **chosen, **more).dataset())
     else:
         planes = list(asp.stress_planes(solid, case["depths"], **chosen))
         for plane in planes:
             require_finite(**{name: np.asarray(field) for name, field in plane.fields.items()})
-        peaks = asp.find_peaks(iter(planes), case["fields"][0])
+        peaks = asp.stress.find_peaks(iter(planes), case["fields"][0])
         require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
         for position, edge in ((peaks.y, solid.grid.length[0]), (peaks.x, solid.grid.length[1])):
             require(np.all((position >= 0) & (position <= edge)), "a peak lies outside the cell")
@@ -249,8 +249,8 @@ surfaces = st.fixed_dictionaries(
         "seed": among(st.integers(0, 2**64), st.integers(-5, -1), wrong),
         "length": st.just(1.0) | among(st.just(1.0), number(1e-6, 1e6)),
         "transform": st.none()
-        | st.tuples(st.just(asp.johnson), number(-2, 2), number(0.1, 10))
-        | st.tuples(st.just(asp.with_moments), number(-2, 2), number(1, 10)),
+        | st.tuples(st.just(asp.surface.johnson), number(-2, 2), number(0.1, 10))
+        | st.tuples(st.just(asp.surface.with_moments), number(-2, 2), number(1, 10)),
     }
 )
 
@@ -266,7 +266,7 @@ def try_surface(case):
     require_finite(height=height)
     # The square of a smaller height is not a normal number.
     require(rms < 1e-150 or math.isclose(float(np.std(height / rms)), 1, rel_tol=1e-9), "another rms height")
-    asp.spectrum(height, case["length"])
+    asp.surface.spectrum(height, case["length"])
     require_finite(**vars(asp.roughness_parameters(height, case["length"])))
 
 
@@ -303,7 +303,7 @@ def try_treatment(case):
     """A treated map: finite, with mean zero."""
     case = dict(case)
     surface, in_cell = asp.HeightMap(**case.pop("map")), case.pop("in_cell")
-    height = (asp.make_periodic if in_cell else asp.treat_map)(surface, **case).height
+    height = (asp.make_periodic if in_cell else asp.prepare_map)(surface, **case).height
     require_finite(height=height)
     require(abs(float(np.mean(height))) <= 1e-9 * float(np.abs(height).max()), "the mean height is not zero")
 

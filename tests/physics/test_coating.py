@@ -11,7 +11,7 @@ from asperity.reference.state_space import StateSpace
 ROUNDING = 4e-14
 """Largest error over the largest component at a depth: 1e-15, but 2e-14 in a thin and stiff coating."""
 
-BASE = asp.Layer(1.0, 0.3)
+BASE = asp.Solid(1.0, 0.3)
 
 
 class CoatedMode:
@@ -44,7 +44,7 @@ def error(found, exact, depth):
 def test_modes_are_exact_to_rounding(height, contrast):
     """Stress and displacement in both materials under a pressure, and stress under both shear tractions."""
     nu, nu_base = {1e-6: (0.5, -0.9), 0.3: (0.2, 0.5), 3.0: (-0.9, 0.25), 1e6: (0.3, 0.0)}[contrast]
-    coating = asp.Layer(contrast, nu, height, base=asp.Layer(1.0, nu_base))
+    coating = asp.Solid(contrast, nu, height, base=asp.Solid(1.0, nu_base))
     below = np.nextafter(height, np.inf)
     depths = [depth for depth in (0.0, 0.3 * height, height, below, below + 2) if depth < 600]
     mode = CoatedMode(0.6, 0.8, coating, [0, 0, -1])
@@ -102,7 +102,7 @@ def finite_elements(coating):
 
 @pytest.mark.parametrize(("contrast", "nu", "height"), [(4.0, 0.2, 0.5), (0.1, 0.45, 1.5)])
 def test_finite_elements_agree(contrast, nu, height):
-    coating = asp.Layer(contrast, nu, height, base=BASE)
+    coating = asp.Solid(contrast, nu, height, base=BASE)
     depth, *expected = finite_elements(coating)
     stress = coating.stress(1.0, 0.0, depth)
     found = (
@@ -118,9 +118,9 @@ def test_finite_elements_agree(contrast, nu, height):
 
 def test_limits_of_the_base():
     q, depth = np.geomspace(1e-2, 1e2, 40)[:, None], np.linspace(0, 0.7, 8)
-    own, half_space = asp.Layer(2.0, 0.3, 0.7), asp.Layer(2.0, 0.3)
-    alike = asp.Layer(2.0, 0.3, 0.7, base=half_space)
-    rigid = asp.Layer(2.0, 0.3, 0.7, base=asp.Layer(1e20, 0.2))
+    own, half_space = asp.Solid(2.0, 0.3, 0.7), asp.Solid(2.0, 0.3)
+    alike = asp.Solid(2.0, 0.3, 0.7, base=half_space)
+    rigid = asp.Solid(2.0, 0.3, 0.7, base=asp.Solid(1e20, 0.2))
     for found, expected, depths in ((alike, half_space, 3 * depth), (rigid, own, depth)):
         for ours, theirs in zip(found.kernels(q, depths), expected.kernels(q, depths), strict=True):
             np.testing.assert_allclose(ours, theirs, atol=4e-15)
@@ -128,8 +128,8 @@ def test_limits_of_the_base():
             found.shear_kernels(q, depths), expected.shear_kernels(q, depths), strict=True
         ):
             np.testing.assert_allclose(ours, theirs, atol=4e-15)
-    plate = asp.Layer(2.0, 0.3, 0.7, "free")
-    loose = asp.Layer(2.0, 0.3, 0.7, base=asp.Layer(1e-30, 0.3))
+    plate = asp.Solid(2.0, 0.3, 0.7, "free")
+    loose = asp.Solid(2.0, 0.3, 0.7, base=asp.Solid(1e-30, 0.3))
     np.testing.assert_allclose(loose.surface_compliance(q), plate.surface_compliance(q), rtol=4e-15)
 
 
@@ -137,14 +137,14 @@ def test_limits_of_the_base():
 def contact():
     """A rough contact of a body with a stiff coating as thin as its patches."""
     height = asp.self_affine((128, 128), 0.8, 0.25, 0.25 / 8, rms_height=1e-3, seed=1)
-    return asp.solve(height, asp.Layer(4.0, 0.2, 0.02, base=BASE), area_fraction=0.1)
+    return asp.solve_contact(height, asp.Solid(4.0, 0.2, 0.02, base=BASE), area_fraction=0.1)
 
 
 @pytest.mark.parametrize("lateral", ["confined", "free"])
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_stress_and_strain_on_the_interface(contact, lateral, friction):
     """Tractions and the strains in the interface are continuous, the other stresses jump."""
-    layer = asp.Layer(4.0, 0.2, 0.02, base=BASE, lateral=lateral)
+    layer = asp.Solid(4.0, 0.2, 0.02, base=BASE, lateral=lateral)
     solid = asp.LoadedSolid(contact.pressure, contact.grid, layer)
     faces = [layer.interface, np.nextafter(layer.interface, 1)]
     names = ("xx", "yy", "zz", "yz", "xz", "xy")
@@ -167,7 +167,7 @@ def test_analysis_finds_peaks_on_both_sides(contact):
     assert depths[at + 1] == np.nextafter(interface, 1)
     largest = stress["largest_von_mises"].values[0]
     assert largest[at] > 1.2 * largest[at + 1]
-    found = asp.peaks(stress, "von_mises")["peak_depth"].values
+    found = asp.stress.select_peaks(stress, "von_mises")["peak_depth"].values
     assert np.sum(found == depths[at]) > 5
     assert np.sum(found == depths[at + 1]) > 5
     section = asp.stress_section(contact, fields=("xx",))
@@ -177,8 +177,8 @@ def test_analysis_finds_peaks_on_both_sides(contact):
 @pytest.mark.parametrize(("contrast", "height"), [(50.0, 0.1), (4.0, 0.02), (0.02, 0.01)])
 def test_error_of_coarser_planes_is_below_its_bound(contact, contrast, height):
     """The bound of the truncation in both materials, and with it the tolerance."""
-    solid = asp.LoadedSolid(contact.pressure, contact.grid, asp.Layer(contrast, 0.3, height, base=BASE))
-    depths = [depth for depth in asp.depth_grid(contact.grid, interface=height) if 0.02 < depth < 0.5]
+    solid = asp.LoadedSolid(contact.pressure, contact.grid, asp.Solid(contrast, 0.3, height, base=BASE))
+    depths = [depth for depth in asp.stress.depth_grid(contact.grid, interface=height) if 0.02 < depth < 0.5]
     names = ("xx", "zz", "xz", "von_mises", "principal_1")
     planes, exact = (
         asp.stress_planes(solid, depths, fields=names, tolerance=tolerance, friction=0.3)
@@ -197,20 +197,20 @@ def test_error_of_coarser_planes_is_below_its_bound(contact, contrast, height):
 
 def test_coating_of_equal_material_is_half_space():
     height = asp.self_affine((128, 128), 0.8, 0.25, 0.25 / 8, rms_height=1e-3, seed=1)
-    plain = asp.solve(height, BASE, mean_pressure=2e-3)
-    alike = asp.solve(height, asp.Layer(1.0, 0.3, 0.02, base=BASE), mean_pressure=2e-3)
+    plain = asp.solve_contact(height, BASE, mean_pressure=2e-3)
+    alike = asp.solve_contact(height, asp.Solid(1.0, 0.3, 0.02, base=BASE), mean_pressure=2e-3)
     # The tolerance of both solutions.
     assert abs(alike.pressure - plain.pressure).max() < 1e-5 * plain.max_pressure
     # Waves shorter than a coating see it alone, those longer its base.
-    thick = asp.solve(height, asp.Layer(1.0, 0.3, 1e3, base=asp.Layer(9.0, 0.1)), mean_pressure=2e-3)
-    thin = asp.solve(height, asp.Layer(9.0, 0.1, 1e-9, base=BASE), mean_pressure=2e-3)
+    thick = asp.solve_contact(height, asp.Solid(1.0, 0.3, 1e3, base=asp.Solid(9.0, 0.1)), mean_pressure=2e-3)
+    thin = asp.solve_contact(height, asp.Solid(9.0, 0.1, 1e-9, base=BASE), mean_pressure=2e-3)
     assert abs(thick.pressure - plain.pressure).max() < 1e-5 * plain.max_pressure
     assert abs(thin.pressure - plain.pressure).max() < 1e-4 * plain.max_pressure
 
 
 @pytest.mark.parametrize("face", [1e-12, np.nextafter(3 / 128, 0), 0.5, 3.0])
 def test_depths_hold_both_faces_of_the_interface_once(face):
-    depths = asp.depth_grid(asp.Grid((64, 64)), interface=face)
+    depths = asp.stress.depth_grid(asp.Grid((64, 64)), interface=face)
     at = np.flatnonzero(depths == face)[0]
     assert at >= 4
     assert np.all(np.diff(depths) > 0)

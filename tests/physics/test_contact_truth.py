@@ -6,12 +6,12 @@ from samples import centred, difference, load_of, order, rough
 from solution_check import mode_compliance
 
 import asperity as asp
-from asperity.contact import solve
+from asperity.contact import solve_contact
 from asperity.elasticity.loaded_rectangle import rectangle_compliance
 from asperity.reference.hertz import Hertz
 from asperity.reference.pivoting import pivot
 
-UNIT = asp.Layer(1.0, 0.0)
+UNIT = asp.Solid(1.0, 0.0)
 
 
 def test_hertz_without_images_converges():
@@ -22,8 +22,8 @@ def test_hertz_without_images_converges():
         r = np.hypot(*centred(grid))
         for radius in np.linspace(0.3, 0.4, 6):
             exact = Hertz(contact_radius=radius, curvature_radius=2.0, effective_modulus=3.0)
-            solid = asp.Layer(3.0, 0.0)
-            contact = solve(r**2 / 4, solid, force=exact.load, boundary="free", rtol=1e-8)
+            solid = asp.Solid(3.0, 0.0)
+            contact = solve_contact(r**2 / 4, solid, force=exact.load, boundary="free", rtol=1e-8)
             width = np.sqrt(contact.area_fraction / np.pi) / radius - 1
             largest = contact.max_pressure / exact.largest_pressure - 1
             approach = (contact.approach - contact.height.min()) / exact.approach - 1
@@ -43,7 +43,7 @@ def test_load_of_flat_square_punch():
     """
     stiffness = []
     for points in (32, 64, 128):
-        contact = solve(np.zeros((points, points)), UNIT, approach=1e-3, boundary="free")
+        contact = solve_contact(np.zeros((points, points)), UNIT, approach=1e-3, boundary="free")
         assert contact.area_fraction == 1
         stiffness.append(contact.force / 1e-3)
         assert contact.stiffness == pytest.approx(stiffness[-1], rel=1e-6)  # linear: solver error
@@ -70,7 +70,7 @@ def direct_pressure(height, grid, **imposed):
 def test_free_pressure_is_that_of_direct_solution(shape, length, fraction):
     """Solver error; the closed form of the kernel is tested in multiple precision."""
     height = 1e-2 * np.random.default_rng(7).standard_normal(shape)
-    contact = solve(height, UNIT, length, mean_pressure=fraction * 0.1, boundary="free", rtol=1e-11)
+    contact = solve_contact(height, UNIT, length, mean_pressure=fraction * 0.1, boundary="free", rtol=1e-11)
     assert 1 < np.count_nonzero(contact.pressure) < height.size
     by_load = direct_pressure(height, contact.grid, mean_pressure=fraction * 0.1)
     np.testing.assert_allclose(contact.pressure, by_load, rtol=0, atol=1e-8 * by_load.max())
@@ -84,7 +84,7 @@ def test_approach_near_full_contact(part, method):
     """The load grows without limit towards the mean height; against the direct solution."""
     height = rough((24, 24))
     approach = (1 - part) * float(height.min())
-    contact = solve(height, UNIT, approach=approach, method=method, rtol=1e-6)
+    contact = solve_contact(height, UNIT, approach=approach, method=method, rtol=1e-6)
     exact = pivot(height, mode_compliance(UNIT, asp.Grid(height.shape)), approach=approach)
     assert difference(contact.pressure, exact) < 3e-6
 
@@ -101,5 +101,5 @@ def test_approach_near_full_contact(part, method):
 def test_true_error_is_below_the_tolerance(load, rtol, settings):
     height = rough((128, 128))
     imposed = {"mean_pressure": load_of(height, load), "boundary": settings.get("boundary", "periodic")}
-    contact = solve(height, UNIT, **imposed | settings, rtol=rtol)
-    assert difference(contact.pressure, solve(height, UNIT, **imposed, rtol=1e-11).pressure) < rtol
+    contact = solve_contact(height, UNIT, **imposed | settings, rtol=rtol)
+    assert difference(contact.pressure, solve_contact(height, UNIT, **imposed, rtol=1e-11).pressure) < rtol

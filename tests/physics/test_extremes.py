@@ -10,7 +10,7 @@ from samples import HALF_SPACE, difference, rough
 from solution_check import check_solution, mode_compliance
 
 import asperity as asp
-from asperity.contact import solve, verify_contact
+from asperity.contact import solve_contact, verify_contact
 from asperity.reference.pivoting import pivot
 
 
@@ -52,9 +52,9 @@ def test_thin_layers_and_vanishing_contacts_are_solved(changes):
 
 @pytest.mark.parametrize(("points", "direct"), [(24, True), (128, False)])
 def test_check_refuses_a_tampered_solution(points, direct):
-    height, layer, tolerance = rough((points, points)), asp.Layer(1.0, 0.0), 1e-6
+    height, layer, tolerance = rough((points, points)), asp.Solid(1.0, 0.0), 1e-6
     load = 0.03 * extremes.closing_pressure(height, layer)
-    contact = solve(height, layer, mean_pressure=load)
+    contact = solve_contact(height, layer, mean_pressure=load)
     check = check_solution(contact, {"mean_pressure": load}, tolerance)
     assert check.holds
     assert check.direct == direct
@@ -68,7 +68,7 @@ def test_check_refuses_a_tampered_solution(points, direct):
 
 
 @pytest.mark.parametrize(
-    "layer", [HALF_SPACE, *(asp.Layer(1.0, nu, 1e-4) for nu in (0.3, 0.5)), asp.Layer(1.0, 0.3, 0.1, "free")]
+    "layer", [HALF_SPACE, *(asp.Solid(1.0, nu, 1e-4) for nu in (0.3, 0.5)), asp.Solid(1.0, 0.3, 0.1, "free")]
 )
 def test_pivoting_fulfils_the_conditions_of_contact(layer):
     """Rounding alone: there is no tolerance."""

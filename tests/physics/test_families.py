@@ -12,13 +12,13 @@ from samples import difference
 from scipy.optimize import lsq_linear
 from solution_check import check_solution, energy_error, free_compliance
 
-from asperity.contact import solve, verify_contact
+from asperity.contact import solve_contact, verify_contact
 
 
 def solved(case):
     """Contact of a case, and the quantity imposed on it."""
     height, solid, imposed, settings = family_arguments(case)
-    return solve(height, solid, **imposed, **settings), imposed
+    return solve_contact(height, solid, **imposed, **settings), imposed
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from asperity.contact.gap import open_gap, spanned
 from asperity.core.packages import MissingPackageError, absent
 
 flows = pytest.mark.skipif(bool(absent(["reynoldsflow"])), reason='pip install "asperity[flow]"')
-CONTACT = asp.solve(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
+CONTACT = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
 
 
 def with_gap(gap, boundary="periodic", length=1.0):
@@ -32,7 +32,7 @@ def test_white_noise_percolates_at_the_known_threshold():
     for seed in range(6):
         noise = np.random.default_rng(seed).random((192, 192))
         for boundary in ("periodic", "free"):
-            constriction = asp.percolation(with_gap(noise, boundary)).constriction
+            constriction = asp.contact.percolation(with_gap(noise, boundary)).constriction
             found += [np.mean(noise >= width) for width in constriction]
     assert np.mean(found) == pytest.approx(0.592746, abs=0.006)
 
@@ -51,8 +51,8 @@ def test_contact_or_gap_percolates():
 
 def test_constriction_is_that_of_a_spanning_tree():
     """The bottleneck of the best path between two edges, from a tree of largest gaps (scipy)."""
-    gap = open_gap(asp.solve(rough((48, 40)), HALF_SPACE, mean_pressure=2e-3, boundary="free"))
-    found = asp.percolation(with_gap(gap, "free"))
+    gap = open_gap(asp.solve_contact(rough((48, 40)), HALF_SPACE, mean_pressure=2e-3, boundary="free"))
+    found = asp.contact.percolation(with_gap(gap, "free"))
     number = np.arange(gap.size).reshape(gap.shape)
     pairs = [(number[1:], number[:-1]), (number[:, 1:], number[:, :-1])]
     one, other = (np.concatenate([pair[end].ravel() for pair in pairs]) for end in (0, 1))
@@ -78,7 +78,7 @@ def test_constriction_is_that_of_a_spanning_tree():
 def test_closed_gap_has_no_path():
     gap = np.ones((8, 12))
     gap[:, 5] = 0.0
-    found = asp.percolation(with_gap(gap))
+    found = asp.contact.percolation(with_gap(gap))
     assert (found.gap, found.contact) == ((True, False), (True, False))
     assert found.constriction == (1.0, 0.0)
     assert np.isnan(found.place[1]).all()
@@ -96,7 +96,7 @@ def test_flow_through_waves(direction, boundary):
     if direction == "y":
         along, across = across, along
     for gap, expected in ((across, np.mean(WAVE**3)), (along, 1 / np.mean(WAVE**-3.0))):
-        flow = asp.film_flow(with_gap(2e-6 * gap, boundary, 1e-3), 0.1, 1e5, direction)
+        flow = asp.contact.film_flow(with_gap(2e-6 * gap, boundary, 1e-3), 0.1, 1e5, direction)
         rate = (2e-6) ** 3 * expected * 1e5 / (12 * 0.1)  # times width over length
         assert flow.flow_rate == pytest.approx(rate, rel=1e-6)
         assert flow.flow_factor == pytest.approx(expected, rel=1e-6)
@@ -113,28 +113,28 @@ def test_channel_and_oblong_maps(columns):
     """A straight channel in a closed map carries w g³ Δp / (12 η L); twice as long, half of it."""
     gap, length = np.zeros((16, columns)), (1.0, columns / 16)
     gap[4:10] = 3.0
-    flow = asp.film_flow(with_gap(gap, length=length), 1.0, 1.0, "x")
+    flow = asp.contact.film_flow(with_gap(gap, length=length), 1.0, 1.0, "x")
     assert flow.flow_rate == pytest.approx(6 / 16 * 27 / 12 / length[1], rel=1e-6)
     assert np.isnan(flow.pressure[gap == 0]).all()
     np.testing.assert_allclose(np.diff(flow.pressure[5]), -1 / columns, rtol=1e-6)
     with pytest.raises(ValueError, match="flow_direction = 'y': x, along which it is open"):
-        asp.film_flow(with_gap(gap, length=length), 1.0, 1.0, "y")
+        asp.contact.film_flow(with_gap(gap, length=length), 1.0, 1.0, "y")
     with pytest.raises(ValueError, match=r"map: 61 × 97 nodes.* common multiple of at most 4096"):
-        asp.film_flow(with_gap(np.ones((61, 97)), length=(61.0, 97.0)), 1.0, 1.0, "x")
+        asp.contact.film_flow(with_gap(np.ones((61, 97)), length=(61.0, 97.0)), 1.0, 1.0, "x")
 
 
 @flows
 def test_rough_gap_conserves_the_film():
     """Sections carry the same flow, and the flow factor lies between the bounds of Wiener and Voigt."""
-    contact = asp.solve(rough((48, 48)), HALF_SPACE, mean_pressure=1e-3)
-    flow = asp.film_flow(contact, 1e-6, 1e-3, "y")
+    contact = asp.solve_contact(rough((48, 48)), HALF_SPACE, mean_pressure=1e-3)
+    flow = asp.contact.film_flow(contact, 1e-6, 1e-3, "y")
     assert flow.conservation_error < 1e-6
     gap = open_gap(contact)
     rows = (gap**3).mean(axis=1)
     assert 0 < flow.flow_factor < 1 / np.mean(1 / rows) / gap.mean() ** 3
     mirrored = with_gap(np.pad(gap, [(0, 48), (0, 48)], "symmetric"), length=2.0)
-    sealed = asp.film_flow(with_gap(gap, "free"), 1e-6, 1e-3, "y")
-    whole = asp.film_flow(mirrored, 1e-6, 2e-3, "y")
+    sealed = asp.contact.film_flow(with_gap(gap, "free"), 1e-6, 1e-3, "y")
+    whole = asp.contact.film_flow(mirrored, 1e-6, 2e-3, "y")
     assert whole.flow_rate == pytest.approx(2 * sealed.flow_rate, rel=1e-6)
     np.testing.assert_allclose(whole.pressure[:48, :48] - 1e-3, sealed.pressure, atol=1e-8)
 
@@ -144,15 +144,15 @@ def test_missing_package_is_named(monkeypatch):
     with pytest.raises(
         MissingPackageError, match=r'reynoldsflow; install with: pip install "asperity\[flow\]"'
     ):
-        asp.film_flow(CONTACT, 1.0, 1.0)
+        asp.contact.film_flow(CONTACT, 1.0, 1.0)
 
 
 ODD = with_gap(np.ones((10, 16)))
 test_bad_arguments = pytest.mark.skipif(bool(absent(["reynoldsflow"])), reason="reynoldsflow")(
     refuses(
-        (lambda: asp.film_flow(CONTACT, 0.0, 1.0), "viscosity = 0"),
-        (lambda: asp.film_flow(CONTACT, 1.0, -1.0), "pressure_difference = -1"),
-        (lambda: asp.film_flow(CONTACT, 1.0, 1.0, "z"), "flow_direction = 'z'"),
-        (lambda: asp.film_flow(ODD, 1.0, 1.0), "map: 10 × 16 nodes"),
+        (lambda: asp.contact.film_flow(CONTACT, 0.0, 1.0), "viscosity = 0"),
+        (lambda: asp.contact.film_flow(CONTACT, 1.0, -1.0), "pressure_difference = -1"),
+        (lambda: asp.contact.film_flow(CONTACT, 1.0, 1.0, "z"), "flow_direction = 'z'"),
+        (lambda: asp.contact.film_flow(ODD, 1.0, 1.0), "map: 10 × 16 nodes"),
     )
 )

@@ -40,10 +40,10 @@ def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
     loads = {"mean_pressure": load_of(height), "area_fraction": 0.1, "approach": 0.5 * height.min()}
     for kind, value in loads.items():
         settings = {kind: value, "boundary": boundary, "dtype": dtype}
-        elastic = asp.solve(height, solid, **settings)
+        elastic = asp.solve_contact(height, solid, **settings)
         # Just above the largest pressure an iterate, not the solution, reaches the hardness.
         for factor in (1.0001, 1e6):
-            contact = asp.solve(height, solid, hardness=factor * elastic.max_pressure, **settings)
+            contact = asp.solve_contact(height, solid, hardness=factor * elastic.max_pressure, **settings)
             for name in ("pressure", "gap", "displacement"):
                 np.testing.assert_array_equal(getattr(contact, name), getattr(elastic, name))
             assert contact.approach == elastic.approach
@@ -56,10 +56,10 @@ def test_hardness_out_of_reach_costs_no_solution(monkeypatch):
     calls, active_set = [], methods["active_set"]
     monkeypatch.setitem(methods, "active_set", lambda *given: calls.append(given) or active_set(*given))
     height = asp.self_affine((64, 64), 0.8, 1 / 2, 1 / 16, 1e-2, seed=0)
-    largest = asp.solve(height, LAYER, mean_pressure=1e-3).max_pressure
+    largest = asp.solve_contact(height, LAYER, mean_pressure=1e-3).max_pressure
     for factor, solutions in ((10.0, 1), (1.01, 2)):
         calls.clear()
-        asp.solve(height, LAYER, mean_pressure=1e-3, hardness=factor * largest)
+        asp.solve_contact(height, LAYER, mean_pressure=1e-3, hardness=factor * largest)
         assert len(calls) == solutions
 
 
@@ -69,14 +69,14 @@ def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary
     """An exact identity; solver error of both solutions."""
     height = rough((96, 80))
     for imposed in ({"mean_pressure": load_of(height)}, {"area_fraction": 0.2}):
-        elastic = asp.solve(height, solid, boundary=boundary, **imposed)
+        elastic = asp.solve_contact(height, solid, boundary=boundary, **imposed)
         hardness = max(share * elastic.max_pressure, 1.2 * elastic.mean_pressure)
-        contact = asp.solve(height, solid, hardness=hardness, boundary=boundary, **imposed)
+        contact = asp.solve_contact(height, solid, hardness=hardness, boundary=boundary, **imposed)
         assert contact.pressure.max() == contact.hardness
         assert contact.certificate.worst < 1e-5
         assert contact.gap.min() > -1e-5 * height.std()
         load = contact.mean_pressure
-        again = asp.solve(contact.flattened_height(), solid, mean_pressure=load, boundary=boundary)
+        again = asp.solve_contact(contact.flattened_height(), solid, mean_pressure=load, boundary=boundary)
         assert difference(again.pressure, contact.pressure) < 5 * contact.rtol
         assert again.approach == pytest.approx(contact.approach, abs=1e-5 * height.std())
 
@@ -90,10 +90,12 @@ def test_certificate_bounds_errors_up_to_the_hardness(share, size):
     limit, changed = near.hardness, near.pressure * (1 + size * random.standard_normal(grid.shape))
     for pressure in (changed, np.where(near.pressure == limit, limit, changed), changed[:, ::-1]):
         pressure = np.clip(pressure, 0, limit)
-        exact = asp.solve(height, HALF_SPACE, hardness=limit, mean_pressure=pressure.mean(), rtol=1e-11)
+        exact = asp.solve_contact(
+            height, HALF_SPACE, hardness=limit, mean_pressure=pressure.mean(), rtol=1e-11
+        )
         wrong = pressure - exact.pressure
         energy = np.vdot(wrong, np.fft.irfft2(modes * np.fft.rfft2(wrong), grid.shape))
-        bound = asp.verify_contact(height, pressure, HALF_SPACE, hardness=limit).error_bound
+        bound = asp.contact.verify_contact(height, pressure, HALF_SPACE, hardness=limit).error_bound
         assert 0 < energy / (pressure.sum() * height.std()) <= bound < np.inf
 
 
@@ -104,7 +106,7 @@ def test_pressure_is_that_of_contact_mechanics():
     height = rough((256, 256))
     load = load_of(height, 0.02)
     for share in (0.5, 0.2):
-        ours = hardened(height, share, asp.Layer(1.0, 0.0), mean_pressure=load, rtol=1e-10)
+        ours = hardened(height, share, asp.Solid(1.0, 0.0), mean_pressure=load, rtol=1e-10)
         theirs, _ = peers["contact_mechanics"](height, load, 1e-11, "periodic", ours.hardness)
         np.testing.assert_allclose(ours.pressure, theirs, atol=1e-7 * ours.hardness)
 
@@ -114,7 +116,7 @@ def test_soft_limit_is_the_bearing_area():
     height = rough() * 1e3
     hardness = 1e-3
     for share in (0.1, 0.37, 0.5):
-        contact = asp.solve(height, HALF_SPACE, mean_pressure=share * hardness, hardness=hardness)
+        contact = asp.solve_contact(height, HALF_SPACE, mean_pressure=share * hardness, hardness=hardness)
         nodes = np.count_nonzero(contact.pressure)
         assert abs(nodes - share * height.size) <= 1
         lowest = np.sort(height, axis=None)[nodes]
@@ -134,7 +136,7 @@ def test_approach_and_load_give_the_same_contact():
     height = rough((64, 96))
     by_load = hardened(height, 0.3, LAYER, rtol=1e-9)
     settings = {"approach": by_load.approach, "hardness": by_load.hardness}
-    by_approach = asp.solve(height, LAYER, **settings, rtol=1e-9)
+    by_approach = asp.solve_contact(height, LAYER, **settings, rtol=1e-9)
     assert difference(by_approach.pressure, by_load.pressure) < 1e-7
 
 
@@ -143,7 +145,9 @@ def test_certificate_knows_the_hardness():
     contact, load = hardened(height, 0.5), load_of(height)
 
     def worst(**given):
-        return asp.verify_contact(height, contact.pressure, HALF_SPACE, mean_pressure=load, **given).worst
+        return asp.contact.verify_contact(
+            height, contact.pressure, HALF_SPACE, mean_pressure=load, **given
+        ).worst
 
     assert worst(hardness=contact.hardness) < 1e-5
     assert worst() > 1e-2  # the overlap of plastic nodes is a penetration without a hardness
@@ -153,24 +157,25 @@ def test_certificate_knows_the_hardness():
 
 def test_results_know_the_hardness(tmp_path):
     height = rough()
-    contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, hardness=0.02)
+    contact = asp.solve_contact(height, HALF_SPACE, area_fraction=0.1, hardness=0.02)
     contact.to_netcdf(tmp_path / "contact.nc")
     stored = asp.read_result(tmp_path / "contact.nc")
     np.testing.assert_array_equal(stored["plastic_depth"], contact.plastic_depth)
     assert float(stored["hardness"]) == 0.02
     assert float(stored["plastic_area"]) == contact.plastic_area > 0
-    assert "plastic_depth" not in asp.solve(height, HALF_SPACE, area_fraction=0.1).to_dataset()
+    assert "plastic_depth" not in asp.solve_contact(height, HALF_SPACE, area_fraction=0.1).to_dataset()
 
 
 def test_peaks_on_plateaus_are_those_at_the_nodes():
     """Quadratics through the nodes give pressures of 1.3 times the hardness on this grid."""
     height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=1)
     load = 0.02 * asp.roughness_parameters(height).rms_gradient
-    contact = asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=load, hardness=20 * load)
+    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), mean_pressure=load, hardness=20 * load)
     stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"))
     assert "without plastic strain" in stress.attrs["plastic_contact"]
     assert (
-        "plastic_contact" not in asp.analyse_stress(asp.solve(height, HALF_SPACE, mean_pressure=load)).attrs
+        "plastic_contact"
+        not in asp.analyse_stress(asp.solve_contact(height, HALF_SPACE, mean_pressure=load)).attrs
     )
     largest = stress["peak_value"].groupby(stress["peak_quantity"]).max()
     assert largest.sel(peak_quantity="pressure") == contact.hardness
@@ -184,8 +189,8 @@ def test_area_of_many_loads_keeps_the_hardness():
     height = np.zeros((7, 3))
     height[6, [0, 2]], height[0, 0] = -2, 1
     settings = {"area_fraction": 0.001}
-    above = asp.solve(height, HALF_SPACE, **settings).max_pressure
-    contact = asp.solve(height, HALF_SPACE, **settings, hardness=0.5 * above)
+    above = asp.solve_contact(height, HALF_SPACE, **settings).max_pressure
+    contact = asp.solve_contact(height, HALF_SPACE, **settings, hardness=0.5 * above)
     assert contact.area_fraction == 2 / 21
     assert 0 < contact.max_pressure <= contact.hardness
 
@@ -193,6 +198,8 @@ def test_area_of_many_loads_keeps_the_hardness():
 def test_start_above_the_hardness_finds_the_area():
     height = 1e-3 * np.random.default_rng(6).normal(size=(2, 2))
     start = np.random.default_rng(0).normal(size=(2, 2))
-    contact = asp.solve(height, asp.Layer(402.0, 0.0), area_fraction=0.75, initial=start, hardness=1.0)
+    contact = asp.solve_contact(
+        height, asp.Solid(402.0, 0.0), area_fraction=0.75, initial=start, hardness=1.0
+    )
     assert contact.area_fraction == 0.75
     assert contact.max_pressure <= 1.0

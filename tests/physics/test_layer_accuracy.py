@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from rounding import FORMULAS, PRECISIONS, element_errors, rounding_errors
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.reference.state_space import StateSpace
 
 # Bounds of rounding errors, relative to the largest component at the same depth and to 1 + q depth.
@@ -30,7 +30,7 @@ def layer_errors(height, bottom, poisson, dtype, fractions=(0.0, 1e-7, 1e-3, 0.1
     qx, qy = (np.full(1, component, kind) for component in (0.6, 0.8))
     if height is not None:
         height = float(np.array(height, kind))
-    layer = Layer(1.3, poisson, height, bottom)
+    layer = Solid(1.3, poisson, height, bottom)
     mode = StateSpace(float(qx[0]), float(qy[0]), layer.young, poisson, height, bottom)
     # The compliance takes the wavenumber, rounded to the precision, instead of its components.
     rounded = np.array([float(mode.q)], kind)

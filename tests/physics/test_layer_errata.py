@@ -9,7 +9,7 @@ import numpy as np
 import printed
 import pytest
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.reference.state_space import StateSpace
 from asperity.surface.self_affine import self_affine
 
@@ -185,7 +185,7 @@ def test_green_tensor_has_the_corrected_elements(mode, faces, place):
     """8e-15: rounding of the library and of the mode; the first mode has ν > 0, the second ν < 0."""
     qx, qy, height, young, nu = map(float, mode)
     true, size = (part[place] for part in faces)
-    found = complex(Layer(young, nu, height).green_tensor(qx, qy)[place])
+    found = complex(Solid(young, nu, height).green_tensor(qx, qy)[place])
     assert abs(found - true) < 8e-15 * size
     literal = printed.compliance(printed.compliance_elements(mp, *mode, corrected=False))
     assert (abs(literal[place[0]][place[1]] - found) < 8e-15 * size) == (place in HOLD)

@@ -8,8 +8,8 @@ import pytest
 from samples import centred, difference, refuses
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.elasticity.layer_fields import DISPLACEMENTS, layer_fields
+from asperity.elasticity.loaded_faces import DISPLACEMENTS, layer_fields
+from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import Grid
 from asperity.reference.finite_element import Slab, graded
 from asperity.reference.state_space import StateSpace
@@ -38,7 +38,7 @@ def random_mode(rng):
     grid = Grid((3, 3), tuple(rng.uniform(0.5, 2, 2)))
     place = ((1, 1), (2, 1), (0, 1), (1, 0))[rng.integers(4)]
     q = float(np.hypot(grid.qy[place[0]], grid.qx[place[1]]))
-    return Layer(young, poisson, scaled / q), grid, place, q
+    return Solid(young, poisson, scaled / q), grid, place, q
 
 
 def general_solution(layer, grid, place, depths):
@@ -121,7 +121,7 @@ def test_supported_layers_and_half_space_are_special_cases(shape, lateral):
     for height, bottom, poisson in product(
         (None, 1e-6, 0.1, 30.0), ("bonded", "frictionless"), (-0.7, 0.3, 0.5)
     ):
-        layer = Layer(2.0, poisson, height, bottom, lateral)
+        layer = Solid(2.0, poisson, height, bottom, lateral)
         depths = np.array([0.0, 0.4, 1.0]) * (height or 0.2)
         solved = layer_fields(layer, grid, {"pressure": pressure})
         largest = np.abs(stacked(next(solved.planes(0.0)).fields, DISPLACEMENTS)).max()
@@ -142,7 +142,7 @@ def test_sliding_is_a_special_case():
     grid = Grid((12, 10))
     pressure = np.random.default_rng(2).random(grid.shape)
     for height, poisson in product((None, 0.03, 2.0), (0.3, 0.5)):
-        layer = Layer(1.0, poisson, height)
+        layer = Solid(1.0, poisson, height)
         found = plane(layer, grid, 0.01, {"pressure": pressure, "traction_x": 0.4 * pressure})
         pressed = asp.LoadedSolid(pressure, grid, layer)
         (true,) = asp.stress_planes(pressed, [0.01], fields=COMPONENTS, tolerance=0, friction=0.4)
@@ -151,7 +151,7 @@ def test_sliding_is_a_special_case():
 
 
 def test_free_layer_moves_by_its_green_tensor():
-    rng, grid, layer = np.random.default_rng(3), Grid((5, 7), (1.0, 1.3)), Layer(2.0, 0.2, 0.3)
+    rng, grid, layer = np.random.default_rng(3), Grid((5, 7), (1.0, 1.3)), Solid(2.0, 0.2, 0.3)
     loads = rng.standard_normal((2, 3, *grid.shape))
     loads -= loads.mean(axis=(2, 3), keepdims=True)
     top, bottom = (
@@ -169,8 +169,8 @@ def test_equal_faces_are_a_frictionless_support():
     grid, rng = Grid((16, 16)), np.random.default_rng(4)
     pressure = rng.random(grid.shape)
     for height in (1e-4, 0.2, 3.0):
-        both = layer_fields(Layer(1.0, 0.3, 2 * height), grid, {"pressure": pressure}, {"pressure": pressure})
-        half = layer_fields(Layer(1.0, 0.3, height, "frictionless"), grid, {"pressure": pressure})
+        both = layer_fields(Solid(1.0, 0.3, 2 * height), grid, {"pressure": pressure}, {"pressure": pressure})
+        half = layer_fields(Solid(1.0, 0.3, height, "frictionless"), grid, {"pressure": pressure})
         depths = np.array([0.0, 0.3, 1.0]) * height
         for upper, expected in zip(both.planes(depths), half.planes(depths), strict=True):
             assert difference(stacked(upper.fields), stacked(expected.fields)) < ROUNDING
@@ -182,7 +182,7 @@ def test_equal_faces_are_a_frictionless_support():
 def test_displacements_of_the_faces_give_the_stress_inside():
     """The displacements of a solution, as an image correlation measures them, prescribed in its place."""
     rng, grid = np.random.default_rng(5), Grid((11, 9), (1.0, 0.8))
-    layer = Layer(3.0, 0.35, 0.15)
+    layer = Solid(3.0, 0.35, 0.15)
     top = {"pressure": rng.random(grid.shape), "traction_y": rng.random(grid.shape)}
     solved = layer_fields(layer, grid, top)
     surface = next(solved.planes(0.0)).fields
@@ -193,7 +193,7 @@ def test_displacements_of_the_faces_give_the_stress_inside():
 
 def test_nyquist_modes_are_the_fields_of_cosines():
     """A cosine along y or x at its Nyquist wavenumber, against the same on a grid twice as fine."""
-    layer, coarse, fine = Layer(1.0, 0.3, 0.2), Grid((8, 6)), Grid((16, 12))
+    layer, coarse, fine = Solid(1.0, 0.3, 0.2), Grid((8, 6)), Grid((16, 12))
 
     def faces(grid):
         y, x = grid.coordinates()
@@ -227,7 +227,7 @@ def test_face_pushed_down_against_finite_elements():
         grid = Grid((8, 8))
         y_grid, x_grid = (np.cos(2 * np.pi * axis) for axis in grid.coordinates())
         top = {"displacement_z": -0.01 * (1 + y_grid[:, None]) * (1 + x_grid) - 0.002}
-        solved = layer_fields(Layer(young, poisson, height), grid, top)
+        solved = layer_fields(Solid(young, poisson, height), grid, top)
         waves = np.exp(
             2j * np.pi * np.add.outer(np.fft.fftfreq(8, 1 / 8), np.fft.fftfreq(8, 1 / 8))[..., None] * x
         )
@@ -270,7 +270,7 @@ def face_data(solved, height):
 def test_reciprocity_and_energy(height):
     """Betti's theorem, and the work of the faces equals the energy inside, by Gauss's rule over the depth."""
     rng, young, poisson = np.random.default_rng(6), 1.7, 0.3
-    layer = Layer(young, poisson, height)
+    layer = Solid(young, poisson, height)
     points, weights = np.polynomial.legendre.leggauss(48)
     for _ in range(5):
         first, second = (layer_fields(layer, FACES, *random_faces(rng, poisson)) for _ in range(2))
@@ -292,7 +292,7 @@ def test_prescribed_data_are_found_on_the_faces():
     rng, height = np.random.default_rng(7), 0.1
     for poisson in (-0.5, 0.5):
         solved = layer_fields(
-            Layer(1.0, poisson, height, lateral="free"), FACES, *(faces := random_faces(rng, 0))
+            Solid(1.0, poisson, height, lateral="free"), FACES, *(faces := random_faces(rng, 0))
         )
         loads, moves = face_data(solved, height)
         for given, bears, goes in zip(faces, loads, moves, strict=True):
@@ -307,11 +307,11 @@ def test_faces_of_a_thick_layer_decouple():
     loads = rng.standard_normal((2, *grid.shape))
     loads -= loads.mean(axis=(1, 2), keepdims=True)
     for height in (8.0, 1e3, 1e30):
-        layer = Layer(1.0, 0.3, height)
+        layer = Solid(1.0, 0.3, height)
         both = layer_fields(layer, grid, {"pressure": loads[0]}, {"pressure": loads[1]})
         for load, depth, mirrored in ((loads[0], 0.1, 1), (loads[1], height - 0.1, -1)):
             alone = plane(
-                Layer(1.0, 0.3), grid, height - depth if mirrored < 0 else depth, {"pressure": load}
+                Solid(1.0, 0.3), grid, height - depth if mirrored < 0 else depth, {"pressure": load}
             )
             found = next(both.planes(depth)).fields
             signs = np.array([1, 1, 1, mirrored, mirrored, 1])[:, None, None]
@@ -326,10 +326,10 @@ def test_thin_layers_bend_and_shear():
     """A load on a thin free layer bends it as a plate; a sheared one is uniform."""
     grid = Grid((1, 8))
     wave = np.cos(2 * np.pi * grid.coordinates()[1])[None]
-    bent = plane(Layer(2.0, 0.3, 1e-4), grid, 0.0, {"pressure": wave}, {})
+    bent = plane(Solid(2.0, 0.3, 1e-4), grid, 0.0, {"pressure": wave}, {})
     plate = 12 * (1 - 0.3**2) / (2.0 * (2 * np.pi) ** 4 * 1e-12)
     np.testing.assert_allclose(bent["displacement_z"], -plate * wave, atol=1e-6 * plate)
-    sheared = plane(Layer(2.0, 0.3, 0.1), grid, 0.03, {"traction_x": 0.1}, {"traction_x": -0.1})
+    sheared = plane(Solid(2.0, 0.3, 0.1), grid, 0.03, {"traction_x": 0.1}, {"traction_x": -0.1})
     np.testing.assert_allclose(sheared["xz"], 0.1, rtol=ROUNDING)
     np.testing.assert_allclose(sheared["displacement_x"], 0.1 * 2.6 / 2.0 * 0.02, rtol=ROUNDING)
 
@@ -337,7 +337,7 @@ def test_thin_layers_bend_and_shear():
 def test_mean_mode_of_prescribed_displacements():
     """Uniform compression and shear, by Hooke's law."""
     for lateral, modulus in (("confined", 2.0 * 0.7 / (1.3 * 0.4)), ("free", 2.0)):
-        layer = Layer(2.0, 0.3, 0.5, lateral=lateral)
+        layer = Solid(2.0, 0.3, 0.5, lateral=lateral)
         faces = (
             {"displacement_z": 0.1, "displacement_x": 0.2},
             {"displacement_z": 0.0, "displacement_x": -0.3},
@@ -348,10 +348,10 @@ def test_mean_mode_of_prescribed_displacements():
         np.testing.assert_allclose(found["xz"], 2.0 / 2.6 * 1.0, rtol=ROUNDING)
         np.testing.assert_allclose(found["displacement_z"], 0.06, rtol=ROUNDING)
         np.testing.assert_allclose(found["displacement_x"], 0.0, atol=ROUNDING)
-    pushed = plane(Layer(2.0, 0.3), FACES, 1.0, {"displacement_z": -0.1})
+    pushed = plane(Solid(2.0, 0.3), FACES, 1.0, {"displacement_z": -0.1})
     np.testing.assert_allclose(pushed["displacement_z"], -0.1, rtol=ROUNDING)
     assert np.abs(pushed["zz"]).max() == 0
-    kept = plane(Layer(2.0, 0.5, 0.1), FACES, 0.02, {"displacement_z": -0.1}, {"displacement_z": -0.1})
+    kept = plane(Solid(2.0, 0.5, 0.1), FACES, 0.02, {"displacement_z": -0.1}, {"displacement_z": -0.1})
     np.testing.assert_allclose(kept["displacement_z"], -0.1, rtol=ROUNDING)
 
 
@@ -366,15 +366,15 @@ def test_extreme_units(young, edge):
         return {"pressure": young * pressure}, push | {"displacement_z": 0}
 
     for height, poisson in product((1e-9, 1.0, 1e9), (-0.5, 0.5)):
-        there = Layer(young, poisson, height * edge), Grid((4, 4), edge)
+        there = Solid(young, poisson, height * edge), Grid((4, 4), edge)
         found = plane(*there, 0.3 * height * edge, *faces(young, edge))
-        expected = plane(Layer(1.0, poisson, height), Grid((4, 4)), 0.3 * height, *faces(1.0, 1.0))
+        expected = plane(Solid(1.0, poisson, height), Grid((4, 4)), 0.3 * height, *faces(1.0, 1.0))
         for names, unit in ((COMPONENTS, young), (DISPLACEMENTS, edge)):
             off = stacked(found, names) / unit - stacked(expected, names)
             assert np.abs(off).max() < 1e-12 * np.abs(stacked(expected, names)).max()
 
 
-LAYER, FREE = Layer(1.0, 0.3, 0.2), Layer(1.0, 0.3, 0.2, "free")
+LAYER, FREE = Solid(1.0, 0.3, 0.2), Solid(1.0, 0.3, 0.2, "free")
 FIELD = np.ones(FACES.shape)
 HELD = dict.fromkeys(DISPLACEMENTS, 0)
 
@@ -384,8 +384,8 @@ def faced(top, bottom=None, layer=LAYER):
 
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: layer_fields(None, FACES, {}), "layer = None, grid = .*: a Layer and a Grid are needed"),
-    (lambda: layer_fields(LAYER, (7, 5), {}), "layer = .*, grid = .*: a Layer and a Grid are needed"),
+    (lambda: layer_fields(None, FACES, {}), "layer = None, grid = .*: a Solid and a Grid are needed"),
+    (lambda: layer_fields(LAYER, (7, 5), {}), "layer = .*, grid = .*: a Solid and a Grid are needed"),
     (lambda: faced(FIELD), "top = .*: a mapping from displacement_x, .* is needed"),
     (lambda: faced({"load": 1}), "a key of top = 'load': one of displacement_x, .* is needed"),
     (
@@ -407,9 +407,9 @@ test_wrong_argument_is_refused = refuses(
         r"top\['pressure'\]: 21 of 21 nodes are not finite",
     ),
     (lambda: faced({"pressure": "high"}), r"top\['pressure'\] = 'high': a finite number"),
-    (lambda: layer_fields(Layer(1.0, 0.3), FACES, {}, {}), "bottom = {}: None is needed for a half-space"),
+    (lambda: layer_fields(Solid(1.0, 0.3), FACES, {}, {}), "bottom = {}: None is needed for a half-space"),
     (
-        lambda: layer_fields(Layer(1.0, 0.3, 1e-61), FACES, {}),
+        lambda: layer_fields(Solid(1.0, 0.3, 1e-61), FACES, {}),
         "height = 1e-61: 1e-60 of the cell or more is needed",
     ),
     (lambda: faced({}).planes(0.3), "depth = 0.3: a finite depth from 0 to 0.2 is needed"),
@@ -424,12 +424,12 @@ test_wrong_argument_is_refused = refuses(
     ),
     (
         lambda: layer_fields(
-            Layer(1.0, 0.3, 0.2, lateral="free"), FACES, {"traction_x": 0.1}, {"traction_x": -0.1}
+            Solid(1.0, 0.3, 0.2, lateral="free"), FACES, {"traction_x": 0.1}, {"traction_x": -0.1}
         ),
         "mean σ_xz, σ_yz = 0.1, 0: 0 is needed, as nothing bears their moment with lateral = 'free'",
     ),
     (
-        lambda: faced(HELD | {"displacement_z": 0.1}, layer=Layer(1.0, 0.5, 0.2)),
+        lambda: faced(HELD | {"displacement_z": 0.1}, layer=Solid(1.0, 0.5, 0.2)),
         "mean displacement_z = 0.1 on top and 0 on the bottom: equal ones are needed for poisson = 0.5",
     ),
 )
@@ -438,6 +438,6 @@ test_wrong_argument_is_refused = refuses(
 def test_too_large_a_field_is_an_error():
     """A thin free layer bends beyond double precision."""
     wave = np.cos(2 * np.pi * centred(FACES)[1]) + 0 * FIELD
-    solved = layer_fields(Layer(1e-75, 0.3, 1e-59), FACES, {"pressure": 1e70 * (wave - wave.mean())}, {})
+    solved = layer_fields(Solid(1e-75, 0.3, 1e-59), FACES, {"pressure": 1e70 * (wave - wave.mean())}, {})
     with pytest.raises(ValueError, match=r"layer_fields: .* are not finite"):
         next(solved.planes(0.0))

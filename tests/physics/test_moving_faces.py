@@ -9,7 +9,7 @@ from asperity.reference.hertz import LineHertz
 from asperity.reference.westergaard import Westergaard
 from asperity.stress.cycles.criteria import hydrostatic_factor
 
-PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(2.0, 0.3))
+PAIR = asp.TwoBodies(HALF_SPACE, asp.Solid(2.0, 0.3))
 LIMITS = {"fatigue_torsion": 0.3, "fatigue_bending": 0.48, "yield_stress": 0.1}
 LOAD = {"mean_pressure": 3e-3}
 
@@ -23,10 +23,10 @@ def test_smooth_counter_face_has_cycles_of_smooth_body(direction):
     """To the rounding of states in single precision; the residual stress of the lower bound is along x."""
     rough, depths = face(32, 1), [0.0, 0.01, 0.05]
     settings = {"friction": 0.2, "sliding_direction": direction}
-    contact = asp.solve(rough, HALF_SPACE, **LOAD)
-    smooth = asp.stress_cycles(contact, depths, **LIMITS, **settings, tolerance=0)
-    moving = asp.MovingContact(0 * rough, rough, HALF_SPACE, shifts=32, **LOAD, **settings)
-    found = asp.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=0)
+    contact = asp.solve_contact(rough, HALF_SPACE, **LOAD)
+    smooth = asp.stress.stress_cycles(contact, depths, **LIMITS, **settings, tolerance=0)
+    moving = asp.engineering.MovingContact(0 * rough, rough, HALF_SPACE, shifts=32, **LOAD, **settings)
+    found = asp.stress.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=0)
     for name in (
         "shear_range",
         "dang_van",
@@ -42,11 +42,11 @@ def test_smooth_counter_face_has_cycles_of_smooth_body(direction):
 @pytest.mark.parametrize(("bottom", "friction"), [("bonded", 0.2), ("frictionless", 0.0)])
 def test_layer_has_cycles_of_smooth_body(bottom, friction):
     """From the surface to the bottom, to the rounding of states in single precision."""
-    rough, layer = face(32, 1), asp.Layer(1.0, 0.3, 0.2, bottom)
-    contact = asp.solve(rough, layer, **LOAD)
-    smooth = asp.stress_cycles(contact, **LIMITS, friction=friction, tolerance=0)
-    moving = asp.MovingContact(0 * rough, rough, layer, shifts=32, **LOAD, friction=friction)
-    found = asp.stress_cycles(moving.in_body("lower"), **LIMITS, tolerance=0)
+    rough, layer = face(32, 1), asp.Solid(1.0, 0.3, 0.2, bottom)
+    contact = asp.solve_contact(rough, layer, **LOAD)
+    smooth = asp.stress.stress_cycles(contact, **LIMITS, friction=friction, tolerance=0)
+    moving = asp.engineering.MovingContact(0 * rough, rough, layer, shifts=32, **LOAD, friction=friction)
+    found = asp.stress.stress_cycles(moving.in_body("lower"), **LIMITS, tolerance=0)
     assert found["cycle_depth"][-1] == layer.height
     for name in ("shear_range", "dang_van", "shakedown_upper", "shakedown_lower"):
         np.testing.assert_allclose(found[name], smooth[name], rtol=1e-5)
@@ -58,9 +58,9 @@ def test_two_equal_wavy_faces():
     x = np.arange(nodes) / nodes
     waves = amplitude * np.cos(2 * np.pi * x) * np.ones((8, 1))
     settings = {"shifts": shifts, "mean_pressure": pressure, "wavelength_short": 1.0}
-    moving = asp.MovingContact(waves, -waves, PAIR, (8 / nodes, 1.0), **settings)
+    moving = asp.engineering.MovingContact(waves, -waves, PAIR, (8 / nodes, 1.0), **settings)
     depths = np.array([0.05, 0.1, 0.2])
-    found = asp.stress_cycles(moving.in_body("lower"), depths)["shear_range"].values[:, 0]
+    found = asp.stress.stress_cycles(moving.in_body("lower"), depths)["shear_range"].values[:, 0]
     history = np.zeros((shifts, depths.size, nodes))
     for number in range(shifts):
         shift = number / shifts
@@ -75,10 +75,10 @@ def test_two_equal_wavy_faces():
 
 def test_passage_without_relative_motion_is_hertz():
     """Johnson (1985), sections 4.2, 9.3: σ_xz = ±p₀/4 at b/2, 4 k; 200 places miss the extremes by 1e-4."""
-    hertz = asp.HertzContact(1.0, np.inf, 20.0)
-    moving = asp.MovingContact(*np.zeros((2, 16, 16)), HALF_SPACE, shifts=200, hertz=hertz)
+    hertz = asp.stress.HertzContact(1.0, np.inf, 20.0)
+    moving = asp.engineering.MovingContact(*np.zeros((2, 16, 16)), HALF_SPACE, shifts=200, hertz=hertz)
     depths = 20 * np.linspace(0.4, 0.6, 5)
-    cycles = asp.stress_cycles(moving.in_body("lower"), depths, yield_stress=3**0.5)
+    cycles = asp.stress.stress_cycles(moving.in_body("lower"), depths, yield_stress=3**0.5)
     value, depth, *_ = cycles.attrs["worst_shear_range"]
     assert (value, depth) == pytest.approx((0.5, 10.0), rel=2e-4)
     assert cycles.attrs["worst_shakedown_upper"][0] == pytest.approx(4.0, rel=2e-3)
@@ -88,15 +88,15 @@ def test_passage_without_relative_motion_is_hertz():
 def test_passage_of_rough_faces_sees_place_and_shift(body):
     """Each state against a contact of its own, solved afresh: pressure of the place, shift by its share."""
     low, high, ratio = face(16, 1), face(16, 2), 0.4
-    hertz, shifts = asp.HertzContact(6e-3, np.inf, 3.0), 40
+    hertz, shifts = asp.stress.HertzContact(6e-3, np.inf, 3.0), 40
     settings = {"shifts": shifts, "hertz": hertz, "slide_to_roll": ratio, "friction": 0.1}
-    moving = asp.MovingContact(low, high, PAIR, wavelength_short=0.25, **settings).in_body(body)
+    moving = asp.engineering.MovingContact(low, high, PAIR, wavelength_short=0.25, **settings).in_body(body)
     place = 1.5 * 3.0 * (2 * np.arange(shifts) + 1 - shifts) / shifts
     share = ratio / (1 - ratio / 2 if body == "lower" else 1 + ratio / 2)
     for number in (8, 17, 30):
         pressure = 6e-3 * np.sqrt(1 - (place[number] / 3) ** 2)
         steps = round(share * place[number] * 16)
-        contact = asp.solve(np.roll(high, steps, 1) - low, PAIR, mean_pressure=pressure)
+        contact = asp.solve_contact(np.roll(high, steps, 1) - low, PAIR, mean_pressure=pressure)
         expected = np.roll(contact.pressure, 0 if body == "lower" else -steps, 1)
         np.testing.assert_allclose(moving.pressures[number], expected, atol=3e-5 * contact.max_pressure)
         line = LineHertz(3.0, 6e-3).stress(place[number], 0.5, 0.3, (0.1 if body == "lower" else -0.1, 0.0))
@@ -134,13 +134,13 @@ def test_agreement_with_brute_force(direction, step):
     """24² nodes, 8 shifts: fresh contacts, planes of `stress_planes`, spheres by another method, to 2e-3."""
     low, high, depth, shifts = face(24, 1), face(24, 2), 0.02, 8
     settings = {"shifts": shifts, "wavelength_short": 0.5, "sliding_direction": direction}
-    moving = asp.MovingContact(low, high, PAIR, **LOAD, **settings)
+    moving = asp.engineering.MovingContact(low, high, PAIR, **LOAD, **settings)
     names, indices = ("xx", "yy", "zz", "yz", "xz", "xy"), [[0, 5, 4], [5, 1, 3], [4, 3, 2]]
     for body in ("lower", "upper"):
         states = []
         for number in range(shifts):
             shift = number * np.array(step)
-            contact = asp.solve(np.roll(high, shift, (0, 1)) - low, PAIR, **LOAD)
+            contact = asp.solve_contact(np.roll(high, shift, (0, 1)) - low, PAIR, **LOAD)
             pressed = contact.in_body(body)
             (plane,) = asp.stress_planes(pressed, [depth], fields=names, tolerance=0)
             fields = np.stack([plane.fields[name][0] for name in names], axis=-1)
@@ -151,7 +151,7 @@ def test_agreement_with_brute_force(direction, step):
             shear = np.ptp(history[..., 1, 2], axis=1)
         else:
             shear = np.ptp((history[..., 0, 2] + history[..., 1, 2]) / np.sqrt(2), axis=1)
-        found = asp.stress_cycles(moving.in_body(body), [depth], **LIMITS, tolerance=0)
+        found = asp.stress.stress_cycles(moving.in_body(body), [depth], **LIMITS, tolerance=0)
         by_row = [each.reshape(24, 24).max(axis=1) for each in (shear, dang_van, squared)]
         np.testing.assert_allclose(found["shear_range"][0], by_row[0], rtol=1e-4)
         np.testing.assert_allclose(found["dang_van"][0], by_row[1] / 0.3, rtol=3e-3)
@@ -162,11 +162,13 @@ def test_agreement_with_brute_force(direction, step):
 def test_error_of_few_shifts_is_estimated():
     """With steps of a quarter wave, against all positions; docs/stress.md has the measured trade."""
     low, high = (asp.self_affine((48, 48), 0.8, 0.5, 1 / 6, 1e-3, seed) for seed in (1, 2))
-    depths = asp.depth_grid(asp.Grid((48, 48)))[:10]
+    depths = asp.stress.depth_grid(asp.Grid((48, 48)))[:10]
     cycles = []
     for shifts in (48, 24):
-        moving = asp.MovingContact(low, high, PAIR, shifts=shifts, **LOAD, wavelength_short=1 / 6)
-        cycles.append(asp.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=1e-4).attrs)
+        moving = asp.engineering.MovingContact(low, high, PAIR, shifts=shifts, **LOAD, wavelength_short=1 / 6)
+        cycles.append(
+            asp.stress.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=1e-4).attrs
+        )
     every, few = cycles
     for name in ("shear_range", "dang_van", "shakedown_upper"):
         change = abs(few[f"worst_{name}"][0] / every[f"worst_{name}"][0] - 1)
@@ -175,11 +177,11 @@ def test_error_of_few_shifts_is_estimated():
 
 def moving(**settings):
     settings = {"shifts": 16, "wavelength_short": 0.25, **LOAD} | settings
-    return asp.MovingContact(face(16, 1), face(16, 2), PAIR, **settings)
+    return asp.engineering.MovingContact(face(16, 1), face(16, 2), PAIR, **settings)
 
 
 STEEL = asp.Body(young=210e9, poisson=0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
-HERTZ = {"mean_pressure": None, "hertz": asp.HertzContact(1e-2, np.inf, 9.0)}
+HERTZ = {"mean_pressure": None, "hertz": asp.stress.HertzContact(1e-2, np.inf, 9.0)}
 
 test_wrong_argument_is_refused = refuses(
     (lambda: moving(shifts=7), "shifts = 7: at least 8 are needed, for steps of half of the shortest wave"),
@@ -214,12 +216,12 @@ def test_run_moves_two_maps():
     surface = {"file": maps[0], "detrend": "none", "wavelength_short": edge / 6}
     asked = {"cycles": {"shifts": 12}, "sliding": {"direction": "y"}}
     answer = asp.run(surface, STEEL, STEEL.replaced(map=maps[1]), mean_pressure=5e8, **asked)
-    pair = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(210e9, 0.3))
+    pair = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(210e9, 0.3))
     load = {"mean_pressure": 5e8, "shifts": 12, "sliding_direction": "y"}
-    direct = asp.MovingContact(low, -high[:, ::-1], pair, edge, wavelength_short=edge / 6, **load)
+    direct = asp.engineering.MovingContact(low, -high[:, ::-1], pair, edge, wavelength_short=edge / 6, **load)
     limits = {"fatigue_torsion": 3e8, "fatigue_bending": 4.8e8, "tolerance": 1e-4}
     for body in ("lower", "upper"):
-        found = asp.stress_cycles(direct.in_body(body), **limits)
+        found = asp.stress.stress_cycles(direct.in_body(body), **limits)
         own = answer.found["cycles"][body]
         for name in ("shear_range", "dang_van"):
             assert own.attrs[f"worst_{name}"] == pytest.approx(found.attrs[f"worst_{name}"], rel=1e-3)

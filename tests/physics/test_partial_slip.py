@@ -7,8 +7,8 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import lsq_linear
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import traction_direction
+from asperity.elasticity.solid import COMPONENTS
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
 from asperity.reference.state_space import StateSpace
@@ -22,9 +22,9 @@ def sphere(points, share, solid=HALF_SPACE, **settings):
     exact = Hertz(RADIUS, curvature_radius=20.0, effective_modulus=solid.effective_modulus)
     x = (np.arange(points) - points // 2) / points
     ball = (x[:, None] ** 2 + x**2) / (2 * exact.curvature_radius)
-    contact = asp.solve(ball, solid, force=exact.load, boundary="free", rtol=1e-9)
+    contact = asp.solve_contact(ball, solid, force=exact.load, boundary="free", rtol=1e-9)
     settings = settings or {"tangential_force": share * FRICTION * exact.load}
-    return asp.partial_slip(contact, FRICTION, sliding_direction=30.0, **settings), exact
+    return asp.contact.partial_slip(contact, FRICTION, sliding_direction=30.0, **settings), exact
 
 
 @pytest.mark.parametrize("share", [0.4, 0.6, 0.9])
@@ -79,8 +79,8 @@ def test_stress_is_that_of_two_sliding_spheres(body, tolerance):
 @pytest.mark.parametrize("solid", [HALF_SPACE, LAYER])
 def test_stress_over_a_periodic_boundary_is_superposed(solid):
     """That of p with full sliding less that of p* and its shear; rounding, and the bound of coarse planes."""
-    contact = asp.solve(rough(), solid, mean_pressure=2e-3)
-    slip = asp.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
+    contact = asp.solve_contact(rough(), solid, mean_pressure=2e-3)
+    slip = asp.contact.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
     settings = {"friction": FRICTION, "sliding_direction": 20.0}
     depths = [0.0, 0.01, 0.1]
     for tolerance, error in ((0, 1e-12), (1e-4, 1e-4)):
@@ -115,9 +115,11 @@ def cerruti(y, x, step, poisson):
 @pytest.mark.parametrize(("poisson", "error"), [(0.0, 1e-5), (0.3, 0.06)])
 def test_rough_contact_slips_as_a_dense_one(poisson, error):
     """Coulomb's law on all nodes as least squares with bounds; exact for ν = 0, else twice the deviation."""
-    points, solid = 32, asp.Layer(1.0, poisson)
-    contact = asp.solve(rough((points, points)), solid, mean_pressure=5e-3, boundary="free", rtol=1e-10)
-    slip = asp.partial_slip(contact, FRICTION, tangential_force=0.6 * FRICTION * contact.force)
+    points, solid = 32, asp.Solid(1.0, poisson)
+    contact = asp.solve_contact(
+        rough((points, points)), solid, mean_pressure=5e-3, boundary="free", rtol=1e-10
+    )
+    slip = asp.contact.partial_slip(contact, FRICTION, tangential_force=0.6 * FRICTION * contact.force)
     row, column = np.nonzero(contact.pressure)
     y, x = row / points, column / points
     compliance = cerruti(y[:, None] - y, x[:, None] - x, 1 / points, poisson)
@@ -134,15 +136,15 @@ def test_rough_contact_slips_as_a_dense_one(poisson, error):
 
 def test_limits_of_the_force():
     """All of it sticks at first, and all of it slips in the end."""
-    contact = asp.solve(rough(), HALF_SPACE, mean_pressure=2e-3)
-    none = asp.partial_slip(contact, FRICTION, tangential_force=0.0)
+    contact = asp.solve_contact(rough(), HALF_SPACE, mean_pressure=2e-3)
+    none = asp.contact.partial_slip(contact, FRICTION, tangential_force=0.0)
     assert (none.sticking_area, none.displacement, none.lost_energy) == (1.0, 0.0, 0.0)
     assert not none.traction.any()
     assert none.stiffness == none.initial_stiffness
-    small = asp.partial_slip(contact, FRICTION, tangential_force=1e-3 * FRICTION * contact.force)
+    small = asp.contact.partial_slip(contact, FRICTION, tangential_force=1e-3 * FRICTION * contact.force)
     mean_traction = small.tangential_force / contact.grid.area
     assert mean_traction / small.displacement == pytest.approx(none.initial_stiffness, rel=2e-3)
-    full = asp.partial_slip(contact, FRICTION, tangential_force=FRICTION * contact.force)
+    full = asp.contact.partial_slip(contact, FRICTION, tangential_force=FRICTION * contact.force)
     assert (full.sticking_area, full.stiffness) == (0.0, 0.0)
     np.testing.assert_array_equal(full.traction, FRICTION * contact.pressure)
     settings = {"friction": FRICTION, "fields": COMPONENTS}
@@ -160,7 +162,7 @@ def test_limits_of_the_force():
 )
 def test_tangential_compliance_solves_equilibrium(poisson, height):
     """Against the state-space solution along and across a wave, and at q = 0 against long waves; rounding."""
-    layer = asp.Layer(2.0, poisson, height)
+    layer = asp.Solid(2.0, poisson, height)
     for q in (0.1, 1.0, 30.0):
         mode = StateSpace(q, 0.0, 2.0, poisson, height)
         expected = [mode.state(0, mode.solve(top))[n].real for n, top in enumerate(([1, 0, 0], [0, 1, 0]))]
@@ -171,36 +173,44 @@ def test_tangential_compliance_solves_equilibrium(poisson, height):
         )
 
 
-CONTACT = asp.solve(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
+CONTACT = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
 LIMIT = FRICTION * CONTACT.force
 
 test_bad_arguments = refuses(
-    (lambda: asp.partial_slip(CONTACT, 0.0, tangential_force=1e-4), "friction = 0"),
+    (lambda: asp.contact.partial_slip(CONTACT, 0.0, tangential_force=1e-4), "friction = 0"),
     (
-        lambda: asp.partial_slip(CONTACT, FRICTION, tangential_force=1.1 * LIMIT),
+        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_force=1.1 * LIMIT),
         "tangential_force = 0.00044",
     ),
-    (lambda: asp.partial_slip(CONTACT, FRICTION, tangential_force=-1e-5), "tangential_force = -1e-05"),
     (
-        lambda: asp.partial_slip(CONTACT, FRICTION, tangential_displacement=1.0),
+        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_force=-1e-5),
+        "tangential_force = -1e-05",
+    ),
+    (
+        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_displacement=1.0),
         "tangential_displacement = 1: at mo",
     ),
-    (lambda: asp.partial_slip(CONTACT, FRICTION), "exactly one of tangential_force and tangential_displacem"),
-    (lambda: asp.partial_slip(rough(), FRICTION, tangential_force=0.0), "contact = "),
-    (lambda: asp.partial_slip(hardened(rough(), 0.5), FRICTION, tangential_force=0.0), "hardness = "),
     (
-        lambda: asp.partial_slip(CONTACT, FRICTION, tangential_force=0.0, sliding_direction="z"),
+        lambda: asp.contact.partial_slip(CONTACT, FRICTION),
+        "exactly one of tangential_force and tangential_displacem",
+    ),
+    (lambda: asp.contact.partial_slip(rough(), FRICTION, tangential_force=0.0), "contact = "),
+    (lambda: asp.contact.partial_slip(hardened(rough(), 0.5), FRICTION, tangential_force=0.0), "hardness = "),
+    (
+        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_force=0.0, sliding_direction="z"),
         "sliding_direction =",
     ),
     (
-        lambda: asp.partial_slip(
-            asp.solve(rough((32, 32)), LAYER, mean_pressure=1e-3), FRICTION, tangential_displacement=1e-5
+        lambda: asp.contact.partial_slip(
+            asp.solve_contact(rough((32, 32)), LAYER, mean_pressure=1e-3),
+            FRICTION,
+            tangential_displacement=1e-5,
         ),
         "tangential_displacement = 1e-05: half-spaces",
     ),
     (
-        lambda: asp.partial_slip(
-            asp.solve(rough((32, 32)), asp.Layer(1.0, 0.3, 0.2, "frictionless"), mean_pressure=1e-3),
+        lambda: asp.contact.partial_slip(
+            asp.solve_contact(rough((32, 32)), asp.Solid(1.0, 0.3, 0.2, "frictionless"), mean_pressure=1e-3),
             FRICTION,
             tangential_force=0.0,
         ),

@@ -11,7 +11,7 @@ import asperity as asp
 
 pytestmark = [pytest.mark.peers, pytest.mark.filterwarnings("ignore::ImportWarning")]  # of NuMPI, without MPI
 PEERS = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))
-UNIT = asp.Layer(1.0, 0.0)
+UNIT = asp.Solid(1.0, 0.0)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -19,7 +19,9 @@ UNIT = asp.Layer(1.0, 0.0)
 def test_pressure_agrees_with_other_programs(program, boundary):
     height = rough((128, 128), 2)
     theirs, _ = PEERS["SOLVERS"][program](height, load_of(height), 1e-11, boundary)
-    ours = asp.solve(height, UNIT, mean_pressure=load_of(height), boundary=boundary, rtol=1e-11).pressure
+    ours = asp.solve_contact(
+        height, UNIT, mean_pressure=load_of(height), boundary=boundary, rtol=1e-11
+    ).pressure
     np.testing.assert_allclose(ours, theirs[:128, :128], atol=1e-8 * ours.max())
 
 
@@ -27,8 +29,8 @@ def test_pressure_agrees_with_other_programs(program, boundary):
 def test_plastic_pressure_is_that_of_contact_mechanics(share):
     height = rough((256, 256))
     load = load_of(height, 0.02)
-    hardness = share * asp.solve(height, UNIT, mean_pressure=load).max_pressure
-    ours = asp.solve(height, UNIT, mean_pressure=load, hardness=hardness, rtol=1e-10).pressure
+    hardness = share * asp.solve_contact(height, UNIT, mean_pressure=load).max_pressure
+    ours = asp.solve_contact(height, UNIT, mean_pressure=load, hardness=hardness, rtol=1e-10).pressure
     theirs, _ = PEERS["contact_mechanics"](height, load, 1e-11, "periodic", hardness)
     np.testing.assert_allclose(ours, theirs, atol=1e-7 * hardness)
 
@@ -36,5 +38,5 @@ def test_plastic_pressure_is_that_of_contact_mechanics(share):
 def test_stress_is_that_of_tamaas():
     """All components at the surface and two depths, to rounding."""
     height = rough((32, 32))
-    contact = asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=load_of(height))
+    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), mean_pressure=load_of(height))
     assert PEERS["stress_difference"](asp.LoadedSolid.of(contact), np.array([0.01, 0.1])) < 1e-13

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from samples import refuses
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 from asperity.reference.bisinusoid import Bisinusoid
 from asperity.reference.bonded_layer import BondedLayer
@@ -33,7 +33,7 @@ def test_wave_is_the_sum_of_its_modes():
     assert WAVE.gap(CELL).mean() == pytest.approx(WAVE.mean_gap, rel=1e-6)
     q, places = 2 * np.pi / 1.3 * np.arange(120), np.array([0.0, 0.2, 0.7])
     modes = np.where(q > 0, 2, 1) * pressure[:120].real / n * np.exp(1j * np.outer(places, q))
-    total = (modes @ Layer(1.0, 0.3).stress(q, 0.0, depth)).real
+    total = (modes @ Solid(1.0, 0.3).stress(q, 0.0, depth)).real
     np.testing.assert_allclose(WAVE.stress(places, depth, 0.3), total, atol=5e-7)
 
 

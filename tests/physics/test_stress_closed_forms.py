@@ -27,7 +27,7 @@ def test_largest_von_mises_stress_and_its_depth(poisson, largest, depth):
     radius = 0.02
     depths = radius * np.arange(0.3, 0.66, 0.02)
     planes = asp.stress_planes(hertz(radius, 512, (0.5, 0.5)), depths, poisson, tolerance=1e-5)
-    peaks = asp.find_peaks(planes, "von_mises", floor=0.3)
+    peaks = asp.stress.find_peaks(planes, "von_mises", floor=0.3)
     assert peaks.size == 1
     # Replicas of the contact: the mean pressure is 8e-4. Depth: the maximum is flat.
     assert peaks.value[0] == pytest.approx(largest, abs=8e-4)
@@ -50,7 +50,7 @@ def test_peaks_converge_with_the_grid():
             pressure += np.sqrt(np.maximum(inside, 0.0))
         solid = asp.LoadedSolid(pressure, grid, HALF_SPACE)
         data = asp.analyse_stress(solid, depth_grid(grid, 0.06), quantities=("von_mises",), tolerance=1e-4)
-        peaks = asp.peaks(data, "von_mises", selection="interior")
+        peaks = asp.stress.select_peaks(data, "von_mises", selection="interior")
         apart = np.hypot(*(peaks[f"peak_{c}"].values[:, None] - centres[:, k] for k, c in enumerate("yx")))
         return np.array([peaks["peak_value"].values[apart[:, n] < radii[n]].max() for n in range(6)])
 

@@ -74,7 +74,7 @@ def test_reversed_torsion_and_bending_reach_their_limits(ratio):
 
 def rough(points, boundary="periodic"):
     height = asp.self_affine((points, points), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    return asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.1, boundary=boundary)
+    return asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.1, boundary=boundary)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -82,7 +82,7 @@ def test_agreement_with_brute_force(boundary):
     """SLSQP for the spheres, eigenvalues for the Tresca stress, on planes of `stress_planes`."""
     contact, depth = rough(32, boundary), 0.02
     limits = {"fatigue_torsion": 0.6, "fatigue_bending": 1.0, "yield_stress": 0.1}
-    cycles = asp.stress_cycles(contact, [depth], **limits, friction=0.2, tolerance=0)
+    cycles = asp.stress.stress_cycles(contact, [depth], **limits, friction=0.2, tolerance=0)
     names = ("xx", "yy", "zz", "yz", "xz", "xy")
     (plane,) = asp.stress_planes(contact, [depth], fields=names, friction=0.2, tolerance=0)
     states = np.stack([plane.fields[name][0] for name in names])
@@ -123,8 +123,8 @@ def test_agreement_with_brute_force(boundary):
 def line():
     """A cylinder along y, 102 nodes wide: the largest pressure and the half-width of the contact."""
     length = (EDGE / 64, EDGE)
-    height = asp.add_cylinder(np.zeros((16, NODES)), length, 1.0, axis="y")
-    contact = asp.solve(height, asp.Layer(1.0, 0.3), length, area_fraction=0.1)
+    height = asp.surface.add_cylinder(np.zeros((16, NODES)), length, 1.0, axis="y")
+    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), length, area_fraction=0.1)
     return contact, float(contact.pressure.max()), 0.05
 
 
@@ -135,7 +135,7 @@ def test_line_contact_without_friction(line):
     """
     contact, largest, half = line
     depths = half * np.linspace(0.4, 0.6, 21)
-    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3))
+    cycles = asp.stress.stress_cycles(contact, depths, yield_stress=np.sqrt(3))
     value, depth, _ = cycles.attrs["worst_shear_range"]
     assert value / largest == pytest.approx(0.5, rel=3e-3)
     assert depth / half == pytest.approx(0.5, abs=0.02)
@@ -163,7 +163,7 @@ def test_line_contact_with_friction(line, friction):
     """Factors against those of McEwen's closed form in the same depths; images change 0.25 %."""
     contact, largest, half = line
     depths = half * np.linspace(0.2, 0.6, 9)
-    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3), friction=friction)
+    cycles = asp.stress.stress_cycles(contact, depths, yield_stress=np.sqrt(3), friction=friction)
     x = np.linspace(-10, 10, 4001)
     radii = [reduced(closed_form(x, depth / half, friction, 0.3))[2:4] for depth in depths]
     exact = np.sqrt(2 / np.array(radii)).min(axis=0)
@@ -174,34 +174,34 @@ def test_line_contact_with_friction(line, friction):
 def test_point_contact():
     """Johnson (1985), section 9.4: shakedown near 4.68 k; first yield at 2.8 k by von Mises."""
     nodes, radius = 256, 1.0
-    height = asp.add_sphere(np.zeros((nodes, nodes)), EDGE, radius)
-    contact = asp.solve(height, asp.Layer(1.0, 0.3), EDGE, boundary="free", area_fraction=0.02)
+    height = asp.surface.add_sphere(np.zeros((nodes, nodes)), EDGE, radius)
+    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), EDGE, boundary="free", area_fraction=0.02)
     largest, half = float(contact.pressure.max()), np.sqrt(0.02 / np.pi)
     depths = half * np.linspace(0.2, 0.7, 21)
-    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3), tolerance=1e-4)
+    cycles = asp.stress.stress_cycles(contact, depths, yield_stress=np.sqrt(3), tolerance=1e-4)
     upper = cycles.attrs["worst_shakedown_upper"][0] * largest
     assert upper == pytest.approx(4.68, rel=2e-2)  # 20 nodes across the radius
     assert 2.8 < cycles.attrs["worst_shakedown_lower"][0] * largest <= upper
 
 
 def test_cycles_of_the_stream_of_the_analysis():
-    contact, depths = rough(64), asp.depth_grid(rough(64).grid)[:20]
+    contact, depths = rough(64), asp.stress.depth_grid(rough(64).grid)[:20]
     limits = (0.3, 0.48, 0.1)
     watch = Cycles(asp.LoadedSolid.of(contact), Criteria(*limits), "x", 0.3)
     asp.analyse_stress(contact, depths, observe=watch.add, tolerance=1e-6)
     names = dict(zip(("fatigue_torsion", "fatigue_bending", "yield_stress"), limits, strict=True))
-    alone = asp.stress_cycles(contact, depths, **names, threads=2)
+    alone = asp.stress.stress_cycles(contact, depths, **names, threads=2)
     for name, field in watch.dataset().items():
         np.testing.assert_allclose(field, alone[name], rtol=1e-6, err_msg=name)
         assert field.shape == {"fatigue_volume": (461,), "fatigue_mean": (33,)}.get(name, (20, 64))
-    coarse = asp.stress_cycles(contact, depths, **names, tolerance=1e-4)
+    coarse = asp.stress.stress_cycles(contact, depths, **names, tolerance=1e-4)
     assert coarse.attrs["worst_dang_van"][0] == pytest.approx(alone.attrs["worst_dang_van"][0], rel=1e-3)
 
 
 def test_motion_is_along_x():
     """Twice reversed, as the traction on an upper body is, it is the same."""
     once, twice = (
-        asp.stress_cycles(rough(32), [0.01], friction=0.3, sliding_direction=angle)["shear_range"]
+        asp.stress.stress_cycles(rough(32), [0.01], friction=0.3, sliding_direction=angle)["shear_range"]
         for angle in ("x", 360.0)
     )
     np.testing.assert_allclose(once, twice, rtol=1e-12)
@@ -212,20 +212,23 @@ test_wrong_argument_is_refused = refuses(
     (lambda: hydrostatic_factor(None, 1.0), "fatigue_torsion: missing"),
     (lambda: hydrostatic_factor(0.49, 1.0), "fatigue_torsion: 0.5 to 1 times fatigue_bending .* 0.49 times"),
     (lambda: hydrostatic_factor(1.01, 1.0), "fatigue_torsion: .* got 1.01 times"),
-    (lambda: asp.stress_cycles(rough(32), sliding_direction=30), "sliding_direction = 30: x, y or a mul"),
+    (
+        lambda: asp.stress.stress_cycles(rough(32), sliding_direction=30),
+        "sliding_direction = 30: x, y or a mul",
+    ),
 )
 
 
 def test_cycles_of_a_plastic_contact():
     height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    solve = partial(asp.solve, height, asp.Layer(1.0, 0.3), mean_pressure=2e-3)
+    solve = partial(asp.solve_contact, height, asp.Solid(1.0, 0.3), mean_pressure=2e-3)
     contacts = (solve(hardness=hardness) for hardness in (None, 0.02))
-    elastic, plastic = (asp.stress_cycles(each).attrs["worst_shear_range"][0] for each in contacts)
+    elastic, plastic = (asp.stress.stress_cycles(each).attrs["worst_shear_range"][0] for each in contacts)
     assert plastic < elastic
 
 
 def test_constant_stress_shakes_down_under_any_load():
     """In Pa, where a yield stress over the change of the stress overflows."""
-    pressed = asp.LoadedSolid(np.full((8, 8), 1e9), asp.Grid((8, 8)), asp.Layer(210e9, 0.3))
-    cycles = asp.stress_cycles(pressed, [0.1], yield_stress=1e9)
+    pressed = asp.LoadedSolid(np.full((8, 8), 1e9), asp.Grid((8, 8)), asp.Solid(210e9, 0.3))
+    cycles = asp.stress.stress_cycles(pressed, [0.1], yield_stress=1e9)
     assert (cycles["shakedown_upper"] == LARGEST_FACTOR).all()

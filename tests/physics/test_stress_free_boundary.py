@@ -5,7 +5,7 @@ import pytest
 from samples import HALF_SPACE, centred, order
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS
+from asperity.elasticity.solid import COMPONENTS
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -50,12 +50,12 @@ def test_sphere_at_rest_and_sliding(friction):
 
 def test_sphere_between_steel_and_aluminium():
     """Pressure and von Mises stress on the axis of both bodies, of the solved contact; grid error."""
-    pair, radius = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.33)), 1e-4
+    pair, radius = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(70e9, 0.33)), 1e-4
     exact = EllipticHertz(radius, radius, 1e9, pair.effective_modulus)
     grid = asp.Grid((49, 49), 2.3 * radius)
     y, x = centred(grid)
     height = (x**2 + y**2) / (2 * exact.curvature_radii[0])
-    contact = asp.solve(height, pair, grid.length, force=exact.load, boundary="free")
+    contact = asp.solve_contact(height, pair, grid.length, force=exact.load, boundary="free")
     assert contact.max_pressure == pytest.approx(1e9, rel=1e-3)
     depths = np.linspace(0.2, 1.0, 81) * radius
     for name in ("lower", "upper"):
@@ -107,6 +107,8 @@ def test_nodes_at_opposite_edges_are_no_neighbours():
     solids = (asp.LoadedSolid(pressure, grid, HALF_SPACE, kind) for kind in ("free", "periodic"))
     free, periodic = (asp.analyse_stress(solid, poisson=0.3, quantities=names) for solid in solids)
     for name in names:
-        alone, hidden = (asp.peaks(each, name, selection="at_contact")["peak_x"] for each in (free, periodic))
+        alone, hidden = (
+            asp.stress.select_peaks(each, name, selection="at_contact")["peak_x"] for each in (free, periodic)
+        )
         assert np.sort(alone)[[0, -1]] == pytest.approx([0.0, 47 / 48])
         assert np.abs(hidden - 47 / 48).min() > 0.01

@@ -7,7 +7,7 @@ import pytest
 from samples import HALF_SPACE, invariants, spots
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS
+from asperity.elasticity.solid import COMPONENTS
 from asperity.reference.state_space import StateSpace
 from asperity.stress.planes.truncation import envelope_of
 
@@ -26,7 +26,7 @@ def test_mode_solves_equilibrium_and_hookes_law(poisson, height, kx, ky, degrees
     traction = friction * np.cos(np.radians(degrees)), friction * np.sin(np.radians(degrees))
     mode = StateSpace(qx, qy, 1.0, poisson, height, digits=30 if height is None else 60)
     amplitudes = mode.solve([*traction, -1])
-    solid = asp.LoadedSolid(np.cos(phase), grid, asp.Layer(1.0, poisson, height))
+    solid = asp.LoadedSolid(np.cos(phase), grid, asp.Solid(1.0, poisson, height))
     depths = np.array([0.0, 0.1, 0.5, 0.97, 1.0]) * min(height or 0.5, 0.5)
     settings = {"friction": friction, "sliding_direction": degrees, "tolerance": 0}
     for ratios in (None, [0.1, poisson])[: 1 + (height is None)]:
@@ -37,7 +37,7 @@ def test_mode_solves_equilibrium_and_hookes_law(poisson, height, kx, ky, degrees
                 np.testing.assert_allclose(plane.fields[name][-1], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("layer", [HALF_SPACE, asp.Layer(1.0, 0.3, 0.1)])
+@pytest.mark.parametrize("layer", [HALF_SPACE, asp.Solid(1.0, 0.3, 0.1)])
 def test_mean_shear_stress_is_the_mean_traction(layer):
     solid = spots((32, 32), layer=layer)
     for plane in asp.stress_planes(solid, [0.0, 0.05, 0.1], None, COMPONENTS, friction=0.3):
@@ -72,6 +72,6 @@ def largest_of_every_field(poisson, friction, height, envelope):
 @pytest.mark.parametrize("poisson", [-0.95, 0.0, 0.5])
 @pytest.mark.parametrize(("friction", "height"), [(0.0, None), (3.0, None), (0.5, 0.3), (0.5, 2.0)])
 def test_envelope_bounds_every_field_of_a_mode(poisson, friction, height):
-    envelope = partial(envelope_of, asp.Layer(1.0, poisson, height), poisson, friction)
+    envelope = partial(envelope_of, asp.Solid(1.0, poisson, height), poisson, friction)
     largest = largest_of_every_field(poisson, friction, height, envelope)
     assert (0.5 if height is None else 0.35) < largest <= 1 + 1e-12

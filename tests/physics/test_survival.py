@@ -29,30 +29,30 @@ def test_cracks_below_a_stress_falling_with_depth(scatter):
         maps.take(depth, np.full((5, 2), largest * np.exp(-depth / length)))
     mean = weibull_min(exponent).mean()
     exact = (mean * largest) ** exponent * length / exponent / 7.0
-    assert asp.cracks_per_area(maps.dataset(), scatter, 7.0) == pytest.approx(exact, rel=5e-4)
+    assert asp.stress.cracks_per_area(maps.dataset(), scatter, 7.0) == pytest.approx(exact, rel=5e-4)
 
 
 @pytest.mark.parametrize("scatter", [0.01, 0.02, 0.1, 1.0])
 def test_volume_and_cracks_are_those_of_all_points(scatter):
     """Of a smooth body under a moving rough one, and the same by histories of all points; sums of powers."""
     height, depths = rough((32, 32)), np.linspace(0, 0.1, 21)
-    contact = asp.solve(height, HALF_SPACE, mean_pressure=3e-3)
-    cycles = asp.stress_cycles(contact, depths, **LIMITS, tolerance=0)
+    contact = asp.solve_contact(height, HALF_SPACE, mean_pressure=3e-3)
+    cycles = asp.stress.stress_cycles(contact, depths, **LIMITS, tolerance=0)
     exponent = weibull_exponent(scatter)
     power = np.maximum(cycles["dang_van"].values * weibull_min(exponent).mean(), 0) ** exponent
     exact = np.trapezoid(power.mean(axis=1), depths)
-    assert asp.cracks_per_area(cycles, scatter, 1.0) == pytest.approx(exact, rel=1e-4)
-    moving = asp.MovingContact(0 * height, height, HALF_SPACE, shifts=32, mean_pressure=3e-3)
-    same = asp.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=0)
-    assert asp.cracks_per_area(same, scatter, 1.0) == pytest.approx(exact, rel=1e-4)
+    assert asp.stress.cracks_per_area(cycles, scatter, 1.0) == pytest.approx(exact, rel=1e-4)
+    moving = asp.engineering.MovingContact(0 * height, height, HALF_SPACE, shifts=32, mean_pressure=3e-3)
+    same = asp.stress.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=0)
+    assert asp.stress.cracks_per_area(same, scatter, 1.0) == pytest.approx(exact, rel=1e-4)
     volume = float((cycles["dang_van"] > 0.9).mean("cycle_y").integrate("cycle_depth"))
     assert float(cycles["fatigue_volume"].interp(fatigue_share=0.9)) == pytest.approx(volume, rel=1e-2)
 
 
 def test_residual_stress_moves_the_mean_stress():
-    contact = asp.solve(rough((32, 32)), HALF_SPACE, mean_pressure=3e-3)
+    contact = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=3e-3)
     free, pressed = (
-        asp.stress_cycles(contact, [0.01], **LIMITS, yield_stress=0.1, residual_stress=stress)
+        asp.stress.stress_cycles(contact, [0.01], **LIMITS, yield_stress=0.1, residual_stress=stress)
         for stress in (0.0, -5e-3)
     )
     change = hydrostatic_factor(2e-2, 3e-2) * 2 / 3 * -5e-3 / 2e-2
@@ -73,14 +73,14 @@ def answers():
 
 
 def test_probability_of_an_area_with_its_interval(answers):
-    sample = asp.pooled(answers)
+    sample = asp.pool_answers(answers)
     cracks = [row.value for each in answers for row in each.rows if row.name == "cracks expected per area"]
     error = 4.302652729911275 * np.std(cracks, ddof=1) / np.sqrt(3)  # Student's t, two degrees of freedom
     (row,) = sample.survival(1e-8).itertuples()
     assert row.no_crack == pytest.approx(np.exp(-1e-8 * np.mean(cracks)), rel=1e-9)
     assert row.low == pytest.approx(np.exp(-1e-8 * (np.mean(cracks) + error)), rel=1e-9)
     assert row.low < row.no_crack < row.high <= 1
-    (alone,) = asp.pooled(answers[:1]).survival(1e-8).itertuples()
+    (alone,) = asp.pool_answers(answers[:1]).survival(1e-8).itertuples()
     assert np.isnan(alone.low)
     assert isinstance(sample, Sample)
 
@@ -92,7 +92,10 @@ def case(**cycles):
 
 test_wrong_argument_is_refused = refuses(
     (lambda: weibull_exponent(2), "scatter = 2: a number from 0.01 to 1 is needed"),
-    (lambda: asp.cracks_per_area(xr.Dataset(), 0.1, 1.0), "cycles: a result of stress_cycles with fatigue"),
+    (
+        lambda: asp.stress.cracks_per_area(xr.Dataset(), 0.1, 1.0),
+        "cycles: a result of stress_cycles with fatigue",
+    ),
     (lambda: case(fatigue_scatter=2, fatigue_volume=1e-9), "cycles.fatigue_scatter = 2: a number ≥ 0.01 and"),
     (lambda: case(fatigue_scatter=0.1), "3 problems:\n  cycles: both fatigue_scatter and fatigue_volume ar"),
     (

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 from asperity.study.validation.closed_forms import slab_load_area
 from asperity.study.validation.finite_elements import largest_differences
@@ -54,9 +54,9 @@ def test_fields_at_points_are_those_of_a_mode():
     wavenumber = 2 * np.pi / 1.2 * 3
     pressure = np.tile(np.cos(wavenumber * grid.coordinates()[1]), (12, 1))
     y, x, depths = np.array([0.1, 0.37]), np.array([0.21, 0.4]), np.array([0.0, 0.05, 0.3])
-    moved, stress = displacement_and_stress(pressure, grid, Layer(1.3, 0.3), y, x, depths)
-    for found, field in ((moved, Layer.displacement), (stress, Layer.stress)):
-        mode = field(Layer(1.3, 0.3), wavenumber, 0.0, depths)[:, None]
+    moved, stress = displacement_and_stress(pressure, grid, Solid(1.3, 0.3), y, x, depths)
+    for found, field in ((moved, Solid.displacement), (stress, Solid.stress)):
+        mode = field(Solid(1.3, 0.3), wavenumber, 0.0, depths)[:, None]
         expected = (mode * np.exp(1j * wavenumber * x)[:, None]).real
         np.testing.assert_allclose(found, expected, atol=1e-13)  # rounding
 

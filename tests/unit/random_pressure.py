@@ -7,11 +7,11 @@ import asperity as asp
 from asperity.reference.pivoting import pivot
 
 SOLIDS = (
-    asp.Layer(1.0, 0.0),
-    asp.Layer(1.0, 0.3, height=1.0),
-    asp.Layer(1.0, 0.5, height=0.02),
-    asp.Layer(1.0, 0.3, height=0.003),
-    asp.Layer(1.0, 0.3, height=0.3, bottom="free"),
+    asp.Solid(1.0, 0.0),
+    asp.Solid(1.0, 0.3, height=1.0),
+    asp.Solid(1.0, 0.5, height=0.02),
+    asp.Solid(1.0, 0.3, height=0.003),
+    asp.Solid(1.0, 0.3, height=0.3, bottom="free"),
 )
 
 pressures = st.fixed_dictionaries(
@@ -47,7 +47,9 @@ def error_and_bound(case):
     load = 10.0 ** case["load"] * rms / max(grid.length) * solid.effective_modulus
     exact = pivot(height, modes, mean_pressure=load)
     if case["change"] == "solve":
-        pressure = asp.solve(height, solid, grid.length, mean_pressure=load, rtol=min(size, 0.5)).pressure
+        pressure = asp.solve_contact(
+            height, solid, grid.length, mean_pressure=load, rtol=min(size, 0.5)
+        ).pressure
     else:
         node = generator.integers(grid.size) == np.arange(grid.size).reshape(grid.shape)
         changed = {
@@ -62,6 +64,6 @@ def error_and_bound(case):
     exact = pivot(height, modes, mean_pressure=float(pressure.mean()))
     displacement, wrong = np.fft.irfft2(modes * np.fft.rfft2(pressure), grid.shape), pressure - exact
     energy = float(np.vdot(wrong, np.fft.irfft2(modes * np.fft.rfft2(wrong), grid.shape)))
-    bound = asp.verify_contact(height, pressure, solid, grid.length).error_bound
+    bound = asp.contact.verify_contact(height, pressure, solid, grid.length).error_bound
     rounding = 1e-11 * (np.abs(height).max() + np.abs(displacement).max()) / rms
     return energy / (float(pressure.sum()) * rms), bound, rounding

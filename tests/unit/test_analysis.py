@@ -24,7 +24,7 @@ def rough(points=96, layer=None):
     band = np.where((wavenumber > 3) & (wavenumber < 14), np.maximum(wavenumber, 1) ** -1.8, 0)
     field = Fourier(grid).inverse(band * np.exp(2j * np.pi * np.random.default_rng(0).random(band.shape)))
     excess = np.maximum(field - np.quantile(field, 0.85), 0.0)
-    layer = layer or asp.Layer(young=1.0, poisson=0.33)
+    layer = layer or asp.Solid(young=1.0, poisson=0.33)
     return asp.LoadedSolid(0.1 * np.sqrt(excess / excess.max()), grid, layer)
 
 
@@ -51,11 +51,13 @@ def test_peaks_are_those_of_searched_planes(contact):
         # Away from the contacts the hydrostatic stress of the surface is constant but for rounding.
         selection = "at_contact" if name == "hydrostatic" else "all"
         for nu in RATIOS[::2]:
-            expected = asp.find_peaks(asp.stress_planes(contact, depths, nu, (name,), tolerance=0), name)
+            expected = asp.stress.find_peaks(
+                asp.stress_planes(contact, depths, nu, (name,), tolerance=0), name
+            )
             kept = np.abs(expected.value) > 1e-9
             if name == "hydrostatic":
                 kept &= expected.under_contact(contact.pressure, contact.grid)
-            mine = asp.peaks(data, name, nu, selection)
+            mine = asp.stress.select_peaks(data, name, nu, selection)
             mine = mine.isel(peak=np.flatnonzero(np.abs(mine["peak_value"].values) > 1e-9))
             assert mine.sizes["peak"] == np.sum(kept), (name, nu)
             order, other = np.argsort(expected.value[kept]), np.argsort(mine["peak_value"].values)
@@ -70,7 +72,7 @@ def test_fields_searched_together_have_the_peaks_of_each(contact):
     assert np.unique(together["plane_points"]).size > 4
     for name in ("von_mises", "xx", "xz", "principal_1"):
         alone = asp.analyse_stress(contact, quantities=[name], **settings)
-        mine, expected = (asp.peaks(data, name, RATIOS[1]) for data in (together, alone))
+        mine, expected = (asp.stress.select_peaks(data, name, RATIOS[1]) for data in (together, alone))
         assert expected.sizes["peak"] > 20
         xr.testing.assert_equal(mine, expected)
 
@@ -84,7 +86,7 @@ def test_profile_and_covariance_are_those_of_the_planes(contact, exact):
         mean, largest = planes.mean(axis=(1, 2)), planes.max(axis=(1, 2))
         best = int(np.argmax(largest))
         covariance = np.mean(planes * planes[best], axis=(1, 2)) - mean * mean[best]
-        lag, plane = asp.autocorrelation(planes[best], contact.grid)
+        lag, plane = asp.stress.autocorrelation(planes[best], contact.grid)
         np.testing.assert_allclose(here["mean_von_mises"], mean, rtol=1e-12)
         np.testing.assert_allclose(here["largest_von_mises"], largest, rtol=1e-12)
         assert here["reference_depth"] == depths[best]
@@ -109,7 +111,9 @@ def test_coarse_planes_keep_the_statistics(contact, exact, tolerance):
         np.testing.assert_allclose(coarse[name], exact[name], rtol=0, atol=1e-4 * largest)
     for name in ("von_mises", "zz"):
         for nu in RATIOS:
-            one, two = (asp.peaks(each, name, nu)["peak_value"].values for each in (exact, coarse))
+            one, two = (
+                asp.stress.select_peaks(each, name, nu)["peak_value"].values for each in (exact, coarse)
+            )
             assert abs(one.size - two.size) <= max(2, 0.02 * one.size)
             np.testing.assert_allclose(np.quantile(one, shares), np.quantile(two, shares), atol=0.01 * scale)
 
@@ -134,7 +138,7 @@ def test_threads_change_no_bit(contact, result):
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 def test_layer_is_followed_to_its_bottom(bottom):
-    layer = asp.Layer(young=1.0, poisson=0.3, height=0.05, bottom=bottom)
+    layer = asp.Solid(young=1.0, poisson=0.3, height=0.05, bottom=bottom)
     data = asp.analyse_stress(rough(64, layer), quantities=("zz", "xx"))
     assert data["plane_depth"][-1] == 0.05
     assert data["poisson"].values.tolist() == [0.3]
@@ -145,14 +149,16 @@ def test_no_pressure_has_no_peaks_and_no_stress(contact):
     data = asp.analyse_stress(replace(contact, pressure=0 * contact.pressure), poisson=RATIOS)
     assert data.sizes["peak"] == 0
     assert not data["largest_von_mises"].any()
-    assert asp.peaks(data, "von_mises", 0.33, "under_contact").sizes["peak"] == 0
+    assert asp.stress.select_peaks(data, "von_mises", 0.33, "under_contact").sizes["peak"] == 0
 
 
 def test_floor_leaves_out_ripples_only(contact):
     """Nearly all peaks under a contact stay; of the surface, those above the floor times the rms pressure."""
     every, above, highest = (asp.analyse_stress(contact, floor=f, tolerance=1e-4) for f in (0.0, 0.01, 1.0))
     for selection, share in (("all", 1.0), ("under_contact", 0.02)):
-        before, after = (asp.peaks(d, "xz", None, selection).sizes["peak"] for d in (every, above))
+        before, after = (
+            asp.stress.select_peaks(d, "xz", None, selection).sizes["peak"] for d in (every, above)
+        )
         assert (1 - share) * before < after < before + (share < 1)
     surface, kept = (
         d["peak_value"][(d["peak_quantity"] == "zz") & (d["peak_depth"] == 0)] for d in (every, highest)

@@ -57,10 +57,10 @@ def test_units_of_quantities_are_not_dropped():
     surface = xr.DataArray(noise * unit, dims=("y", "x"))
     for length in (64 * unit, (64 * unit, 64 * unit), np.array([64, 64]) * unit):
         with pytest.raises(TypeError, match=r"^length = .*: real numbers"):
-            asp.solve(noise, asp.Layer(1.0, 0.3), length, mean_pressure=1e-4)
+            asp.solve_contact(noise, asp.Solid(1.0, 0.3), length, mean_pressure=1e-4)
     for height in (noise * unit, surface):
         with pytest.raises(TypeError, match=r"^height = .*: real numbers without a unit are needed"):
-            asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=1e-4)
+            asp.solve_contact(height, asp.Solid(1.0, 0.3), mean_pressure=1e-4)
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])

@@ -9,10 +9,10 @@ from random_pressure import error_and_bound, pressures
 from samples import HALF_SPACE, load_of, rough
 
 import asperity as asp
-from asperity.contact import solve, verify_contact
+from asperity.contact import solve_contact, verify_contact
 from asperity.core.errors import ConvergenceError
 
-SLAB = asp.Layer(1.0, 0.3, height=1.0)
+SLAB = asp.Solid(1.0, 0.3, height=1.0)
 
 
 @settings(max_examples=100)
@@ -29,7 +29,7 @@ def test_true_error_is_within_the_bound(case):
 def test_bound_is_close_to_the_largest_error():
     """Nearly all of the load on one node: no number far below would be a bound."""
     case = {"shape": (16, 16), "length": (1.0, 1.0), "seed": 0, "power": 0, "exponent": 0, "offset": 0.0}
-    case |= {"solid": asp.Layer(1 - 0.33**2, 0.33), "load": -2, "change": "node", "size": 3}
+    case |= {"solid": asp.Solid(1 - 0.33**2, 0.33), "load": -2, "change": "node", "size": 3}
     error, bound, _ = error_and_bound(case)
     assert bound < 1.1 * error
 
@@ -44,7 +44,7 @@ def test_no_bound_holds_under_tension():
 )
 def test_changed_pressures_and_wrong_solids_are_exposed(solid, boundary, wrong):
     height = rough()
-    contact = solve(height, solid, mean_pressure=load_of(height), boundary=boundary, rtol=1e-9)
+    contact = solve_contact(height, solid, mean_pressure=load_of(height), boundary=boundary, rtol=1e-9)
     claim = {"approach": contact.approach, "mean_pressure": contact.mean_pressure}
 
     def worst(pressure=contact.pressure, **changes):
@@ -65,6 +65,6 @@ def test_changed_pressures_and_wrong_solids_are_exposed(solid, boundary, wrong):
 def test_flat_certificate_is_relative_to_nodal_displacement():
     """Without heights: the largest pressure times the spacing over E*."""
     flat, pressure, approach = np.zeros((16, 16)), np.full((16, 16), 3.0), 0.1
-    found = verify_contact(flat, pressure, asp.Layer(2.0, 0.0), approach=approach)
+    found = verify_contact(flat, pressure, asp.Solid(2.0, 0.0), approach=approach)
     assert found.penetration == pytest.approx(approach / (3.0 / 16 / 2.0))
     assert found.complementarity == pytest.approx(found.penetration, rel=1e-12)

@@ -22,7 +22,7 @@ from asperity.views.source import sources
 COATING = {"thickness": 2e-6, "young": 400e9, "poisson": 0.25}
 LIMITS = {"yield_stress": 1e9, "fatigue_torsion": 300e6, "fatigue_bending": 480e6}
 COATED = Body(young=210e9, poisson=0.3, **LIMITS, coating=COATING)
-LAYER, STEEL = solid_of(COATED), asp.Layer(210e9, 0.3)
+LAYER, STEEL = solid_of(COATED), asp.Solid(210e9, 0.3)
 
 
 @pytest.fixture(scope="module")
@@ -76,15 +76,15 @@ def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
 
 
 test_wrong_coating_is_refused = refuses(
-    (lambda: asp.Layer(1.0, 0.3, 1.0, "frictionless", base=STEEL), "bottom = 'frictionless': bonded"),
-    (lambda: asp.Layer(1.0, 0.3, base=STEEL), "height = None: the height of the coating"),
-    (lambda: asp.Layer(1.0, 0.3, 1.0, base=asp.Layer(1.0, 0.3, 2.0)), "base = Layer.*: a half-space"),
-    (lambda: asp.Layer(1.0, 0.3, 1.0, base=LAYER), "base = Layer.*: a half-space"),
-    (lambda: asp.Layer(1.0, 0.3, 1.0, base="steel"), "base = 'steel': a Layer"),
-    (lambda: asp.solve(np.zeros((8, 8)), LAYER, force=1.0, boundary="free"), "boundary = 'free'"),
-    (lambda: asp.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Layer.*: one without a base"),
-    (lambda: LAYER.green_tensor(1.0, 0.0), "base = Layer.*: None is needed"),
-    (lambda: asp.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),
+    (lambda: asp.Solid(1.0, 0.3, 1.0, "frictionless", base=STEEL), "bottom = 'frictionless': bonded"),
+    (lambda: asp.Solid(1.0, 0.3, base=STEEL), "height = None: the height of the coating"),
+    (lambda: asp.Solid(1.0, 0.3, 1.0, base=asp.Solid(1.0, 0.3, 2.0)), "base = Solid.*: a half-space"),
+    (lambda: asp.Solid(1.0, 0.3, 1.0, base=LAYER), "base = Solid.*: a half-space"),
+    (lambda: asp.Solid(1.0, 0.3, 1.0, base="steel"), "base = 'steel': a Solid"),
+    (lambda: asp.solve_contact(np.zeros((8, 8)), LAYER, force=1.0, boundary="free"), "boundary = 'free'"),
+    (lambda: asp.elasticity.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Solid.*: one without a base"),
+    (lambda: LAYER.green_tensor(1.0, 0.0), "base = Solid.*: None is needed"),
+    (lambda: asp.stress.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),
     (lambda: COATED.replaced(coating={"thickness": 1e-6, "young": 1e9}), "coating.poisson: missing"),
     (lambda: COATED.replaced(coating={"yield_stress": 1e9}), r"3 problems:\n  coating.young: missing"),
     (lambda: COATED.replaced(layer={"height": 1e-6}), "coating: not accepted together with layer"),

@@ -12,9 +12,9 @@ from asperity.contact.operators import InnerResponse
 from asperity.contact.response import response_on
 from asperity.core import parallel
 
-THIN = asp.Layer(1.0, 0.3, height=0.01)
-SOLIDS = [HALF_SPACE, asp.Layer(1.0, 0.3, height=0.5), THIN, asp.Layer(1.0, 0.5, height=0.02)]
-SOLIDS += [asp.Layer(3.0, 0.2, 0.02, base=HALF_SPACE), asp.Layer(0.2, 0.5, 0.02, base=HALF_SPACE)]
+THIN = asp.Solid(1.0, 0.3, height=0.01)
+SOLIDS = [HALF_SPACE, asp.Solid(1.0, 0.3, height=0.5), THIN, asp.Solid(1.0, 0.5, height=0.02)]
+SOLIDS += [asp.Solid(3.0, 0.2, 0.02, base=HALF_SPACE), asp.Solid(0.2, 0.5, 0.02, base=HALF_SPACE)]
 
 
 def lowest_nodes(shape, area_fraction=0.1):

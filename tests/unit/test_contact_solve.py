@@ -1,18 +1,19 @@
-"""`solve` and `solve_path`: controls, methods, boundaries, starts, extremes, memory, refused arguments."""
+"""`solve_contact` and `solve_load_path`: controls, methods, boundaries, starts, extremes, memory, refused
+arguments."""
 
 import numpy as np
 import pytest
 from samples import load_of, refuses, rough
 
 import asperity as asp
-from asperity.contact import solve, solve_path
+from asperity.contact import solve_contact, solve_load_path
 from asperity.core.errors import ConvergenceError
 
-HALF_SPACE = asp.Layer(1 - 0.33**2, 0.33)
-SLAB = asp.Layer(1 - 0.33**2, 0.33, height=1.0)
-INCOMPRESSIBLE = asp.Layer(0.75, 0.5, height=0.1)
-SLIPPING = asp.Layer(0.8, 0.2, 0.3, "frictionless")
-STEEL, COATING = asp.Layer(210e9, 0.3), asp.Layer(3e9, 0.4, height=0.05)
+HALF_SPACE = asp.Solid(1 - 0.33**2, 0.33)
+SLAB = asp.Solid(1 - 0.33**2, 0.33, height=1.0)
+INCOMPRESSIBLE = asp.Solid(0.75, 0.5, height=0.1)
+SLIPPING = asp.Solid(0.8, 0.2, 0.3, "frictionless")
+STEEL, COATING = asp.Solid(210e9, 0.3), asp.Solid(3e9, 0.4, height=0.05)
 METHODS = ("active_set", "gfmd")
 
 
@@ -25,10 +26,10 @@ def test_controls_and_methods_agree(solid, boundary):
     height, truth = rough(), None
     for method in METHODS if boundary == "periodic" else METHODS[:1]:
         settings = {"method": method, "boundary": boundary, "rtol": 1e-9}
-        by_load = solve(height, solid, mean_pressure=load_of(height), **settings)
+        by_load = solve_contact(height, solid, mean_pressure=load_of(height), **settings)
         truth = truth or by_load
-        by_approach = solve(height, solid, approach=truth.approach, **settings)
-        by_area = solve(height, solid, area_fraction=truth.area_fraction, **settings)
+        by_approach = solve_contact(height, solid, approach=truth.approach, **settings)
+        by_area = solve_contact(height, solid, area_fraction=truth.area_fraction, **settings)
         assert by_load.approach == pytest.approx(truth.approach, abs=1e-7 * height.std())
         for contact in (by_load, by_approach):
             contact.certificate.check(1e-7)
@@ -56,7 +57,7 @@ def mirrored():
 )
 def test_nearest_possible_area_is_met(height, together, fraction, rtol):
     """On symmetric surfaces several nodes touch together."""
-    contact = solve(height, HALF_SPACE, area_fraction=fraction, rtol=rtol)
+    contact = solve_contact(height, HALF_SPACE, area_fraction=fraction, rtol=rtol)
     count, wanted = np.count_nonzero(contact.pressure), round(fraction * height.size)
     assert count % together == 0
     assert abs(count - wanted) <= max(together / 2, 1e-4 * wanted)
@@ -67,7 +68,7 @@ def test_nearest_possible_area_is_met(height, together, fraction, rtol):
 def test_fields_of_the_solution_are_consistent(method):
     """The tolerances are rounding errors."""
     height = rough()
-    contact = solve(height, SLAB, mean_pressure=load_of(height), method=method)
+    contact = solve_contact(height, SLAB, mean_pressure=load_of(height), method=method)
     np.testing.assert_allclose(contact.gap, height + contact.displacement - contact.approach, atol=1e-15)
     assert contact.area_fraction == np.count_nonzero(contact.pressure) / height.size
     assert contact.mean_pressure == pytest.approx(load_of(height), rel=1e-6)
@@ -84,7 +85,7 @@ def test_fields_of_the_solution_are_consistent(method):
 def test_threads_change_no_bit(solid, boundary):
     height = rough((256, 130))
     settings = {"mean_pressure": load_of(height), "boundary": boundary}
-    first, *others = (solve(height, solid, **settings, threads=threads) for threads in (1, 1, 2))
+    first, *others = (solve_contact(height, solid, **settings, threads=threads) for threads in (1, 1, 2))
     for again in others:
         np.testing.assert_array_equal(again.pressure, first.pressure)
 
@@ -94,7 +95,7 @@ def test_threads_change_no_bit(solid, boundary):
 def test_unreachable_tolerance_raises_convergence_error(method, dtype, rtol):
     height = rough((32, 32))
     with pytest.raises(ConvergenceError, match="residual") as caught:
-        solve(height, SLAB, mean_pressure=load_of(height), dtype=dtype, rtol=rtol, method=method)
+        solve_contact(height, SLAB, mean_pressure=load_of(height), dtype=dtype, rtol=rtol, method=method)
     error = caught.value
     assert error.residual > error.tolerance == rtol
     assert error.iterations > 0
@@ -104,8 +105,8 @@ def test_unreachable_tolerance_raises_convergence_error(method, dtype, rtol):
 def test_exact_steps_solve_a_sheet_with_plateaus():
     """In 730 pairs of transforms; steps to the least energy take 10,900."""
     plateaus = np.maximum(asp.self_affine((64, 64), 0.8, 0.4, 0.1, 1e-2, seed=1), 0)
-    sheet = asp.Layer(1.0, 0.3, height=0.03, bottom="free")
-    certificate = solve(plateaus, sheet, mean_pressure=1e-3).certificate
+    sheet = asp.Solid(1.0, 0.3, height=0.03, bottom="free")
+    certificate = solve_contact(plateaus, sheet, mean_pressure=1e-3).certificate
     assert certificate.pairs < 2000
     certificate.check(1e-3)
 
@@ -117,12 +118,12 @@ def test_exact_steps_solve_a_sheet_with_plateaus():
 def test_full_contact_is_flat(method):
     """Exact solution: û = −ĥ for every mode but the uniform one."""
     height = rough()
-    contact = solve(height, HALF_SPACE, mean_pressure=2.0, method=method, rtol=1e-12)
+    contact = solve_contact(height, HALF_SPACE, mean_pressure=2.0, method=method, rtol=1e-12)
     assert contact.area_fraction == 1
     assert np.abs(contact.displacement + height - contact.approach).max() < 1e-8 * height.std()
     contact.certificate.check(1e-7)
     for solid in (HALF_SPACE, SLAB, INCOMPRESSIBLE):
-        flat = solve(np.zeros((16, 16)), solid, mean_pressure=0.01, method=method)
+        flat = solve_contact(np.zeros((16, 16)), solid, mean_pressure=0.01, method=method)
         np.testing.assert_allclose(flat.pressure, 0.01, rtol=1e-6)
 
 
@@ -134,7 +135,7 @@ def test_full_area_is_least_load_of_full_contact(method, dtype, fraction):
     wavenumber = 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
     q = np.hypot(wavenumber[:, None], wavenumber)
     zero_mean = np.fft.ifft2(-np.fft.fft2(height) * HALF_SPACE.effective_modulus * q / 2).real
-    contact = solve(height, HALF_SPACE, area_fraction=fraction, method=method, dtype=dtype)
+    contact = solve_contact(height, HALF_SPACE, area_fraction=fraction, method=method, dtype=dtype)
     assert contact.area_fraction == 1
     assert contact.mean_pressure == pytest.approx(-zero_mean.min(), rel=1e-5)
 
@@ -144,8 +145,8 @@ def test_full_area_is_least_load_of_full_contact(method, dtype, fraction):
 )
 def test_first_contact_and_lift_off(solid, boundary):
     height = rough()
-    touching = solve(height, solid, mean_pressure=0.0, boundary=boundary)
-    apart = solve(height, solid, approach=height.min() - 1e-3, boundary=boundary)
+    touching = solve_contact(height, solid, mean_pressure=0.0, boundary=boundary)
+    apart = solve_contact(height, solid, approach=height.min() - 1e-3, boundary=boundary)
     assert touching.approach == height.min()
     assert apart.gap.min() == pytest.approx(1e-3, rel=1e-12)
     apart.certificate.check(0.0)
@@ -170,11 +171,11 @@ def test_first_contact_and_lift_off(solid, boundary):
 def test_path_is_its_contacts_one_by_one(kind, values, settings):
     height, shares = rough(), []
     reported = {"progress": lambda done, total: shares.append(done / total)}
-    steps = solve_path(height, HALF_SPACE, **{kind: values}, **settings, **reported)
+    steps = solve_load_path(height, HALF_SPACE, **{kind: values}, **settings, **reported)
     assert not shares  # a contact is solved when it is asked for
     kind = "approach" if kind == "approaches" else kind[:-1]
     for value, step in zip(values, steps, strict=True):
-        alone = solve(height, HALF_SPACE, **{kind: value}, **settings)
+        alone = solve_contact(height, HALF_SPACE, **{kind: value}, **settings)
         np.testing.assert_array_equal(step.pressure, alone.pressure)
     assert shares == sorted(shares)
     assert shares[-1] == 1
@@ -186,9 +187,9 @@ def test_path_is_its_contacts_one_by_one(kind, values, settings):
 @pytest.mark.parametrize("scale", [1e6, -1.0])
 def test_huge_start_and_tension_change_nothing(scale, kind, method):
     height = rough()
-    cold = solve(height, HALF_SPACE, mean_pressure=load_of(height))
+    cold = solve_contact(height, HALF_SPACE, mean_pressure=load_of(height))
     start = np.random.default_rng(1).random(height.shape) * scale * cold.max_pressure
-    contact = solve(height, HALF_SPACE, **{kind: getattr(cold, kind)}, initial=start, method=method)
+    contact = solve_contact(height, HALF_SPACE, **{kind: getattr(cold, kind)}, initial=start, method=method)
     assert contact.mean_pressure == pytest.approx(cold.mean_pressure, rel=1e-2)
 
 
@@ -196,7 +197,7 @@ def test_huge_start_and_tension_change_nothing(scale, kind, method):
 
 
 def test_each_body_carries_the_common_pressure():
-    contact = solve(rough(), asp.TwoBodies(STEEL, COATING), mean_pressure=1e7)
+    contact = solve_contact(rough(), asp.TwoBodies(STEEL, COATING), mean_pressure=1e7)
     for name, layer in (("lower", STEEL), ("upper", COATING)):
         body = contact.in_body(name)
         assert body.layer is layer
@@ -214,18 +215,21 @@ NOISE = np.random.default_rng(0).standard_normal(SHAPE)
 
 
 def pressed(height=FLAT, solid=HALF_SPACE, **settings):
-    return solve(height, solid, **{"mean_pressure": 0.1} | settings)
+    return solve_contact(height, solid, **{"mean_pressure": 0.1} | settings)
 
 
 def covering(height, area_fraction=0.1, **settings):
-    return solve(height, HALF_SPACE, area_fraction=area_fraction, **settings)
+    return solve_contact(height, HALF_SPACE, area_fraction=area_fraction, **settings)
 
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: solve(FLAT, HALF_SPACE), "exactly one of"),
+    (lambda: solve_contact(FLAT, HALF_SPACE), "exactly one of"),
     (lambda: covering(FLAT, 0.0), "area_fraction = 0.0"),
-    (lambda: solve(FLAT, HALF_SPACE, force=-1.0), r"force = -1.0: 0 or a number from 1e-150 to 1e\+150 is n"),
-    (lambda: solve(FLAT, HALF_SPACE, approach=1.0), "approach = 1.0: less than the mean height"),
+    (
+        lambda: solve_contact(FLAT, HALF_SPACE, force=-1.0),
+        r"force = -1.0: 0 or a number from 1e-150 to 1e\+150 is n",
+    ),
+    (lambda: solve_contact(FLAT, HALF_SPACE, approach=1.0), "approach = 1.0: less than the mean height"),
     (lambda: pressed(method="magic"), "method = 'magic'"),
     (lambda: pressed(rtol=0.0), "rtol = 0.0"),
     (lambda: pressed(threads=0), "threads = 0"),
@@ -244,12 +248,18 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(solid=PAIR).in_body("left"), "body = 'left': 'lower' or 'upper' is needed"),
     (lambda: pressed().in_body("upper"), "body = 'upper': 'lower', because the indenter is rigid, is needed"),
     # before the first of the loads is solved
-    (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, np.nan]), "mean_pressure = nan"),
-    (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=1e-3), "mean_pressures = 0.001: a list of loads"),
-    (lambda: solve_path(FLAT, HALF_SPACE, forces=[1], hardnes=1), "hardnes: not an argument of solve; did"),
+    (lambda: solve_load_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, np.nan]), "mean_pressure = nan"),
+    (
+        lambda: solve_load_path(FLAT, HALF_SPACE, mean_pressures=1e-3),
+        "mean_pressures = 0.001: a list of loads",
+    ),
+    (
+        lambda: solve_load_path(FLAT, HALF_SPACE, forces=[1], hardnes=1),
+        "hardnes: not an argument of solve; did",
+    ),
     (lambda: pressed(hardness=-np.inf), "hardness = -inf: a number > 0, .* or inf for an elastic contact"),
     (
-        lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, 2e-3, 1e-3], hardness=0.1),
+        lambda: solve_load_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, 2e-3, 1e-3], hardness=0.1),
         "mean_pressures = .*: rising values are needed with a hardness",
     ),
 )

@@ -186,7 +186,7 @@ def test_nobody_is_told_to_delete_own_data(tmp_path, make):
 
 
 def pressed(height, length, **settings):
-    return asp.solve(height, asp.Layer(1.0, 0.3), length, **settings)
+    return asp.solve_contact(height, asp.Solid(1.0, 0.3), length, **settings)
 
 
 def test_row_of_nodes_keeps_its_edges(tmp_path):
@@ -194,7 +194,7 @@ def test_row_of_nodes_keeps_its_edges(tmp_path):
     contact.to_netcdf(tmp_path / "row.nc")
     found = dataset.read(tmp_path / "row.nc")
     assert dataset.grid_of(found) == contact.grid
-    assert asp.plot_pressure(found).axes[0].images[0].get_array().shape == (1, 33)
+    assert asp.views.plot_pressure(found).axes[0].images[0].get_array().shape == (1, 33)
     assert dataset.grid_of(in_si(found, {}, 2e-3, 1e9)[0]).length == (2e-5, 2e-3)
     del found["y"].attrs["cell_edge"]  # as files of earlier versions
     with pytest.raises(ValueError, match="y: the nodes of a whole cell are needed"):
@@ -216,7 +216,7 @@ HEIGHT = np.random.default_rng(1).normal(size=(16, 24))
 )
 def test_part_of_a_contact_has_no_stress(part, axis):
     data = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01).to_dataset().isel(part)
-    for function in (asp.plot_pressure, lambda data: data.asperity.section()):
+    for function in (asp.views.plot_pressure, lambda data: data.asperity.section()):
         with pytest.raises(ValueError, match=f"^{axis}: the nodes of a whole cell are needed, equidistant"):
             function(data)
 

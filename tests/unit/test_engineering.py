@@ -18,7 +18,7 @@ from asperity.surface.treatment.treatment import TreatedMap
 
 EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
 STEEL, ALUMINIUM = Body(young=210e9, poisson=0.3), Body(young=70e9, poisson=0.33)
-MODULUS = asp.Layer(STEEL.young, STEEL.poisson).effective_modulus
+MODULUS = asp.Solid(STEEL.young, STEEL.poisson).effective_modulus
 AS_IT_IS = {"detrend": "none", "periodic": "declared"}
 
 
@@ -284,7 +284,9 @@ def test_close_ups_hold_the_stress_of_the_solid(rough):
     y, x = rough.contact.grid.coordinates()
     rows, columns = boxes[0].part
     ends = [(float(axis[0]), float(axis[-1])) for axis in (y[rows], x[columns])]
-    exact = asp.stress_box(rough.contact.in_body("lower"), boxes[0].depths, *ends).dataset()["von_mises"]
+    exact = asp.stress.stress_box(rough.contact.in_body("lower"), boxes[0].depths, *ends).dataset()[
+        "von_mises"
+    ]
     kept = np.array([plane["von_mises"] for plane in boxes[0].planes])
     error = np.abs(kept - exact.squeeze("poisson").values)
     assert error.max() < 1e-3 * kept.max()  # tolerance of the planes, and splines between their nodes

@@ -98,7 +98,9 @@ def test_engines_agree_on_contact_and_stress(boundary, monkeypatch):
 
     def run():
         height = rough((32, 32))
-        contact = asp.solve(height, HALF_SPACE, mean_pressure=1e-3, boundary=boundary, rtol=1e-10, threads=2)
+        contact = asp.solve_contact(
+            height, HALF_SPACE, mean_pressure=1e-3, boundary=boundary, rtol=1e-10, threads=2
+        )
         contact.section("x", depths=[0.0, 0.1])
         return contact, asp.analyse_stress(contact, threads=2)
 

@@ -25,7 +25,7 @@ def test_ball_between_nodes_and_planes(limit):
     grid, size, centre = Grid((48, 48)), 12 / 48, np.array([0.513, 0.507, 0.211])
     y, x = grid.coordinates()
     square = (y[:, None] - centre[0]) ** 2 + (x - centre[1]) ** 2
-    depths = asp.depth_grid(grid, 0.6)
+    depths = asp.stress.depth_grid(grid, 0.6)
     found = filled([(z, grid, 1 - (square + (z - centre[2]) ** 2) / size**2) for z in depths], limit)
     radius = size * np.sqrt(1 - limit)
     assert found.volume == pytest.approx(4 / 3 * np.pi * radius**3, rel=0.002 if limit < 0.95 else 0.04)
@@ -45,8 +45,8 @@ def test_rough_contact_against_fine_planes(over_yield, allowed):
     A relative error of the stress of 0.004 is 1.5 · 0.004/0.05 of the volume of a small ellipsoid.
     """
     height = asp.self_affine((64, 64), 0.8, 0.5, 1 / 8, 1e-3, seed=1)
-    solid = asp.LoadedSolid.of(asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.2))
-    depths, fine = asp.depth_grid(solid.grid, 0.3), Grid((256, 256))
+    solid = asp.LoadedSolid.of(asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.2))
+    depths, fine = asp.stress.depth_grid(solid.grid, 0.3), Grid((256, 256))
     pressure = Fourier(fine).inverse(resample(Fourier(solid.grid).forward(solid.pressure), solid.grid, fine))
     found = planes_of(solid, depths)
     dense = np.unique(np.concatenate([np.linspace(*pair, 5) for pair in pairwise(depths)]))

@@ -21,7 +21,7 @@ def wave(shape=(16, 32)):
     """Half-space under p (1 + cos q x), in SI."""
     grid = asp.Grid(shape, EDGE)
     field = np.tile(PRESSURE * (1 + np.cos(Q * grid.coordinates()[1])), (shape[0], 1))
-    return asp.LoadedSolid(field, grid, asp.Layer(210e9, 0.3))
+    return asp.LoadedSolid(field, grid, asp.Solid(210e9, 0.3))
 
 
 def read_image(path):
@@ -54,7 +54,7 @@ def read_image(path):
 def write(path, solid, depth, y=None, x=None, spacing=None, fields=("von_mises",)):
     """Write a box of a solid in SI; its size."""
     depths = export.box_depths(sources(solid, "SI")[0], depth, spacing)
-    box = asp.stress_box(solid, depths, y, x, fields, tolerance=0.0)
+    box = asp.stress.stress_box(solid, depths, y, x, fields, tolerance=0.0)
     return export.write_box(box, path, export.ExportUnits.of("SI"))
 
 
@@ -108,7 +108,7 @@ def test_surface_fields_are_an_image_and_a_table(tmp_path):
 def test_a_contact_writes_what_the_command_exports(tmp_path):
     height = asp.self_affine((32, 32), 0.8, 20e-6, 8e-6, rms_height=1e-7, seed=1, length=40e-6)
     grid = asp.Grid((32, 32), 40e-6)
-    contact = asp.solve(height, asp.Layer(210e9, 0.3), grid, area_fraction=0.1)
+    contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), grid, area_fraction=0.1)
     contact.to_netcdf(tmp_path / "contact.nc")
     contact.to_vtk(tmp_path / "surface.vti")
     contact.to_vtk(tmp_path / "box.vti", ("xx",), depth=(0, 2e-6), y=(0, 20e-6))

@@ -10,13 +10,13 @@ from asperity.fourier.grid import Grid
 from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE
 from asperity.surface.treatment.levelling import low_pass_bounded, mirrored
 
-LAYER = asp.Layer(young=1.0, poisson=0.33)
+LAYER = asp.Solid(young=1.0, poisson=0.33)
 
 
 def contact_on(nodes, hurst=0.8, **load):
     """A contact with a number of nodes on the shortest wavelength."""
     height = asp.self_affine((16 * nodes,) * 2, hurst, 1 / 4, 1 / 16, rms_height=1e-3, seed=5)
-    return asp.solve(height, LAYER, **load)
+    return asp.solve_contact(height, LAYER, **load)
 
 
 def stress_of(contact):
@@ -32,7 +32,7 @@ def on_two_grids():
     """Estimates on 8 and on 32 nodes."""
     coarse = contact_on(8, area_fraction=0.08)
     fine = contact_on(32, mean_pressure=coarse.mean_pressure)
-    return asp.continuum(coarse, stress_of(coarse)), asp.continuum(fine, stress_of(fine))
+    return asp.continuum_limit(coarse, stress_of(coarse)), asp.continuum_limit(fine, stress_of(fine))
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_stated_errors_cover_the_true_ones(hurst, waves, area):
     def estimates(nodes, **load):
         points = round(nodes * waves / long)
         height = asp.self_affine((points, points), hurst, long, long / waves, rms_height=1e-3, seed=7)
-        contact = asp.solve(height, LAYER, **load)
-        return contact, asp.continuum(contact, stress_of(contact))
+        contact = asp.solve_contact(height, LAYER, **load)
+        return contact, asp.continuum_limit(contact, stress_of(contact))
 
     contact, found = estimates(8, area_fraction=area)
     truth = estimates(32, mean_pressure=contact.mean_pressure)[1].sel(kind="estimate")
@@ -82,7 +82,7 @@ def test_stated_errors_cover_the_true_ones(hurst, waves, area):
 
 @pytest.mark.parametrize("area", [0.98, 1.0])
 def test_no_estimate_where_almost_all_is_in_contact(area):
-    found = asp.continuum(contact_on(4, area_fraction=area))
+    found = asp.continuum_limit(contact_on(4, area_fraction=area))
     assert "out of contact, and 200 are needed" in found.attrs["reason"]
 
 
@@ -94,7 +94,7 @@ def test_boundary_share_gives_the_area_of_hertz():
         height = (x[None, :] ** 2 + y[:, None] ** 2) / 2
         radius = 0.09
         load = 4 / 3 * LAYER.effective_modulus * radius**3  # Hertz, on a cell of unit area
-        touching = asp.solve(height, LAYER, boundary="free", mean_pressure=load).pressure > 0
+        touching = asp.solve_contact(height, LAYER, boundary="free", mean_pressure=load).pressure > 0
         excess.append(touching.mean() - np.pi * radius**2)
         edges.append(sum((touching != np.roll(touching, 1, axis)).mean() for axis in (0, 1)))
     share = np.sum(excess) / np.sum(edges)
@@ -104,14 +104,14 @@ def test_boundary_share_gives_the_area_of_hertz():
 @pytest.mark.parametrize(
     ("contact", "reason"),
     [
-        (lambda: asp.solve(np.zeros((16, 16)), LAYER, mean_pressure=1e-3), "flat or stepped"),
-        (lambda: asp.solve(pillars(), LAYER, mean_pressure=1e-5), "flat or stepped"),
+        (lambda: asp.solve_contact(np.zeros((16, 16)), LAYER, mean_pressure=1e-3), "flat or stepped"),
+        (lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5), "flat or stepped"),
         (lambda: contact_on(8, area_fraction=0.005), "nodes are in contact, and 200"),
         (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
     ],
 )
 def test_no_estimate_where_the_grid_allows_none(contact, reason):
-    found = asp.continuum(contact())
+    found = asp.continuum_limit(contact())
     assert reason in found.attrs["reason"]
     assert np.isfinite(found["area_fraction"].sel(kind="on_grid"))
     assert found.sel(kind=["estimate", "error"]).to_array().isnull().all()
@@ -122,8 +122,8 @@ def test_straight_ridges_are_within_the_error(points, phase):
     """Contact of 3 % of a wave (Westergaard, J. Appl. Mech. 6 (1939) A49), 2 to 9 nodes wide."""
     height = 1e-3 * np.cos(2 * np.pi * (np.arange(points) + phase) / points) * np.ones((points, 1))
     load = np.pi * LAYER.effective_modulus * 1e-3 * np.sin(np.pi * 0.03 / 2) ** 2
-    contact = asp.solve(height, LAYER, mean_pressure=load)
-    found = asp.continuum(contact, stress_of(contact))
+    contact = asp.solve_contact(height, LAYER, mean_pressure=load)
+    found = asp.continuum_limit(contact, stress_of(contact))
     _, _, estimate, error = found["area_fraction"].values
     assert abs(estimate - 0.03) <= estimate * error
     assert "ridges are straight" in found.attrs["reason_of_stress"]
@@ -135,17 +135,19 @@ def test_only_other_surfaces_have_a_least_error(kind):
     """Errors of isotropic Gaussian surfaces are those that docs/continuum.md lists for them."""
     height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=5)
     length = (4.0, 1.0) if kind == "lay" else 1.0  # the same heights, four times as long along y
-    height = asp.johnson(height, 0.6, 1.0) if kind == "skewed" else height
-    least = asp.continuum(asp.solve(height, LAYER, length, area_fraction=0.1)).attrs["least_error"]
+    height = asp.surface.johnson(height, 0.6, 1.0) if kind == "skewed" else height
+    least = asp.continuum_limit(asp.solve_contact(height, LAYER, length, area_fraction=0.1)).attrs[
+        "least_error"
+    ]
     assert (least > 0) == (kind != "gaussian")
 
 
 def test_waves_below_four_nodes_are_estimated_too():
     """Two nodes on the shortest wave against eight; the area on two errs by a third."""
     coarse = contact_on(2, area_fraction=0.3)
-    fine = asp.continuum(contact_on(8, mean_pressure=coarse.mean_pressure))
+    fine = asp.continuum_limit(contact_on(8, mean_pressure=coarse.mean_pressure))
     truth = float(fine["area_fraction"].sel(kind="estimate"))
-    found = asp.continuum(coarse)
+    found = asp.continuum_limit(coarse)
     on_grid, _, estimate, error = found["area_fraction"].values
     assert found.attrs["lost_gradient"] > 0.2
     assert abs(estimate / truth - 1) < min(error, 0.5 * abs(on_grid / truth - 1))
@@ -169,15 +171,18 @@ def test_one_mirrored_node_grows_with_its_pixel():
     """A quarter of the pressure on four times the area."""
     height = np.random.default_rng(1).normal(size=(16, 16))
     height[5, 7] = -50.0
-    contact = asp.solve(mirrored(1e-3 * height), LAYER, mean_pressure=1e-6)
-    area = asp.continuum(contact)["area_fraction"]
+    contact = asp.solve_contact(mirrored(1e-3 * height), LAYER, mean_pressure=1e-6)
+    area = asp.continuum_limit(contact)["area_fraction"]
     assert float(area.sel(kind="on_half") / area.sel(kind="on_grid")) == pytest.approx(4)
 
 
-CONTACT = asp.solve(rough(), LAYER, area_fraction=0.1)
+CONTACT = asp.solve_contact(rough(), LAYER, area_fraction=0.1)
 
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: asp.continuum(CONTACT, CONTACT.to_dataset()), "stress: a result of analyse_stress is needed"),
-    (lambda: asp.continuum(np.zeros((4, 4))), "contact = ndarray: a Contact is needed"),
+    (
+        lambda: asp.continuum_limit(CONTACT, CONTACT.to_dataset()),
+        "stress: a result of analyse_stress is needed",
+    ),
+    (lambda: asp.continuum_limit(np.zeros((4, 4))), "contact = ndarray: a Contact is needed"),
 )

@@ -23,8 +23,8 @@ def test_units_by_powers_of_two_change_no_bit(boundary, heights, lengths, moduli
     """Multiplication by a power of two is exact, also far beyond the range of single precision."""
     height, by = 0.01 * noise(), [2.0**exponent for exponent in (heights, lengths, moduli)]
     settings = {"area_fraction": 0.1, "boundary": boundary}
-    one = asp.solve(height, HALF_SPACE, **settings)
-    other = asp.solve(height * by[0], asp.Layer(by[2], 0.3), by[1], **settings)
+    one = asp.solve_contact(height, HALF_SPACE, **settings)
+    other = asp.solve_contact(height * by[0], asp.Solid(by[2], 0.3), by[1], **settings)
     np.testing.assert_array_equal(other.pressure, one.pressure * (by[0] / by[1] * by[2]))
     np.testing.assert_array_equal(other.gap, one.gap * by[0])
     assert other.approach == one.approach * by[0]
@@ -44,7 +44,9 @@ def test_units_by_powers_of_two_change_no_bit(boundary, heights, lengths, moduli
 )
 def test_single_precision_is_refined_in_double(height, settings, bound):
     """Where rounding alone is above the bound: of an offset of 1000 rms heights, or of a contact of 1 %."""
-    single, double = (asp.solve(height, HALF_SPACE, dtype=d, **settings) for d in ("float32", "float64"))
+    single, double = (
+        asp.solve_contact(height, HALF_SPACE, dtype=d, **settings) for d in ("float32", "float64")
+    )
     assert single.pressure.dtype == single.gap.dtype == np.float32
     assert difference(single.pressure, double.pressure) < bound
 
@@ -66,7 +68,7 @@ def test_single_precision_is_refined_in_double(height, settings, bound):
 )
 def test_smallest_area_is_the_lowest_level(height, fraction, method):
     """Of steps, a flat surface, a tilted plane and a rough surface."""
-    contact = asp.solve(height, HALF_SPACE, area_fraction=fraction, method=method)
+    contact = asp.solve_contact(height, HALF_SPACE, area_fraction=fraction, method=method)
     contact.certificate.check(1e-4)
     lowest = height == height.min()
     np.testing.assert_array_equal(contact.pressure > 0, lowest)
@@ -86,14 +88,29 @@ def loaded(size=1.0):
 
 test_argument_out_of_range_is_refused = refuses(
     (lambda: asp.stress_planes(loaded(), [0.0], fields=[np.zeros(2)]), "fields = array.*: names from xx, yy"),
-    (lambda: asp.solve([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1), "height = .*: real numbers are neede"),
-    (lambda: asp.solve(1e80 * EIGHT, HALF_SPACE, area_fraction=0.1), "height: numbers from -1e"),
-    (lambda: asp.solve(1e-80 * EIGHT, HALF_SPACE, area_fraction=0.1), "height: heights that differ by 1e-75"),
-    (lambda: asp.with_moments(np.empty((0, 0)), 0.0, 3.0), r"height of shape \(0, 0\): an array"),
+    (
+        lambda: asp.solve_contact([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1),
+        "height = .*: real numbers are neede",
+    ),
+    (lambda: asp.solve_contact(1e80 * EIGHT, HALF_SPACE, area_fraction=0.1), "height: numbers from -1e"),
+    (
+        lambda: asp.solve_contact(1e-80 * EIGHT, HALF_SPACE, area_fraction=0.1),
+        "height: heights that differ by 1e-75",
+    ),
+    (lambda: asp.surface.with_moments(np.empty((0, 0)), 0.0, 3.0), r"height of shape \(0, 0\): an array"),
     (lambda: next(iter(asp.stress_planes(loaded(1e150), [0.0]))), "pressure: numbers from -1e"),
-    (lambda: asp.stress_box(loaded(), [0.0], spacing=5e-324), "spacing = 5e-324: a number of at least 1e-05"),
-    (lambda: asp.probability_density(EIGHT, 10, (0.0, 5e-324)), r"limits = \(0.0, 5e-324\): a pair of finit"),
-    (lambda: asp.treat_map(asp.HeightMap(np.ones(8), (1.0, 1.0), True)), r"height has the shape \(8,\): at"),
+    (
+        lambda: asp.stress.stress_box(loaded(), [0.0], spacing=5e-324),
+        "spacing = 5e-324: a number of at least 1e-05",
+    ),
+    (
+        lambda: asp.stress.probability_density(EIGHT, 10, (0.0, 5e-324)),
+        r"limits = \(0.0, 5e-324\): a pair of finit",
+    ),
+    (
+        lambda: asp.prepare_map(asp.HeightMap(np.ones(8), (1.0, 1.0), True)),
+        r"height has the shape \(8,\): at",
+    ),
     (lambda: asp.analyse_stress(loaded(), friction=1e20), r"friction = 1e\+20: a number from 0 to 1000"),
 )
 

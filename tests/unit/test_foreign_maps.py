@@ -378,7 +378,7 @@ def test_netcdf_without_edges_asks_for_them(tmp_path):
 
 def test_arrays_are_taken_by_their_axes():
     """DataArrays and DataFrames give what the plain array gives."""
-    expected = asp.solve(HEIGHT, asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
+    expected = asp.solve_contact(HEIGHT, asp.Solid(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
     array = xr.DataArray(HEIGHT, dims=("y", "x"), coords={"y": np.arange(8), "x": np.arange(6)})
     frame = pd.DataFrame(HEIGHT, columns=[f"{0.5 * n}" for n in range(6)])
     mixed = frame.iloc[::-1, [3, 0, 5, 1, 4, 2]]
@@ -391,13 +391,15 @@ def test_arrays_are_taken_by_their_axes():
         frame,
         mixed,
     ):
-        found = asp.solve(given, asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
+        found = asp.solve_contact(given, asp.Solid(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
         np.testing.assert_array_equal(found, expected)
         np.testing.assert_array_equal(asp.HeightMap(given, (8.0, 6.0)).height, HEIGHT)
     with pytest.raises(ValueError, match="height over a and b: an array over the axes y and x is needed"):
-        asp.solve(array.rename(y="a", x="b"), asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1)
+        asp.solve_contact(array.rename(y="a", x="b"), asp.Solid(1.0, 0.3), 1.0, mean_pressure=0.1)
     with pytest.raises(ValueError, match="height: a position is given to several columns"):
-        asp.solve(frame.set_axis([0, 1, 1, 2, 3, 4], axis=1), asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1)
+        asp.solve_contact(
+            frame.set_axis([0, 1, 1, 2, 3, 4], axis=1), asp.Solid(1.0, 0.3), 1.0, mean_pressure=0.1
+        )
 
 
 @pytest.mark.parametrize("value", [-9999.0, -32768.0, 65535.0, 1e30, 1e20, 0.0])

@@ -33,7 +33,7 @@ def values(answer, group="partial slip"):
 def test_numbers_are_those_of_partial_slip(fretting):
     found = values(fretting)
     contact = fretting.contact
-    slip = asp.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
+    slip = asp.contact.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
     assert found["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-5)
     assert found["tangential displacement"] == pytest.approx(slip.displacement, rel=1e-5)
     assert found["energy lost in a cycle ± force"] == pytest.approx(slip.lost_energy / 4, rel=1e-4)
@@ -84,7 +84,7 @@ def test_percolation_is_that_of_the_map():
     alone = replace(
         contact, gap=part(contact.gap), pressure=part(contact.pressure), grid=grid, boundary="free"
     )
-    for axis, width in zip("yx", asp.percolation(alone).constriction, strict=True):
+    for axis, width in zip("yx", asp.contact.percolation(alone).constriction, strict=True):
         assert found[f"narrowest constriction along {axis}"] == pytest.approx(width, rel=1e-12)
     assert "leakage along y" not in found
 
@@ -98,7 +98,7 @@ def test_leak_through_a_mirrored_map(tmp_path):
     alone = replace(
         contact, gap=part(contact.gap), pressure=part(contact.pressure), grid=grid, boundary="free"
     )
-    flow = asp.film_flow(alone, 1e-3, 1e5, "x")
+    flow = asp.contact.film_flow(alone, 1e-3, 1e5, "x")
     assert found["leakage along x"] == pytest.approx(flow.flow_rate, rel=1e-6)
     assert found["leakage along x"] == pytest.approx(answer.found["leak"].on_half, rel=0.5)
     assert found["pressure flow factor"] == pytest.approx(flow.flow_factor, rel=1e-6)

@@ -1,4 +1,4 @@
-"""Layer and two bodies: precision, mean (q = 0) mode, ends of the range, laws of mechanics, refused input."""
+"""Solid and two bodies: precision, mean (q = 0) mode, ends of the range, laws of mechanics, refused input."""
 
 from dataclasses import replace
 
@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from samples import refuses
 
-from asperity.elasticity.layer import Layer, simplest_solid
+from asperity.elasticity.solid import Solid, simplest_solid
 from asperity.elasticity.two_bodies import TwoBodies, sliding_coupling
 from asperity.reference.state_space import StateSpace
 
-SUPPORTED = [Layer(1.3, 0.3), Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3, 0.4, "frictionless")]
-SUPPORTED.append(Layer(1.3, 0.3, 0.2, base=SUPPORTED[0]))
+SUPPORTED = [Solid(1.3, 0.3), Solid(1.3, 0.3, 0.4), Solid(1.3, 0.3, 0.4, "frictionless")]
+SUPPORTED.append(Solid(1.3, 0.3, 0.2, base=SUPPORTED[0]))
 
 
 @pytest.mark.parametrize("layer", SUPPORTED)
@@ -38,7 +38,7 @@ def test_fields_broadcast_and_keep_their_precision(layer, dtype):
 @pytest.mark.parametrize("lateral", ["confined", "free"])
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 def test_mean_mode_obeys_hooke(lateral, bottom):
-    layer = Layer(2.0, 0.3, 0.5, bottom, lateral)
+    layer = Solid(2.0, 0.3, 0.5, bottom, lateral)
     xx, yy, zz, *shear = layer.uniform_stress()
     assert (zz, *shear) == (-1, 0, 0, 0)
     assert xx == yy == (pytest.approx(-0.3 / 0.7) if lateral == "confined" else 0)
@@ -53,24 +53,24 @@ def test_mean_mode_obeys_hooke(lateral, bottom):
 
 def test_mean_displacement_without_a_support_is_zero():
     """Also of an incompressible layer, which cannot be compressed."""
-    half_space = Layer(1.0, 0.3)
-    for layer in (half_space, Layer(1.0, 0.3, 1.0, "free")):
+    half_space = Solid(1.0, 0.3)
+    for layer in (half_space, Solid(1.0, 0.3, 1.0, "free")):
         assert layer.uniform_compliance() == layer.surface_compliance(0.0) == 0
     assert np.all(half_space.displacement(0.0, 0.0, [0.0, 3.0]) == 0)
     assert np.all(half_space.stress(0.0, 0.0, 3.0)[:2] == -0.3 / 0.7)
-    assert Layer(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
+    assert Solid(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
 
 
 def test_supported_bottoms_do_not_move():
     """The depth of the bottom may be rounded to single precision."""
     q = np.geomspace(1e-8, 1e3, 40)
     for height, depth in ((0.7, 0.7), (0.1, np.float32(0.1))):
-        np.testing.assert_array_equal(Layer(1.0, 0.3, height).displacement(q, q, depth), 0)
-    slides = Layer(1.0, 0.3, 0.7, "frictionless")
+        np.testing.assert_array_equal(Solid(1.0, 0.3, height).displacement(q, q, depth), 0)
+    slides = Solid(1.0, 0.3, 0.7, "frictionless")
     np.testing.assert_array_equal(slides.displacement(q, q, 0.7)[:, 2], 0)
     np.testing.assert_array_equal(slides.stress(q, q, 0.7)[:, 3:5], 0)
     with pytest.raises(ValueError, match="depth"):
-        Layer(1.0, 0.3, 0.1).displacement(2.0, 1.0, float(np.float32(0.1)))
+        Solid(1.0, 0.3, 0.1).displacement(2.0, 1.0, float(np.float32(0.1)))
 
 
 EXTREMES = (1e-75, 1e-40, 1.0, 1e40, 1e75)
@@ -83,7 +83,7 @@ def test_every_accepted_value_gives_finite_numbers(height, poisson, bottom):
     q = np.array([0.0, *EXTREMES, *np.geomspace(1e-12, 1e9, 60)])
     depth = np.array([0.0, 1e-9, 0.3, 0.9, 1 - 1e-15, 1.0])[:, None] * (height or 1.0)
     for young in EXTREMES:
-        layer = Layer(young, poisson, height, bottom)
+        layer = Solid(young, poisson, height, bottom)
         fields = layer.stress(q, 0.0, depth), layer.displacement(q, 0.0, depth)
         for values in (*layer.kernels(q, depth), *fields, layer.surface_compliance(q)):
             assert np.isfinite(values).all()
@@ -93,9 +93,9 @@ def test_every_accepted_value_gives_finite_numbers(height, poisson, bottom):
 @pytest.mark.parametrize("poisson", [-0.95, 0.33, 0.5])
 def test_no_mode_differs_by_more(bottom, poisson):
     """On finer samples and in all directions; 1 %: the samples miss the largest value by that."""
-    q, half_space = np.geomspace(1.0, 30.0, 60), Layer(1.0, poisson)
+    q, half_space = np.geomspace(1.0, 30.0, 60), Solid(1.0, poisson)
     for reach in (2.0, 2 * np.pi, 12.0):
-        layer = Layer(1.0, poisson, reach, bottom)
+        layer = Solid(1.0, poisson, reach, bottom)
         chosen = simplest_solid(layer, q_min=1.0, tolerance=0.0)
         assert chosen.layer is layer
         depth = np.linspace(0, reach, 201)[:, None, None]
@@ -107,29 +107,29 @@ def test_no_mode_differs_by_more(bottom, poisson):
 
 
 def test_half_space_is_chosen_within_the_tolerance():
-    layer = Layer(1.0, 0.33, 1.0, lateral="free")
+    layer = Solid(1.0, 0.33, 1.0, lateral="free")
     chosen, kept = (simplest_solid(layer, 2 * np.pi, tolerance) for tolerance in (0.05, 1e-3))
-    assert chosen.layer == Layer(1.0, 0.33, None, lateral="free")
+    assert chosen.layer == Solid(1.0, 0.33, None, lateral="free")
     assert "half-space" in chosen.reason
     assert kept.layer is layer
     assert kept.difference == chosen.difference > 1e-3
     assert "layer" in kept.reason
-    half_space, sheet = Layer(1.0, 0.33), Layer(1.0, 0.33, 100.0, "free")
+    half_space, sheet = Solid(1.0, 0.33), Solid(1.0, 0.33, 100.0, "free")
     assert simplest_solid(half_space, 1.0, 0.0).layer is half_space
     assert simplest_solid(half_space, 1.0, 0.0).difference == 0
     assert simplest_solid(sheet, 1.0, 0.5).layer is sheet
 
 
-SLAB = Layer(1.0, 0.3, 0.4)
+SLAB = Solid(1.0, 0.3, 0.4)
 FREE = replace(SLAB, bottom="free")
 
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: Layer(1.0, 0.5 + 1e-12), "poisson = .* > -1 and ≤ 0.5"),
-    (lambda: Layer(0, 0.3), "young = 0: .* > 0"),
-    (lambda: Layer(1.0, 0.3, np.inf), "height = inf: .* > 0, .* or None for the half-space"),
-    (lambda: Layer(1.0, 0.3, bottom="glued"), "bottom = 'glued': one of bonded, frictionless, free"),
-    (lambda: Layer(1.0, 0.3, lateral="loose"), "lateral = 'loose': one of confined, free"),
+    (lambda: Solid(1.0, 0.5 + 1e-12), "poisson = .* > -1 and ≤ 0.5"),
+    (lambda: Solid(0, 0.3), "young = 0: .* > 0"),
+    (lambda: Solid(1.0, 0.3, np.inf), "height = inf: .* > 0, .* or None for the half-space"),
+    (lambda: Solid(1.0, 0.3, bottom="glued"), "bottom = 'glued': one of bonded, frictionless, free"),
+    (lambda: Solid(1.0, 0.3, lateral="loose"), "lateral = 'loose': one of confined, free"),
     (lambda: SLAB.surface_compliance(-1.0), "q = -1.0: wavenumbers of 0 or from 1e-75 to 1e"),
     (lambda: SLAB.kernels(1.0, -0.1), "depth = .*-0.1.*from 0 to 0.4"),
     (lambda: SLAB.kernels(np.ones(3), np.zeros(2)), r"shapes q \(3,\), depth \(2,\)"),
@@ -140,13 +140,13 @@ test_wrong_argument_is_refused = refuses(
     (lambda: FREE.kernels(1.0, 0.1), "bottom = 'free'"),
     (lambda: FREE.shear_kernels(1.0, 0.1), "bottom = 'free': bonded is needed"),
     (lambda: replace(FREE, height=1e-40).surface_compliance(1e-75), ".*too large for float64"),
-    (lambda: Layer(1e-40, 0.3, 1.0).displacement(*np.ones(2, np.float32), 0.0), ".*too large for"),
+    (lambda: Solid(1e-40, 0.3, 1.0).displacement(*np.ones(2, np.float32), 0.0), ".*too large for"),
     (lambda: simplest_solid(SLAB, 0.0, 0.1), "q_min = 0.0: a number > 0"),
-    (lambda: TwoBodies(SLAB, None), "^upper = None: a Layer is needed"),
+    (lambda: TwoBodies(SLAB, None), "^upper = None: a Solid is needed"),
 )
 
 
-STEEL, BRONZE, COATING = Layer(210e9, 0.3), Layer(110e9, 0.34), Layer(3e9, 0.4, height=0.1)
+STEEL, BRONZE, COATING = Solid(210e9, 0.3), Solid(110e9, 0.34), Solid(3e9, 0.4, height=0.1)
 
 
 def test_two_half_spaces_are_one():
@@ -172,7 +172,7 @@ def test_layers_add_their_compliances():
 def test_sliding_displaces_a_layer_as_state_space(height, poisson):
     mode = StateSpace(1, 0, 2.0, poisson, height, digits=30)
     by_traction, by_pressure = (abs(mode.state(0, mode.solve(top))[2]) for top in ([1, 0, 0], [0, 0, -1]))
-    found = sliding_coupling(Layer(2.0, poisson, height), 1.0)
+    found = sliding_coupling(Solid(2.0, poisson, height), 1.0)
     assert found == pytest.approx(float(by_traction / by_pressure), rel=1e-12)
 
 
@@ -187,13 +187,13 @@ def test_sliding_couples_half_spaces_by_dundurs_constant():
 ratios = st.one_of(st.floats(-0.95, 0.5), st.just(0.5))
 heights = st.one_of(st.none(), st.floats(-3, 2).map(lambda exponent: 10.0**exponent))
 supports = st.sampled_from(["bonded", "frictionless"])
-solids = st.builds(Layer, st.floats(0.1, 10), ratios, heights, supports)
+solids = st.builds(Solid, st.floats(0.1, 10), ratios, heights, supports)
 
 
 @given(ratios, supports, st.floats(0, 0.5))
 def test_tall_layer_is_the_half_space(poisson, bottom, depth):
     """Up to e^(−60) and rounding."""
-    tall, half_space = Layer(1.0, poisson, 60.0, bottom), Layer(1.0, poisson)
+    tall, half_space = Solid(1.0, poisson, 60.0, bottom), Solid(1.0, poisson)
     np.testing.assert_allclose(tall.stress(1.0, 0.4, depth), half_space.stress(1.0, 0.4, depth), atol=4e-15)
     assert tall.surface_compliance(1.0) == pytest.approx(half_space.surface_compliance(1.0), rel=4e-15)
 
@@ -201,7 +201,7 @@ def test_tall_layer_is_the_half_space(poisson, bottom, depth):
 def test_long_waves_bend_a_free_layer():
     """G → 12 (1 − ν²)/(E q⁴ height³), the bending compliance of a plate, on both faces."""
     bending = 12 * (1 - 0.3**2) / (2.0 * 1e-16 * 0.5**3)
-    layer = Layer(2.0, 0.3, 0.5, "free")
+    layer = Solid(2.0, 0.3, 0.5, "free")
     assert layer.surface_compliance(1e-4) == pytest.approx(bending, rel=1e-7)
     tensor = layer.green_tensor(1e-4, 0.0)
     np.testing.assert_allclose(tensor[[2, 2, 5, 5], [2, 5, 2, 5]], bending, rtol=1e-7)

@@ -66,7 +66,7 @@ test_wrong_loads_are_refused = refuses(
     (lambda: loads_of("5 N", last="1 MPa"), "load_curve.loads: '5 N': a mean pressure is needed"),
     (lambda: run(a_rough_map(), CONDUCTING, force=1.0), "conduction: a counter_body is needed"),
     (lambda: run(a_rough_map(), CONDUCTING, STEEL, force=1.0), "counter_body.conductivity: missing"),
-    (lambda: asp.load_curve([]), ".*at least one is needed"),
+    (lambda: asp.engineering.load_curve([]), ".*at least one is needed"),
 )
 
 
@@ -77,11 +77,11 @@ def test_steps_are_in_equal_ratios():
 @pytest.mark.parametrize("nodes", [63, 64])  # the mean mode of rounding errors is 0 on even grids alone
 def test_full_contact_is_infinitely_stiff(nodes, tmp_path):
     height = asp.self_affine((nodes, nodes), 0.8, 5e-4, 2.5e-4, rms_height=1e-6, seed=1, length=1e-3)
-    contact = asp.solve(height, asp.Layer(200e9, 0.3), 1e-3, mean_pressure=10e9)
+    contact = asp.solve_contact(height, asp.Solid(200e9, 0.3), 1e-3, mean_pressure=10e9)
     assert contact.area_fraction == 1
     assert contact.stiffness == contact.conductance(1.0) == np.inf
     assert contact.load_interval[1] == np.inf
-    on_layer = asp.solve(height, asp.Layer(200e9, 0.3, height=1e-4), 1e-3, mean_pressure=50e9)
+    on_layer = asp.solve_contact(height, asp.Solid(200e9, 0.3, height=1e-4), 1e-3, mean_pressure=50e9)
     oedometric = 200e9 * 0.7 / (1.3 * 0.4) / 1e-4  # uniform strain fixed laterally
     assert on_layer.area_fraction == 1
     assert on_layer.stiffness == pytest.approx(oedometric)

@@ -125,7 +125,7 @@ def test_line_scan_is_pressed_in_plane_strain(tmp_path):
     options = MapOptions(**known)
     assert read_map(path, options).length == pytest.approx((4e-3 / 256, 1e-3))
     body = asp.Body(young=100e9, poisson=0.3)
-    pressure = np.pi * asp.Layer(100e9, 0.3).effective_modulus * 2e-7 / 1e-3 * np.sin(np.pi * 0.15) ** 2
+    pressure = np.pi * asp.Solid(100e9, 0.3).effective_modulus * 2e-7 / 1e-3 * np.sin(np.pi * 0.15) ** 2
     answer = asp.run({"file": path, **known}, body, mean_pressure=pressure)
     assert answer.numbers.area_fraction == pytest.approx(0.3, abs=2 / 256)  # nodes at both ends
     largest = 2 * pressure / np.sin(np.pi * 0.15)  # in the middle of the contact

@@ -18,12 +18,12 @@ from asperity.core import markup
 ROOT = Path(__file__).parents[2]
 LENGTH = (1.5e-4, 2e-4)
 HEIGHT = asp.self_affine((48, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=LENGTH)
-STEEL, SHEET = asp.Layer(210e9, 0.3), asp.Layer(110e9, 0.34, height=1e-3, bottom="free", lateral="free")
+STEEL, SHEET = asp.Solid(210e9, 0.3), asp.Solid(110e9, 0.34, height=1e-3, bottom="free", lateral="free")
 
 
 @pytest.fixture(scope="module")
 def contact():
-    return asp.solve(HEIGHT, STEEL, LENGTH, mean_pressure=50e6)
+    return asp.solve_contact(HEIGHT, STEEL, LENGTH, mean_pressure=50e6)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_representation_is_a_line_and_a_small_table(objects):
 
 def test_representation_of_a_solid_makes_it_again():
     for solid in (SHEET, asp.TwoBodies(STEEL, SHEET)):
-        assert eval(repr(solid), {"Layer": asp.Layer, "TwoBodies": asp.TwoBodies}) == solid
+        assert eval(repr(solid), {"Solid": asp.Solid, "TwoBodies": asp.TwoBodies}) == solid
 
 
 def test_contact_names_what_shows_it(contact):
@@ -94,13 +94,13 @@ def test_picture_is_small_and_keeps_the_largest_value():
         assert "<img" in markup.picture(np.ones(shape), "p")
 
 
-LAYER = asp.Layer(2e9, 0.45, height=4e-5, lateral="free")
+LAYER = asp.Solid(2e9, 0.45, height=4e-5, lateral="free")
 
 
 @pytest.mark.parametrize("solid", [STEEL, LAYER, asp.TwoBodies(lower=LAYER, upper=STEEL)])
 def test_file_of_a_contact_gives_the_same_section(solid, tmp_path):
     """It holds the lower solid."""
-    contact = asp.solve(HEIGHT, solid, LENGTH, mean_pressure=1e6)
+    contact = asp.solve_contact(HEIGHT, solid, LENGTH, mean_pressure=1e6)
     contact.to_netcdf(tmp_path / "contact.nc")
     found = asp.read_result(tmp_path / "contact.nc")
     np.testing.assert_array_equal(found["pressure"], contact.pressure)
@@ -119,7 +119,7 @@ def test_file_of_a_contact_gives_the_same_section(solid, tmp_path):
 def test_stress_dataset_plots_and_is_a_file(stress, tmp_path):
     assert repr(stress.asperity) == "<result of stage stress: plot(), peaks()>"
     assert stress.asperity.plot("von_mises").axes
-    assert stress.asperity.peaks("von_mises", selection="under_contact").sizes["peak"] > 0
+    assert stress.asperity.stress.select_peaks("von_mises", selection="under_contact").sizes["peak"] > 0
     stress.to_netcdf(tmp_path / "plain.nc")
     xr.testing.assert_allclose(xr.load_dataset(tmp_path / "plain.nc"), stress)
     asp.write_result(stress, tmp_path / "stress.nc", "Stress")

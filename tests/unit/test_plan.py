@@ -35,9 +35,9 @@ def corrected(nodes, **load):
     points = round(nodes / UNSEEN.wavelength_short)
     band = UNSEEN.hurst, UNSEEN.wavelength_long, UNSEEN.wavelength_short
     height = asp.self_affine((points, points), *band, rms_height=1e-3, seed=7)
-    contact = asp.solve(height, asp.Layer(1.0, 0.33), **load)
+    contact = asp.solve_contact(height, asp.Solid(1.0, 0.33), **load)
     stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"), tolerance=1e-4)
-    found = asp.continuum(contact, stress).sel(kind="estimate").squeeze("poisson")
+    found = asp.continuum_limit(contact, stress).sel(kind="estimate").squeeze("poisson")
     names = ("area_fraction", "proportionality", "decay_length_plane")
     numbers = {name: float(found[name]) for name in names}
     for kind in ("pressure", "von_mises"):

@@ -5,7 +5,7 @@ import pytest
 from samples import invariants, spots
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS
+from asperity.elasticity.solid import COMPONENTS
 from asperity.stress.planes.fields import FIELDS, principal_stresses
 
 ROUNDING = 4e-15

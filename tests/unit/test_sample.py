@@ -20,7 +20,9 @@ def a_map(seed, points=64, rms=1e-7):
 
 
 def pooled_with(other, load=200e6):
-    return asp.pooled([run(a_map(1), STEEL, mean_pressure=200e6), run(other, STEEL, mean_pressure=load)])
+    return asp.pool_answers(
+        [run(a_map(1), STEEL, mean_pressure=200e6), run(other, STEEL, mean_pressure=load)]
+    )
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,7 @@ def test_interval_is_students_and_holds_the_mean():
 
 
 def test_sample_pools_volumes_over_one_depth(answers):
-    sample = asp.pooled(answers)
+    sample = asp.pool_answers(answers)
     found = [answer.found["yielding"]["lower"] for answer in answers]
     volumes, depths = [each.volume for each in found], [each.depths[1] for each in found]
     group, values = "stress in the elastic body", sample.frame().set_index("name").filter(like="map_")
@@ -81,7 +83,7 @@ def test_identical_bodies_are_one_row():
     """Under friction, whose direction is opposite in the other body."""
     maps = [a_map(seed, 96) for seed in (1, 2)]
     answers = [run(each, STEEL, STEEL, mean_pressure=2e9, friction=0.2) for each in maps]
-    sample, peaks = asp.pooled(answers), pd.concat([answer.peaks() for answer in answers])
+    sample, peaks = asp.pool_answers(answers), pd.concat([answer.peaks() for answer in answers])
     found = sample.largest(2 * EDGE**2).set_index("quantity")
     assert list(found.index) == ["pressure", "von_mises"]
     observed = peaks.groupby("quantity")["value_Pa"].max()
@@ -92,7 +94,7 @@ def test_few_peaks_have_no_percentile(answers):
     """The 99th percentile of fewer than 100 peaks is the largest one, or between the two largest."""
     for answer in answers:
         stress = answer.bodies["lower"].stress
-        count = asp.peaks(stress, "von_mises", selection="under_contact").sizes["peak"]
+        count = asp.stress.select_peaks(stress, "von_mises", selection="under_contact").sizes["peak"]
         names = {row.name for row in answer.rows}
         assert 2 <= count < 100
         for percent, least in ((50, 2), (90, 10), (99, 100)):
@@ -100,7 +102,7 @@ def test_few_peaks_have_no_percentile(answers):
 
 
 test_what_is_no_sample_is_refused = refuses(
-    (lambda: asp.pooled([]), "answers: at least one"),
+    (lambda: asp.pool_answers([]), "answers: at least one"),
     (lambda: pooled_with(a_map(2, 32)), "pooled: patch 2 has pixels of 2 µm x 2 µm, patch 1 of 1 µm"),
     (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has an rms height of 20 µm"),
     (lambda: largest_on([np.ones(30)], 1e-6, 1e-5), "area: 40 peaks are needed, the maps have 30"),
@@ -111,7 +113,7 @@ test_what_is_no_sample_is_refused = refuses(
 
 def test_peaks_are_counted_per_area(answers):
     """Against counts of the peaks of each map; those above yield lie between the levels beside it."""
-    sample = asp.pooled(answers)
+    sample = asp.pool_answers(answers)
     found = sample.peaks_per_area().query("quantity == 'von_mises'")
     for answer, name in zip(answers, sample.names, strict=True):
         sizes = answer.peaks().query("quantity == 'von_mises'")["value_Pa"].to_numpy()

@@ -50,7 +50,7 @@ def test_section_between_nodes_is_trigonometric(nodes):
         np.testing.assert_allclose(between[name].values, expected[:, :, 81], atol=1e-6)
 
 
-@pytest.mark.parametrize("layer", [asp.Layer(1.0, 0.3), asp.Layer(1.0, 0.4, 0.3)])
+@pytest.mark.parametrize("layer", [asp.Solid(1.0, 0.3), asp.Solid(1.0, 0.4, 0.3)])
 def test_box_holds_the_nodes_asked_for(layer):
     contact = spots(SHAPE, LENGTH, layer)
     data = stress_box(contact, DEPTHS, y=(0.1, 0.5), x=(0.2, 0.7), fields=("von_mises", "xx")).dataset()

@@ -36,11 +36,11 @@ def test_every_peak_is_under_one_quantity_and_ratio(source):
             ratio = source["peak_poisson"]
             chosen = of_quantity & (ratio.isnull() if alike else ratio == nu)
             by_hand = source["peak_value"].values[chosen.values]
-            found = asp.peaks(source, quantity, nu)
+            found = asp.stress.select_peaks(source, quantity, nu)
             np.testing.assert_array_equal(found["peak_value"], by_hand)
             total += found.sizes["peak"]
             for other in RATIOS if alike else []:
-                one = asp.peaks(source, quantity, other)
+                one = asp.stress.select_peaks(source, quantity, other)
                 xr.testing.assert_identical(one.drop_vars("poisson"), found.drop_vars("poisson"))
                 assert (float(one["poisson"]), bool(np.isnan(found["poisson"]))) == (other, True)
     assert total == source.sizes["peak"]
@@ -49,7 +49,7 @@ def test_every_peak_is_under_one_quantity_and_ratio(source):
 @pytest.mark.parametrize("quantity", ["pressure", "von_mises", "xx", "xz"])
 def test_selections_are_what_they_are_called(source, quantity):
     every, at_contact, interior, under_contact = (
-        asp.peaks(source, quantity, 0.33, selection) for selection in SELECTIONS
+        asp.stress.select_peaks(source, quantity, 0.33, selection) for selection in SELECTIONS
     )
     deep, touched = every["peak_interior"].values, every["peak_under_contact"].values
     for found, chosen in ((at_contact, touched), (interior, deep), (under_contact, deep & touched)):
@@ -65,12 +65,27 @@ def test_selections_are_what_they_are_called(source, quantity):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda data: asp.peaks(data, "yy"), "quantity = 'yy': one of pressure, von_mises, xx, zz, xz is"),
-        (lambda data: asp.peaks(data, "von_mises"), r"poisson: one of 0, 0\.33, 0\.5 is needed, there are"),
-        (lambda data: asp.peaks(data, "zz", 0.3), r"poisson = 0\.3: one of 0, 0\.33, 0\.5 is needed"),
-        (lambda data: asp.peaks(data, "xz", 0, "inside"), "selection = 'inside': one of all, at_contact,"),
-        (lambda data: asp.peaks(data.drop_vars("peak_quantity"), "xx"), "stress = .*: the result of a str"),
-        (lambda data: asp.peaks(numbered(data), "xx"), "stress: made by another version"),
+        (
+            lambda data: asp.stress.select_peaks(data, "yy"),
+            "quantity = 'yy': one of pressure, von_mises, xx, zz, xz is",
+        ),
+        (
+            lambda data: asp.stress.select_peaks(data, "von_mises"),
+            r"poisson: one of 0, 0\.33, 0\.5 is needed, there are",
+        ),
+        (
+            lambda data: asp.stress.select_peaks(data, "zz", 0.3),
+            r"poisson = 0\.3: one of 0, 0\.33, 0\.5 is needed",
+        ),
+        (
+            lambda data: asp.stress.select_peaks(data, "xz", 0, "inside"),
+            "selection = 'inside': one of all, at_contact,",
+        ),
+        (
+            lambda data: asp.stress.select_peaks(data.drop_vars("peak_quantity"), "xx"),
+            "stress = .*: the result of a str",
+        ),
+        (lambda data: asp.stress.select_peaks(numbered(data), "xx"), "stress: made by another version"),
     ],
 )
 def test_wrong_name_or_dataset_is_refused(stress, call, message):

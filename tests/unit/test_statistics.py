@@ -69,8 +69,8 @@ def test_lengths_are_interpolated_between_nodes():
 def test_full_smooth_contact_has_no_decay(rms):
     """A flat, and a wave whose stress is too small beside the mean for single precision."""
     wave = np.sin(2 * np.pi * np.arange(32) / 32)
-    layer = asp.Layer(young=1.0, poisson=0.3)
-    contact = asp.solve(rms * (wave[:, None] + wave), layer, mean_pressure=1.0)
+    layer = asp.Solid(young=1.0, poisson=0.3)
+    contact = asp.solve_contact(rms * (wave[:, None] + wave), layer, mean_pressure=1.0)
     stress = asp.analyse_stress(contact, quantities=("von_mises",))
     assert contact.area_fraction == 1
     assert np.isnan(decay_lengths(stress)).all()
@@ -144,7 +144,10 @@ def test_seeds_are_pooled_over_their_gradients():
     pairs = list(zip(stresses, gradients, strict=True))
     for quantity in ("von_mises", "xz"):
         for poisson in (0.0, 0.5):
-            found = [asp.peaks(b, quantity, poisson, "interior")["peak_value"].values / g for b, g in pairs]
+            found = [
+                asp.stress.select_peaks(b, quantity, poisson, "interior")["peak_value"].values / g
+                for b, g in pairs
+            ]
             values = np.concatenate(found)
             here = result.sel(selection="interior", quantity=quantity, poisson=poisson)
             edges = result["bin_edge"].sel(quantity=quantity).values
@@ -163,7 +166,7 @@ def test_seeds_are_pooled_over_their_gradients():
 def test_median_depths_of_all_and_highest_peaks():
     """Depths spread evenly: to 0.1 for nine tenths of the peaks, from 0.65 to 1 for the highest tenth."""
     data = stress(peaks=20_000)
-    values = asp.peaks(data, "von_mises", 0.5)["peak_value"].values
+    values = asp.stress.select_peaks(data, "von_mises", 0.5)["peak_value"].values
     share = np.random.default_rng(4).random(data.sizes["peak"])
     high = data["peak_value"].values > np.quantile(values, 0.9)
     data["peak_depth"] = ("peak", np.where(high, 0.65 + 0.35 * share, 0.1 * share))

@@ -7,15 +7,15 @@ import pytest
 from samples import HALF_SPACE, refuses, spots
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS
+from asperity.elasticity.solid import COMPONENTS
 from asperity.fourier.grid import Fourier, resample
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.planes import depth_grid, stress_planes
 
 pytestmark = pytest.mark.engines
 
-BONDED = asp.Layer(young=1.0, poisson=0.4, height=0.3)
-FRICTIONLESS = asp.Layer(young=1.0, poisson=0.2, height=0.3, bottom="frictionless")
+BONDED = asp.Solid(young=1.0, poisson=0.4, height=0.3)
+FRICTIONLESS = asp.Solid(young=1.0, poisson=0.2, height=0.3, bottom="frictionless")
 
 
 def both(contact, depths, one, other, **settings):
@@ -43,7 +43,7 @@ def test_components_are_those_of_the_layers_modes(layer, shape):
 
 @pytest.mark.parametrize(
     ("layer", "friction"),
-    [(HALF_SPACE, 0), (HALF_SPACE, 2.0), (asp.Layer(1.0, -0.95), 0.3), (BONDED, 0), (FRICTIONLESS, 0)],
+    [(HALF_SPACE, 0), (HALF_SPACE, 2.0), (asp.Solid(1.0, -0.95), 0.3), (BONDED, 0), (FRICTIONLESS, 0)],
 )
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 def test_coarse_planes_agree_within_the_tolerance(layer, friction, tolerance):
@@ -104,7 +104,7 @@ def test_progress_grows_and_a_stream_may_be_left():
 def test_stress_is_proportional_to_the_pressure(scale):
     """Whatever the modulus; single precision would overflow, or round the small stresses to zero."""
     one = spots()
-    other = asp.LoadedSolid(scale * one.pressure, one.grid, asp.Layer(210e9, 0.3))
+    other = asp.LoadedSolid(scale * one.pressure, one.grid, asp.Solid(210e9, 0.3))
     planes = stress_planes(one, [0.0, 0.02], fields=FIELDS, tolerance=1e-5)
     others = stress_planes(other, [0.0, 0.02], fields=FIELDS, tolerance=1e-3)
     for plane, scaled in zip(planes, others, strict=True):
@@ -116,7 +116,7 @@ def test_stress_is_proportional_to_the_pressure(scale):
 
 
 EIGHT = np.ones((8, 8))
-SLIDING = asp.Layer(1.0, 0.3, 0.5, "frictionless")
+SLIDING = asp.Solid(1.0, 0.3, 0.5, "frictionless")
 
 
 def planes(contact=None, depths=(0.0,), **settings):

@@ -6,7 +6,7 @@ from samples import refuses
 from small_study import CONTACT, LAYER, STRESS, SURFACE, results_of
 
 import asperity as asp
-from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, press_surface
+from asperity.study.stages.contact import SOLID_ATTRIBUTES, press_surface, solid
 from asperity.study.stages.statistics import surface_statistics
 from asperity.study.stages.stress import compute_stress, stress_of_seed
 from asperity.study.stages.surface import make_surface
@@ -82,9 +82,9 @@ def test_study_has_the_estimates_of_the_library():
     """But for the planes in depth, which the study has at other distances."""
     surface = make_surface({**SURFACE, "wavelength_short": 1 / 16, "points": 128}, 1)
     found = stress_of_seed(press_surface(surface, LAYER, CONTACT), LAYER, STRESS)
-    solved = asp.solve(surface["height"].values, asp.Layer(1 - 0.33**2, 0.33), area_fraction=0.1)
+    solved = asp.solve_contact(surface["height"].values, asp.Solid(1 - 0.33**2, 0.33), area_fraction=0.1)
     stress = asp.analyse_stress(solved, poisson=STRESS["poisson"], quantities=("pressure", "von_mises"))
-    expected = asp.continuum(solved, stress)
+    expected = asp.continuum_limit(solved, stress)
     of = {"kind": "estimate", "quantity": ["pressure", "von_mises"]}
     for name in ("area_fraction", "gradient_rms_contact", "proportionality"):
         estimate = found[f"continuum_{name}"].sel(kind="estimate")

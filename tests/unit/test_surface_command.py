@@ -54,7 +54,9 @@ def test_given_heights_at_one_spectrum(tmp_path, capsys):
     heights[3, 4] = np.nan
     np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
     of_map = "--physical-size 3um 4um --unit m"
-    level = asp.treat_map(asp.HeightMap(heights, (3e-6, 4e-6)), periodic="none", undefined="harmonic").height
+    level = asp.prepare_map(
+        asp.HeightMap(heights, (3e-6, 4e-6)), periodic="none", undefined="harmonic"
+    ).height
     for words, distribution in {
         "--skewness 0.5 --kurtosis 4 --keep-spectrum": {"moments": (0.5, 4.0)},
         "--plateau 0.2 0.6 60": {"plateau": (0.2, 0.6, 60.0)},
@@ -69,7 +71,10 @@ def test_given_heights_at_one_spectrum(tmp_path, capsys):
             *(["--orientation", "peaks up"] if "map" in words else []),
         ]
         assert main(["surface", *command, "--out", str(tmp_path / "shaped.nc")]) == 0
-        surface, shaped = dataset.read(tmp_path / "shaped.nc"), asp.with_heights(gaussian, **distribution)
+        surface, shaped = (
+            dataset.read(tmp_path / "shaped.nc"),
+            asp.surface.with_heights(gaussian, **distribution),
+        )
         np.testing.assert_allclose(surface["height"], shaped.height, rtol=0, atol=1e-15)
         assert float(surface["heights_residual"]) == pytest.approx(shaped.heights_residual)
         assert "spectrum kept to" in capsys.readouterr().out

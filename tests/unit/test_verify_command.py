@@ -11,8 +11,8 @@ import asperity as asp
 from asperity.cli.main import main
 from asperity.engineering.contact_numbers import stored_certificate
 
-STEEL, LAYER = asp.Layer(2.1, 0.3), asp.Layer(0.7, 0.4, height=0.1, bottom="frictionless")
-COATED = asp.Layer(4.0, 0.25, height=0.02, base=STEEL)
+STEEL, LAYER = asp.Solid(2.1, 0.3), asp.Solid(0.7, 0.4, height=0.1, bottom="frictionless")
+COATED = asp.Solid(4.0, 0.25, height=0.02, base=STEEL)
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ COATED = asp.Layer(4.0, 0.25, height=0.02, base=STEEL)
 def test_file_has_the_certificate_of_the_solver(tmp_path, solid, settings):
     """Heights far from zero leave a rounding of their level: 5 ε over the rms height of 1e-3."""
     level, rounding = (0.0, 2e-5) if "dtype" in settings else (5.0, 1e-9)
-    contact = asp.solve(rough() + level, solid, mean_pressure=load_of(rough()), **settings)
+    contact = asp.solve_contact(rough() + level, solid, mean_pressure=load_of(rough()), **settings)
     contact.to_netcdf(tmp_path / "contact.nc")
     found, allowed = stored_certificate(asp.read_result(tmp_path / "contact.nc"))
     for name, value in contact.certificate.violations.items():

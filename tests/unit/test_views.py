@@ -23,7 +23,7 @@ Q = 2 * np.pi / EDGE
 def wave(waves=1):
     """Half-space under p (1 + cos q x), in SI."""
     field = np.tile(PRESSURE * (1 + np.cos(waves * Q * X)), (64, 1))
-    return asp.LoadedSolid(field, GRID, asp.Layer(210e9, 0.3))
+    return asp.LoadedSolid(field, GRID, asp.Solid(210e9, 0.3))
 
 
 def megapascals(x, depth):
@@ -69,7 +69,7 @@ def test_limits_hold_the_values_and_are_apart():
     ],
 )
 def test_map_of_pressure_has_values_and_units(read, si, unit, x, colours, right):
-    figure = asp.plot_pressure(read("contact", si))
+    figure = asp.views.plot_pressure(read("contact", si))
     pressure, shown = read("contact", si)["pressure"].values, image(figure)
     assert np.array_equal(shown.mask, pressure == 0)
     np.testing.assert_allclose(shown.compressed(), pressure[pressure > 0] * unit)
@@ -80,23 +80,23 @@ def test_map_of_pressure_has_values_and_units(read, si, unit, x, colours, right)
 
 def test_spike_leaves_the_picture_and_is_named(read):
     surface = read("surface", si=True).copy(deep=True)
-    before = asp.plot_height(surface).axes[0].images[0].norm
+    before = asp.views.plot_height(surface).axes[0].images[0].norm
     surface["height"].values[3, 5] = 4e-3
-    figure = asp.plot_height(surface)
+    figure = asp.views.plot_height(surface)
     assert figure.axes[0].images[0].norm.vmax < 1.5 * before.vmax
     assert "1 point above the scale, up to 4000 µm" in title(figure)
 
 
 def test_every_result_has_a_panel(read):
     contact, names = read("contact"), [f"number {number}" for number in range(4)]
-    figure = asp.plot_gap(dict.fromkeys(names, contact), y=(0.25, 0.5), x=(0.0, 0.125))
+    figure = asp.views.plot_gap(dict.fromkeys(names, contact), y=(0.25, 0.5), x=(0.0, 0.125))
     panels = [axis for axis in figure.axes if axis.images]
     assert len(figure.axes) == 4 + 1
     assert [axis.get_title(loc="left") for axis in panels] == names
     assert len({(axis.images[0].norm.vmin, axis.images[0].norm.vmax) for axis in panels}) == 1
     np.testing.assert_allclose(image(figure), contact["gap"].values[16:33, :9])
     axis = Figure().add_subplot()
-    assert asp.plot_gap(contact, axes=axis) is axis.figure
+    assert asp.views.plot_gap(contact, axes=axis) is axis.figure
     assert axis.images
 
 
@@ -104,7 +104,7 @@ def test_pixels_of_fine_grids_hold_the_largest_node():
     grid = asp.Grid((8, 2 * PIXELS + 1), (8.0, 2 * PIXELS + 1.0))
     pressure = np.ones(grid.shape)
     pressure[3, 1000] = 7.0
-    axis = asp.plot_pressure(asp.LoadedSolid(pressure, grid, asp.Layer(1, 0.3))).axes[0]
+    axis = asp.views.plot_pressure(asp.LoadedSolid(pressure, grid, asp.Solid(1, 0.3))).axes[0]
     (shown,) = axis.images
     left, right, bottom, top = shown.get_extent()
     ny, nx = shown.get_array().shape
@@ -118,13 +118,15 @@ def test_pixels_of_fine_grids_hold_the_largest_node():
 
 
 def test_section_shows_the_stress_of_a_wave():
-    figure = asp.plot_section(wave(), y=100e-6, depth=60e-6, field="zz", unit_system=SI_UNITS)
+    figure = asp.views.plot_section(wave(), y=100e-6, depth=60e-6, field="zz", unit_system=SI_UNITS)
     x, depth, values = mesh(figure)
     np.testing.assert_allclose(values, megapascals(x, depth), rtol=0, atol=1e-6)
     assert depth[-1, 0] == pytest.approx(60e-6)
     labels = title(figure), figure.axes[0].get_xlabel(), figure.axes[-1].get_xlabel()
     assert labels == ("y = 104 µm", "x (µm)", r"$\sigma_{zz}$ (MPa)")  # through the nearest node
-    part = asp.plot_section(wave(), x=0.0, y=(0.0, 200e-6), depth=60e-6, field="zz", unit_system=SI_UNITS)
+    part = asp.views.plot_section(
+        wave(), x=0.0, y=(0.0, 200e-6), depth=60e-6, field="zz", unit_system=SI_UNITS
+    )
     y, _, values = mesh(part)
     np.testing.assert_allclose(values[0], -2 * PRESSURE / 1e6)
     assert y[0, -1] == pytest.approx(200e-6)
@@ -133,16 +135,16 @@ def test_section_shows_the_stress_of_a_wave():
 @pytest.mark.parametrize(("waves", "bottom"), [(4, 5.9 / (4 * Q)), (16, 0.12 * EDGE)])
 def test_section_ends_where_the_stress_has_faded(waves, bottom):
     """σ_xz = p q z exp(−q z) sin q x falls to 5 % of its largest at q z = 5.9; or at 0.12 of the length."""
-    axis = asp.plot_section(wave(waves), field="xz", unit_system=SI_UNITS).axes[0]
+    axis = asp.views.plot_section(wave(waves), field="xz", unit_system=SI_UNITS).axes[0]
     assert axis.get_ylim()[0] == pytest.approx(1e6 * bottom, abs=0.013 * 512)  # planes are an eighth apart
 
 
 def test_plane_shows_the_stress_of_a_wave():
     """σ_xz = p q z exp(−q z) sin q x is largest at z = 1/q, 81.5 µm; the planes are an eighth apart."""
-    figure = asp.plot_plane(wave(), depth=50e-6, field="zz", unit_system=SI_UNITS)
+    figure = asp.views.plot_plane(wave(), depth=50e-6, field="zz", unit_system=SI_UNITS)
     np.testing.assert_allclose(image(figure), np.tile(megapascals(X, 50e-6), (64, 1)), rtol=0, atol=1e-6)
     assert title(figure) == "depth: 50 µm"
-    largest = asp.plot_plane(wave(), field="xz", unit_system=SI_UNITS)
+    largest = asp.views.plot_plane(wave(), field="xz", unit_system=SI_UNITS)
     depth = float(title(largest).removeprefix("depth of the largest: ").removesuffix(" µm"))
     assert depth == pytest.approx(1e6 / Q, rel=0.125)
     assert np.abs(image(largest)).max() == pytest.approx(PRESSURE / 1e6 / np.e, rel=0.01)
@@ -155,28 +157,28 @@ def test_pictures_show_body_boundary_and_sliding(body, degrees, boundary):
     grid = asp.Grid((32, 40), (1e-3, 1.2e-3))
     y, x = grid.coordinates()
     height = ((x - 5e-4) ** 2 + (y[:, None] - 4e-4) ** 2) / (2 * 5e-3)
-    solid = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.1))
-    contact = asp.solve(height, solid, grid.length, force=200.0, boundary=boundary)
+    solid = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(70e9, 0.1))
+    contact = asp.solve_contact(height, solid, grid.length, force=200.0, boundary=boundary)
     settings = {"fields": ("xx",), "tolerance": 0, "friction": 0.4, "sliding_direction": degrees}
     planes = asp.stress_planes(contact.in_body(body), [0.0, 1e-4], **settings)
     surface, below = (plane.fields["xx"][0] / 1e6 for plane in planes)
     chosen = {"field": "xx", "body": body, "friction": 0.4, "sliding_direction": "x", "unit_system": SI_UNITS}
-    np.testing.assert_allclose(image(asp.plot_plane(contact, 1e-4, **chosen)), below, rtol=1e-6)
-    section = asp.plot_section(contact, y=13 * grid.spacing[0], depth=2e-4, **chosen)
+    np.testing.assert_allclose(image(asp.views.plot_plane(contact, 1e-4, **chosen)), below, rtol=1e-6)
+    section = asp.views.plot_section(contact, y=13 * grid.spacing[0], depth=2e-4, **chosen)
     np.testing.assert_allclose(mesh(section)[2][0], surface[13], atol=1e-4 * np.abs(surface[13]).max())
 
 
 def test_peaks_are_points_of_magnitude_and_depth(read):
     """Points of the stress, bars of the pressure."""
     stress = read("stress", si=True)
-    axis = asp.plot_peaks(stress, "von_mises", 0.33).axes[0]
-    found = asp.peaks(stress, "von_mises", 0.33)
+    axis = asp.views.plot_peaks(stress, "von_mises", 0.33).axes[0]
+    found = asp.stress.select_peaks(stress, "von_mises", 0.33)
     points = np.concatenate([np.array(line.get_data()).T for line in axis.lines[:2]])
     expected = np.column_stack([np.abs(found["peak_value"]) / 1e6, found["peak_depth"] * 1e6])
     np.testing.assert_allclose(np.sort(points, axis=0), np.sort(expected, axis=0))
     assert axis.get_xlabel() == "magnitude of peaks of von Mises stress (MPa)"
-    bars = asp.plot_peaks(stress, "pressure").axes[0].patches
-    assert sum(bar.get_height() for bar in bars) == asp.peaks(stress, "pressure").sizes["peak"]
+    bars = asp.views.plot_peaks(stress, "pressure").axes[0].patches
+    assert sum(bar.get_height() for bar in bars) == asp.stress.select_peaks(stress, "pressure").sizes["peak"]
 
 
 @pytest.mark.parametrize("scatter", [0.0, 1e-15, 1e-9])
@@ -186,7 +188,7 @@ def test_a_histogram_of_equal_peaks_has_few_bars(read, scatter):
     values = stress["peak_value"].copy()
     values[stress["peak_quantity"].values == "pressure"] = 1e9
     values *= 1 + scatter * np.random.default_rng(1).standard_normal(values.size)
-    bars = asp.plot_peaks(stress.assign(peak_value=values), "pressure").axes[0].patches
+    bars = asp.views.plot_peaks(stress.assign(peak_value=values), "pressure").axes[0].patches
     assert len(bars) <= 200
     assert sum(bar.get_height() for bar in bars) > 0
 
@@ -194,13 +196,25 @@ def test_a_histogram_of_equal_peaks_has_few_bars(read, scatter):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda of: asp.plot_pressure(of("surface")), "pressure: the result has height"),
-        (lambda of: asp.plot_height([of("contact"), of("contact", si=True)]), "one unit system are needed"),
-        (lambda of: asp.plot_section(of("surface")), "contact: the result of a contact, with its pressure"),
-        (lambda of: asp.plot_height(3), "result = 3: a result of stage surface or contact"),
-        (lambda of: asp.plot_peaks(of("contact")), "stress: a result of stage stress"),
-        (lambda of: asp.plot_section(of("contact", si=True), y=600e-6), "y = 600 µm: a position from 0 to 5"),
-        (lambda of: asp.plot_gap([of("contact")] * 2, axes=Figure().add_subplot()), "axes: 2 are needed"),
+        (lambda of: asp.views.plot_pressure(of("surface")), "pressure: the result has height"),
+        (
+            lambda of: asp.views.plot_height([of("contact"), of("contact", si=True)]),
+            "one unit system are needed",
+        ),
+        (
+            lambda of: asp.views.plot_section(of("surface")),
+            "contact: the result of a contact, with its pressure",
+        ),
+        (lambda of: asp.views.plot_height(3), "result = 3: a result of stage surface or contact"),
+        (lambda of: asp.views.plot_peaks(of("contact")), "stress: a result of stage stress"),
+        (
+            lambda of: asp.views.plot_section(of("contact", si=True), y=600e-6),
+            "y = 600 µm: a position from 0 to 5",
+        ),
+        (
+            lambda of: asp.views.plot_gap([of("contact")] * 2, axes=Figure().add_subplot()),
+            "axes: 2 are needed",
+        ),
     ],
 )
 def test_unsuitable_results_are_refused(read, call, message):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from project import ROOT, script
 
-from asperity.elasticity.layer import COMPONENTS
+from asperity.elasticity.solid import COMPONENTS
 from asperity.results import dataset
 from asperity.settings.study import read_study
 from asperity.stress.analysis import SOUGHT

@@ -7,14 +7,12 @@ incompressible) u has mean zero, and δ is measured from the mean plane of the s
 
 With a hardness p_H, p ≤ p_H, and g ≤ 0 where p = p_H: the surface is flattened there by −g.
 
-`solve` scales the problem (`problem`), a method finds p (`active_set`, `gfmd`), and `certificate` checks it
+`solve_contact` scales the problem (`problem`), a method finds p (`active_set`, `gfmd`), and `certificate`
+checks it
 independently. `load` computes the change of p with the load: stiffness, the loads between which the same
 nodes touch, and control by area. The loop of the fast method is written at the top of `active_set`.
 """
 
-from asperity.contact.certificate import Certificate, verify_contact
-from asperity.contact.solution import Contact
-from asperity.contact.solve import METHODS, solve, solve_path
-from asperity.core.errors import ConvergenceError
+import lazy_loader
 
-__all__ = ["METHODS", "Certificate", "Contact", "ConvergenceError", "solve", "solve_path", "verify_contact"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

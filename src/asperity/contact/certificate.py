@@ -23,7 +23,7 @@ from asperity.core.errors import ConvergenceError
 from asperity.core.markup import table
 from asperity.core.parallel import map_parts, sum_parts
 from asperity.core.types import Array
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Grid
 
 # The error estimate of a method may be too small by this factor, and a gap wrong by so many roundings.
@@ -114,7 +114,7 @@ class Certificate:
 def verify_contact(
     height: Array,
     pressure: Array,
-    solid: Solid,
+    solid: Solids,
     length: float | tuple[float, float] = 1.0,
     *,
     approach: float | None = None,
@@ -128,7 +128,7 @@ def verify_contact(
     Parameters
     ----------
     height, pressure : (ny, nx) arrays
-    solid : Layer or TwoBodies
+    solid : Solid or TwoBodies
     length : float or (length_y, length_x)
         Edges of the map.
     approach : float, optional
@@ -155,11 +155,11 @@ def verify_contact(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> solid = asp.Layer(young=1.0, poisson=0.3)
-    >>> contact = asp.solve(height, solid, mean_pressure=1e-3)
-    >>> asp.verify_contact(height, contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
+    >>> solid = asp.Solid(young=1.0, poisson=0.3)
+    >>> contact = asp.solve_contact(height, solid, mean_pressure=1e-3)
+    >>> asp.contact.verify_contact(height, contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
     True
-    >>> asp.verify_contact(height, 1.01 * contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
+    >>> asp.contact.verify_contact(height, 1.01 * contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
     False
     """
     height = field_in_double("height", real_array("height", height))

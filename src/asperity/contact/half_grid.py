@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from asperity.contact.solution import Contact
-from asperity.contact.solve import solve
+from asperity.contact.solve import solve_contact
 from asperity.core.types import Array
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 
 HALF_TOLERANCE = 1e-4
@@ -18,12 +18,12 @@ MIRRORED = 1e-9
 
 
 def solve_on_half(
-    height: Array, solid: Solid, grid: Grid, boundary: str = "periodic", **settings: Any
+    height: Array, solid: Solids, grid: Grid, boundary: str = "periodic", **settings: Any
 ) -> tuple[Contact, float]:
     """The contact on half of the nodes, and the share of the squared gradient that they do not hold.
 
-    `settings` of `asperity.solve` hold the load. With a free boundary every second node is kept, and the
-    share is not computed: it is 0.
+    `settings` of `asperity.solve_contact` hold the load. With a free boundary every second node is kept,
+    and the share is not computed: it is 0.
     """
     lost = 0.0
     if boundary == "free":
@@ -32,7 +32,7 @@ def solve_on_half(
         grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
     else:
         height, grid, lost = on_half_the_nodes(height, grid)
-    return solve(height, solid, grid.length, boundary=boundary, rtol=HALF_TOLERANCE, **settings), lost
+    return solve_contact(height, solid, grid.length, boundary=boundary, rtol=HALF_TOLERANCE, **settings), lost
 
 
 def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:

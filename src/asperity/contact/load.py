@@ -25,7 +25,7 @@ from asperity.contact.problem import Units
 from asperity.contact.response import response_on
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Grid
 
 # Residual, relative to the change of the pressure, at which the solution for a tangent ends. An inner solve
@@ -67,7 +67,7 @@ class Tangent:
     approach: float
 
 
-def tangent(moving: Array, grid: Grid, solid: Solid, boundary: str) -> Tangent | None:
+def tangent(moving: Array, grid: Grid, solid: Solids, boundary: str) -> Tangent | None:
     """Tangent of a contact; None if no node moves.
 
     By conjugate gradients in double precision, with an inner solve as their preconditioner.

@@ -59,7 +59,7 @@ from asperity.contact.response import Response, multiply, multiply_rows
 from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.parallel import in_parts, in_strips, sum_parts
 from asperity.core.types import Array
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.engine import Engine
 from asperity.fourier.grid import Fourier, Grid
 
@@ -265,14 +265,14 @@ class FarField:
 
 
 @lru_cache(maxsize=16)
-def near_stencil(kind: type[Response], solid: Solid, spacing: tuple[float, float], engine: Engine) -> Array:
+def near_stencil(kind: type[Response], solid: Solids, spacing: tuple[float, float], engine: Engine) -> Array:
     """Displacements near one node under pressure that the far field lacks, in units of the nodal compliance.
 
     Parameters
     ----------
     kind : type
         `Response` or `FreeResponse`.
-    solid : Layer or TwoBodies
+    solid : Solid or TwoBodies
     spacing : (float, float)
         Along y and x.
     engine : Engine
@@ -471,7 +471,7 @@ class NodePreconditioner:
 
 @lru_cache(maxsize=16)
 def inverse_stencil(
-    solid: Solid, spacing: tuple[float, float], radius: int, engine: Engine
+    solid: Solids, spacing: tuple[float, float], radius: int, engine: Engine
 ) -> tuple[Array, float]:
     """The inverse of the compliance in real space as a stencil, in units of the nodal compliance.
 

@@ -15,8 +15,8 @@ import numpy as np
 from asperity.contact.response import Response
 from asperity.core.parallel import in_strips
 from asperity.core.types import Array, Progress
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import Solids, TwoBodies
 from asperity.fourier.grid import Grid
 
 # A given start is used if its load, its area, or its approach measured from first contact differs from the
@@ -177,7 +177,7 @@ class Units:
     above: float = math.inf
 
     @classmethod
-    def of_solid(cls, solid: Solid, grid: Grid) -> "Units":
+    def of_solid(cls, solid: Solids, grid: Grid) -> "Units":
         """Units of the longer edge and of the modulus."""
         length = _power_of_two(max(grid.length))
         return cls(length, length, _power_of_two(solid.effective_modulus))
@@ -199,13 +199,13 @@ class Units:
     def grid(self, grid: Grid) -> Grid:
         return Grid(grid.shape, (grid.length[0] / self.length, grid.length[1] / self.length))
 
-    def solid(self, solid: Solid) -> Solid:
+    def solid(self, solid: Solids) -> Solids:
         """The solid in these units: the ratio of a stress to a slope is its modulus."""
         if isinstance(solid, TwoBodies):
             return TwoBodies(self._layer(solid.lower), self._layer(solid.upper))
         return self._layer(solid)
 
-    def _layer(self, layer: Layer) -> Layer:
+    def _layer(self, layer: Solid) -> Solid:
         height = None if layer.height is None else layer.height / self.length
         young = layer.young / self.stress * (self.height / self.length)
         base = None if layer.base is None else self._layer(layer.base)

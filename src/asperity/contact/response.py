@@ -21,7 +21,7 @@ from asperity.elasticity.loaded_rectangle import (
     rectangle_compliance,
     slope_modes,
 )
-from asperity.elasticity.two_bodies import Solid
+from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Fourier, Grid, gradient
 
 
@@ -33,7 +33,7 @@ class Response:
 
     Parameters
     ----------
-    solid : Layer or TwoBodies
+    solid : Solid or TwoBodies
     fourier : Fourier
         The grid, the precision of the fields, the number of threads, and the count of transforms.
     omits_mean : bool
@@ -57,7 +57,7 @@ class Response:
     transforms: ClassVar[type[Fourier]] = Fourier
 
     def __init__(
-        self, solid: Solid, fourier: Fourier, omits_mean: bool = False, half_compliance: Array | None = None
+        self, solid: Solids, fourier: Fourier, omits_mean: bool = False, half_compliance: Array | None = None
     ) -> None:
         self.solid = solid
         self.omits_mean = omits_mean
@@ -241,7 +241,7 @@ RESPONSES: dict[str, type[Response]] = {"periodic": Response, "free": FreeRespon
 
 def response_on(
     boundary: str,
-    solid: Solid,
+    solid: Solids,
     grid: Grid,
     dtype: DTypeLike = "float64",
     threads: int = 1,

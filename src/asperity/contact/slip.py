@@ -32,7 +32,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact.solution import Contact
-from asperity.contact.solve import solve
+from asperity.contact.solve import solve_contact
 from asperity.core.arguments import magnitude, number, whole_number
 from asperity.core.errors import shown
 from asperity.core.types import Array
@@ -247,9 +247,9 @@ def partial_slip(
     --------
     A ball under half of the force at which it slides, which sticks within 0.5^(1/3) of its contact radius:
 
-    >>> ball = asp.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
-    >>> contact = asp.solve(ball, asp.Layer(1.0, 0.3), force=2e-3, boundary="free")
-    >>> slip = asp.partial_slip(contact, friction=0.4, tangential_force=0.2 * contact.force)
+    >>> ball = asp.surface.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
+    >>> contact = asp.solve_contact(ball, asp.Solid(1.0, 0.3), force=2e-3, boundary="free")
+    >>> slip = asp.contact.partial_slip(contact, friction=0.4, tangential_force=0.2 * contact.force)
     >>> print(f"{slip.sticking_area:.2f} of the contact sticks, exactly {0.5 ** (2 / 3):.2f}")
     0.64 of the contact sticks, exactly 0.63
     >>> round(slip.compliance_ratio, 4), round((2 - 0.3) / (2 - 0.6), 4)  # that of Mindlin
@@ -294,7 +294,7 @@ def _under(contact: Contact, mean_pressure: float | None = None, approach: float
     """The contact under a smaller load."""
     if mean_pressure == contact.mean_pressure:
         return contact
-    return solve(
+    return solve_contact(
         contact.height,
         contact.solid,
         contact.grid,  # type: ignore[arg-type]

@@ -17,9 +17,9 @@ from asperity.core.arguments import magnitude
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array, FilePath
-from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import Solids, TwoBodies
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Grid
 
@@ -40,7 +40,7 @@ class Contact:
         Lower face of the indenter, contact pressure, downward displacement of the solid's surface, and gap.
         For two bodies, the displacement is the sum of those of both surfaces.
     grid : Grid
-    solid : Layer or TwoBodies
+    solid : Solid or TwoBodies
     boundary : "periodic" | "free"
         Condition at the edge of the map.
     area_fraction : float
@@ -69,7 +69,7 @@ class Contact:
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> round(contact.area_fraction, 3), contact.pressure.shape
     (0.1, (64, 64))
     >>> bool(contact.gap[contact.pressure > 0].max() < 1e-8)  # closed where there is pressure
@@ -88,7 +88,7 @@ class Contact:
     displacement: Array
     gap: Array
     grid: Grid
-    solid: Solid
+    solid: Solids
     boundary: str
     area_fraction: float
     mean_pressure: float
@@ -131,7 +131,7 @@ class Contact:
         return table("Contact", rows, picture(self.pressure, "contact pressure"))
 
     def plot(self, **settings: Any) -> Figure:
-        """Map of the contact pressure: `asperity.plot_pressure`, with its settings."""
+        """Map of the contact pressure: `asperity.views.plot_pressure`, with its settings."""
         return self.to_dataset().asperity.plot(**settings)
 
     def section(self, along: str = "x", at: float | None = None, **settings: Any) -> xr.Dataset:
@@ -182,7 +182,7 @@ class Contact:
         )
 
     def to_vtk(self, path: FilePath, fields: Sequence[str] = (), **settings: Any) -> None:
-        """Write VTK image data: `asperity.ResultAccessor.to_vtk`, with its settings."""
+        """Write VTK image data: `asperity.views.ResultAccessor.to_vtk`, with its settings."""
         self.to_dataset().asperity.to_vtk(path, fields, **settings)
 
     def to_netcdf(self, path: FilePath, unit_system: str = "SI") -> None:
@@ -198,14 +198,14 @@ class Contact:
         write_result(self.to_dataset(unit_system), path, "Contact with a rough surface")
 
     @property
-    def _bodies(self) -> dict[str, Layer]:
+    def _bodies(self) -> dict[str, Solid]:
         """Name → body, one under a rigid indenter."""
         if isinstance(self.solid, TwoBodies):
             return {"lower": self.solid.lower, "upper": self.solid.upper}
         return {"lower": self.solid}
 
     @property
-    def layer(self) -> Layer:
+    def layer(self) -> Solid:
         """The solid that was pressed, if it is one; an `AttributeError` if there are two bodies."""
         if isinstance(self.solid, TwoBodies):
             raise AttributeError(
@@ -290,8 +290,8 @@ class Contact:
         --------
         A circle of radius a between two half-spaces conducts 4 a / ρ:
 
-        >>> ball = asp.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
-        >>> contact = asp.solve(ball, asp.Layer(1.0, 0.3), force=2e-3, boundary="free")
+        >>> ball = asp.surface.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
+        >>> contact = asp.solve_contact(ball, asp.Solid(1.0, 0.3), force=2e-3, boundary="free")
         >>> radius = np.sqrt(contact.area_fraction / np.pi)
         >>> bool(abs(contact.conductance(2.0) / (4 * radius / 2.0) - 1) < 0.03)
         True
@@ -349,6 +349,6 @@ def _inverse(found: Tangent | None) -> float:
     return 1 / found.approach if found.approach > 0 else np.inf
 
 
-def _settings(layer: Layer) -> dict[str, Any]:
+def _settings(layer: Solid) -> dict[str, Any]:
     """Parameters of a layer; only its height may be None, that of a half-space."""
     return {name: value for name, value in asdict(layer).items() if value is not None or name == "height"}

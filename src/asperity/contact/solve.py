@@ -30,8 +30,8 @@ from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, did_you_mean, shown
 from asperity.core.parallel import in_strips, map_parts
 from asperity.core.types import Array, ArrayLike, DTypeLike, Progress
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import Solids, TwoBodies
 from asperity.fourier.grid import Grid, real_type
 
 METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
@@ -55,9 +55,9 @@ _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
 }
 
 
-def solve(
+def solve_contact(
     height: ArrayLike,
-    solid: Solid,
+    solid: Solids,
     length: float | tuple[float, float] = 1.0,
     *,
     area_fraction: float | None = None,
@@ -82,7 +82,7 @@ def solve(
     height : (ny, nx) array
         Lower face of the indenter, measured upward, in the unit of `length`; for two bodies the lower face of
         the upper one less the upper face of the lower one.
-    solid : Layer or TwoBodies
+    solid : Solid or TwoBodies
         One elastic solid under a rigid indenter, or two elastic bodies.
     length : float or (length_y, length_x)
         Edges of the map, number of nodes × spacing: those of the cell if it repeats.
@@ -139,14 +139,14 @@ def solve(
     --------
     A rough surface on steel, in SI units, and a ball on a flat, which compare with Hertz:
 
-    >>> steel = asp.Layer(young=210e9, poisson=0.3)  # Pa
+    >>> steel = asp.Solid(young=210e9, poisson=0.3)  # Pa
     >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)  # m
-    >>> contact = asp.solve(height, steel, length=2e-4, mean_pressure=20e6)
+    >>> contact = asp.solve_contact(height, steel, length=2e-4, mean_pressure=20e6)
     >>> print(f"{contact.area_fraction:.3f} of the area, at most {contact.max_pressure / 1e9:.2f} GPa")
     0.024 of the area, at most 1.91 GPa
 
-    >>> ball = asp.add_sphere(np.zeros((64, 64)), 3e-4, radius=10e-3)
-    >>> contact = asp.solve(ball, steel, 3e-4, force=20.0, boundary="free")
+    >>> ball = asp.surface.add_sphere(np.zeros((64, 64)), 3e-4, radius=10e-3)
+    >>> contact = asp.solve_contact(ball, steel, 3e-4, force=20.0, boundary="free")
     >>> hertz = (6 * 20.0 * steel.effective_modulus**2 / (np.pi**3 * 10e-3**2)) ** (1 / 3)
     >>> bool(abs(contact.max_pressure / hertz - 1) < 0.01)
     True
@@ -159,8 +159,8 @@ def solve(
     threads = thread_count(threads)
     values = _checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
-    if not isinstance(solid, (Layer, TwoBodies)):
-        raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
+    if not isinstance(solid, (Solid, TwoBodies)):
+        raise TypeError(f"solid = {shown(solid)}: a Solid or TwoBodies is needed")
     choice("method", method, tuple(METHODS))
     imposed = {
         "area_fraction": area_fraction,
@@ -222,7 +222,7 @@ def solve(
             "threads": threads,
             "initial": initial,
         }
-        elastic = solve(values, solid, grid, **imposed, **settings)  # type: ignore[arg-type]
+        elastic = solve_contact(values, solid, grid, **imposed, **settings)  # type: ignore[arg-type]
         if elastic.max_pressure <= limit:
             return replace(elastic, hardness=contact.hardness, plastic_depth=np.zeros_like(elastic.gap))
     certificate = replace(
@@ -232,9 +232,9 @@ def solve(
     return replace(contact, grid=grid, solid=solid, method=method, approach=reached, certificate=certificate)
 
 
-def solve_path(
+def solve_load_path(
     height: ArrayLike,
-    solid: Solid,
+    solid: Solids,
     length: float | tuple[float, float] = 1.0,
     *,
     area_fractions: Sequence[float] | None = None,
@@ -249,13 +249,13 @@ def solve_path(
     Parameters
     ----------
     height, solid, length
-        As for `solve`.
+        As for `solve_contact`.
     area_fractions, mean_pressures, forces, approaches : sequence of float
         Exactly one of them. With a hardness they rise: each contact is that of first loading.
     progress : callable, optional
         Called as progress(done, total), where a load counts as one.
     **settings
-        Passed to `solve`.
+        Passed to `solve_contact`.
 
     Yields
     ------
@@ -270,8 +270,8 @@ def solve_path(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> solid = asp.Layer(young=1.0, poisson=0.3)
-    >>> for contact in asp.solve_path(height, solid, mean_pressures=[1e-4, 2e-4, 4e-4]):
+    >>> solid = asp.Solid(young=1.0, poisson=0.3)
+    >>> for contact in asp.solve_load_path(height, solid, mean_pressures=[1e-4, 2e-4, 4e-4]):
     ...     print(f"load {contact.mean_pressure:.0e}, area {contact.area_fraction:.3f}")
     load 1e-04, area 0.016
     load 2e-04, area 0.026
@@ -285,7 +285,7 @@ def solve_path(
     }
     name, values = _only_one(paths)
     kind = dict(zip(paths, _CONTROLS, strict=True))[name]
-    known = solve.__kwdefaults__ or {}
+    known = solve_contact.__kwdefaults__ or {}
     for unknown in (word for word in settings if word not in known):
         raise TypeError(f"{unknown}: not an argument of solve{did_you_mean(unknown, known)}")
     if not isinstance(values, Iterable):
@@ -301,7 +301,7 @@ def solve_path(
             f"{name} = {shown(values)}: rising values are needed with a hardness, because a flattened "
             "surface unloads elastically; press contact.flattened_height() without a hardness to unload"
         )
-    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
+    return _solve_each(partial(solve_contact, height, solid, length, **settings), kind, values, progress)
 
 
 def _solve_each(
@@ -360,7 +360,7 @@ def _checked_hardness(hardness: float, control: Control) -> float:
     return value
 
 
-def approach_of_full_contact(height: Array, solid: Solid, boundary: str = "periodic") -> float:
+def approach_of_full_contact(height: Array, solid: Solids, boundary: str = "periodic") -> float:
     """Mean height, out of reach of a periodic solid without uniform displacement; infinite for others."""
     has_limit = boundary == "periodic" and solid.uniform_compliance() == 0
     return float(height.mean()) if has_limit else np.inf
@@ -428,7 +428,7 @@ def _contact_of(
         exact_gap += problem.height
         exact_gap -= approach
     # Problem and state are not needed any more. New arrays in place of theirs would raise the peak of the
-    # memory of `solve` on 2048² nodes from 0.51 to 0.57 GB.
+    # memory of `solve_contact` on 2048² nodes from 0.51 to 0.57 GB.
     gap, displaced, level = problem.height, displacement, problem.height.dtype.type(approach)
 
     def write_gap(rows: slice) -> None:

@@ -27,7 +27,7 @@ class ConvergenceError(RuntimeError):
     --------
     >>> height = asp.self_affine((32, 32), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
     >>> try:
-    ...     asp.solve(height, asp.Layer(young=1.0, poisson=0.3), mean_pressure=1e-4, rtol=1e-17)
+    ...     asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), mean_pressure=1e-4, rtol=1e-17)
     ... except asp.ConvergenceError as error:
     ...     print("not solved:", error.residual > error.tolerance)
     not solved: True

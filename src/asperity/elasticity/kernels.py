@@ -5,7 +5,7 @@ All are in closed form; the equations are in ``docs/method.md``. In the names an
     h = q height,   d = q depth,   t = h − d   (scaled height of the layer, depth, and distance to the bottom)
     m = 1 − 2ν,     m1 = 2 − 2ν,   k = 3 − 4ν.
 
-Z, L, T, V and W are the five kernels of `asperity.elasticity.layer`: stresses per unit pressure, and
+Z, L, T, V and W are the five kernels of `asperity.elasticity.solid`: stresses per unit pressure, and
 displacements in units of (1 + ν)/(E q) per unit pressure. N, M, X, P and Q are the stresses per unit shear
 traction.
 

@@ -26,7 +26,7 @@ import numpy as np
 from asperity.core.compiled import compiled
 from asperity.core.sizes import good_size
 from asperity.core.types import Array, ArrayLike
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Fourier, Grid
 
 # Columns at the end of the padded rows, so that the same elements of several rows do not compete for the same
@@ -205,13 +205,13 @@ def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
     return _modes(along_y, grid), _modes(along_x, grid)
 
 
-def shear_modes(grid: Grid, bodies: Sequence[Layer], degrees: float) -> tuple[Array, Array]:
+def shear_modes(grid: Grid, bodies: Sequence[Solid], degrees: float) -> tuple[Array, Array]:
     """Factors that turn padded coefficients of a shear traction into those of the displacement by it.
 
     Parameters
     ----------
     grid : Grid
-    bodies : sequence of Layer
+    bodies : sequence of Solid
         Half-spaces, whose displacements add up.
     degrees : float
         Direction of the traction.

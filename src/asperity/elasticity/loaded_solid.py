@@ -14,8 +14,8 @@ from asperity.core.errors import shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import to_si
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import Solids, TwoBodies
 from asperity.fourier.grid import Grid, grid_of
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class ContactLike(Protocol):
         """Grid of the pressure."""
 
     @property
-    def layer(self) -> Layer:
+    def layer(self) -> Solid:
         """The solid."""
 
 
@@ -57,7 +57,7 @@ class LoadedSolid:
     pressure : (ny, nx) array
         Compression positive, in the unit of Young's modulus.
     grid : Grid
-    layer : Layer
+    layer : Solid
     boundary : "periodic" | "free"
         The cell repeats sideways, or lies alone on a half-space, with a uniform pressure on every pixel.
     hardness : float
@@ -70,7 +70,7 @@ class LoadedSolid:
         Depth down to which the background has its largest stresses; planes reach it by default.
     sticking_pressure : (ny, nx) array, optional
         Part of the pressure that causes no shear traction: the traction is μ times the rest of the pressure.
-        `asperity.partial_slip` finds it; by default none, full sliding.
+        `asperity.contact.partial_slip` finds it; by default none, full sliding.
 
     Examples
     --------
@@ -80,7 +80,7 @@ class LoadedSolid:
     >>> grid = asp.Grid((64, 64))
     >>> y, x = grid.coordinates()
     >>> pressure = np.sqrt(np.maximum(1 - ((x - 0.5) ** 2 + (y[:, None] - 0.5) ** 2) / 0.3**2, 0))
-    >>> pressed = asp.LoadedSolid(pressure, grid, asp.Layer(young=1.0, poisson=0.3), boundary="free")
+    >>> pressed = asp.LoadedSolid(pressure, grid, asp.Solid(young=1.0, poisson=0.3), boundary="free")
     >>> (plane,) = asp.stress_planes(pressed, [0.48 * 0.3])
     >>> round(float(plane.fields["von_mises"].max()), 2)
     0.62
@@ -88,7 +88,7 @@ class LoadedSolid:
 
     pressure: Array
     grid: Grid
-    layer: Layer
+    layer: Solid
     boundary: str = "periodic"
     hardness: float = np.inf
     background: Callable[[float], Array] | None = None
@@ -96,9 +96,9 @@ class LoadedSolid:
     deepest: float = 0.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.grid, Grid) or not isinstance(self.layer, Layer):
+        if not isinstance(self.grid, Grid) or not isinstance(self.layer, Solid):
             raise TypeError(
-                f"grid = {shown(self.grid)}, layer = {shown(self.layer)}: a Grid and a Layer are needed"
+                f"grid = {shown(self.grid)}, layer = {shown(self.layer)}: a Grid and a Solid are needed"
             )
         choice("boundary", self.boundary, BOUNDARIES)
         if self.boundary == "free" and self.layer.height is not None:
@@ -187,13 +187,13 @@ class LoadedSolid:
         return table("LoadedSolid", rows, picture(self.pressure, "pressure"))
 
 
-def layer_from(settings: Mapping[str, Any]) -> Layer:
+def layer_from(settings: Mapping[str, Any]) -> Solid:
     """A layer from its constants, as in the settings of a result."""
-    known = {item.name: settings[item.name] for item in fields(Layer) if item.name in settings}
-    return Layer(**known | {"base": layer_from(base) if (base := settings.get("base")) else None})
+    known = {item.name: settings[item.name] for item in fields(Solid) if item.name in settings}
+    return Solid(**known | {"base": layer_from(base) if (base := settings.get("base")) else None})
 
 
-def layer_of(contact: xr.Dataset) -> Layer:
+def layer_of(contact: xr.Dataset) -> Solid:
     """The solid of a dataset of stage contact, with E* = 1.
 
     The stress depends on the pressure, and under a coating on the ratio of the moduli.
@@ -203,20 +203,20 @@ def layer_of(contact: xr.Dataset) -> Layer:
     young = (1 - poisson) * (1 + poisson)
     solid = str(contact.attrs["solid"])
     if solid == "half-space":
-        return Layer(young, poisson, lateral=lateral)
+        return Solid(young, poisson, lateral=lateral)
     settings = json.loads(contact.attrs["settings"])["layer"]
     height = settings["height"]
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
-    if base := settings.get("base"):  # of a study, or of a `Layer`
+    if base := settings.get("base"):  # of a study, or of a `Solid`
         ratio = base["modulus_ratio"] if "modulus_ratio" in base else base["young"] / settings["young"]
-        below = Layer(young * ratio, base["poisson"])
-        return Layer(young, poisson, height, lateral=lateral, base=below)
+        below = Solid(young * ratio, base["poisson"])
+        return Solid(young, poisson, height, lateral=lateral, base=below)
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
-    return Layer(young, poisson, height, bottom, lateral)
+    return Solid(young, poisson, height, bottom, lateral)
 
 
-def solid_of(contact: xr.Dataset) -> Solid:
+def solid_of(contact: xr.Dataset) -> Solids:
     """The solid of a dataset of stage contact with its moduli: one body, or two."""
     lower, modulus = layer_of(contact), float(contact.attrs.get("effective_modulus", 1.0))
     upper = json.loads(contact.attrs["settings"]).get("upper")

@@ -12,7 +12,7 @@ import numpy as np
 
 from asperity.core.markup import table
 from asperity.core.types import Array, ArrayLike
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 
 
 @dataclass(frozen=True)
@@ -21,32 +21,32 @@ class TwoBodies:
 
     Parameters
     ----------
-    lower, upper : Layer
+    lower, upper : Solid
         The solid below the interface and the one above it. Swapping them changes no contact pressure.
 
     Raises
     ------
     TypeError
-        If one of them is not a `Layer`.
+        If one of them is not a `Solid`.
 
     Examples
     --------
-    >>> pair = asp.TwoBodies(lower=asp.Layer(210e9, 0.3), upper=asp.Layer(110e9, 0.34))  # steel, bronze
+    >>> pair = asp.TwoBodies(lower=asp.Solid(210e9, 0.3), upper=asp.Solid(110e9, 0.34))  # steel, bronze
     >>> print(f"{pair.effective_modulus / 1e9:.1f} GPa")
     80.8 GPa
     >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
-    >>> contact = asp.solve(height, pair, 2e-4, mean_pressure=20e6)
+    >>> contact = asp.solve_contact(height, pair, 2e-4, mean_pressure=20e6)
     >>> contact.in_body("upper").layer.poisson
     0.34
     """
 
-    lower: Layer
-    upper: Layer
+    lower: Solid
+    upper: Solid
 
     def __post_init__(self) -> None:
         for name, layer in (("lower", self.lower), ("upper", self.upper)):
-            if not isinstance(layer, Layer):
-                raise TypeError(f"{name} = {layer!r}: a Layer is needed")
+            if not isinstance(layer, Solid):
+                raise TypeError(f"{name} = {layer!r}: a Solid is needed")
 
     def _repr_html_(self) -> str:
         rows = [
@@ -74,7 +74,7 @@ class TwoBodies:
         return min(depths, default=None)
 
     def surface_compliance(self, q: ArrayLike) -> Array:
-        """Sum of the compliances of both surfaces, length per pressure, of the shape of q; see `Layer`."""
+        """Sum of the compliances of both surfaces, length per pressure, of the shape of q; see `Solid`."""
         return self.lower.surface_compliance(q) + self.upper.surface_compliance(q)
 
     def uniform_compliance(self) -> float:
@@ -82,22 +82,22 @@ class TwoBodies:
         return self.lower.uniform_compliance() + self.upper.uniform_compliance()
 
 
-Solid = Layer | TwoBodies
+Solids = Solid | TwoBodies
 """A solid that can be pressed: one against a rigid indenter, or two bodies against each other."""
 
 
-def sliding_coupling(solid: Solid, q: ArrayLike) -> Array:
+def sliding_coupling(solid: Solids, q: ArrayLike) -> Array:
     """Normal displacement of the surfaces by a shear traction along a wave, over that by an equal pressure.
 
     Full sliding with friction μ changes the gap of each wave by up to μ times this ratio, which a contact
-    without friction neglects. By reciprocity it follows from the kernels V and W of `Layer.kernels` at the
+    without friction neglects. By reciprocity it follows from the kernels V and W of `Solid.kernels` at the
     surface. It is 0 for two equal bodies, (1 − 2ν)/(2 − 2ν) for a half-space against a rigid body, and
     Dundurs' constant β for two half-spaces (J. Dundurs, J. Appl. Mech. 36 (1969) 650,
     DOI 10.1115/1.3564739). On a bonded layer it is not 0 even at ν = 1/2.
 
     Parameters
     ----------
-    solid : Layer or TwoBodies
+    solid : Solid or TwoBodies
     q : array
         Wavenumbers, from 1e-75 to 1e75.
 
@@ -114,7 +114,7 @@ def sliding_coupling(solid: Solid, q: ArrayLike) -> Array:
     Examples
     --------
     >>> from asperity.elasticity.two_bodies import sliding_coupling
-    >>> rubber = asp.Layer(young=2e6, poisson=0.5, height=1e-3)  # 1 mm, bonded to a rigid base
+    >>> rubber = asp.Solid(young=2e6, poisson=0.5, height=1e-3)  # 1 mm, bonded to a rigid base
     >>> np.round(sliding_coupling(rubber, [1e2, 1e3, 1e4]), 2)
     array([14.97,  1.23,  0.  ])
     """

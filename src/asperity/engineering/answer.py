@@ -25,7 +25,7 @@ from asperity.engineering.face import RoughFace
 from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
 from asperity.settings.body import Body
 from asperity.settings.load import UNITS, Hertz
-from asperity.stress.peaks.selection import has_percentile, peaks
+from asperity.stress.peaks.selection import has_percentile, select_peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -44,7 +44,7 @@ LIMITS = {
     "90th percentile of the peaks": ("p90", "von_mises"),
     "99th percentile of the peaks": ("p99", "von_mises"),
 }
-"""Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
+"""Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum_limit`."""
 
 POSITION_NAMES = "at depth", "at x", "at y"
 """Numbers that give the position of another one."""
@@ -367,7 +367,9 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
             yield row(f"σ_xx on the interface, in the {material}", value)
         if coating is not None and coating.yield_stress is not None:
             yield row("yield stress of the coating", coating.yield_stress)
-    found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
+    found_peaks = np.abs(
+        select_peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values
+    )
     for percent in PERCENTS:
         if not has_percentile(found_peaks.size, percent / 100):
             continue
@@ -396,7 +398,7 @@ def _row(
 
 
 def limit_of(limits: xr.Dataset, name: str) -> dict[str, float]:
-    """Kind → value of a number of `LIMITS` in a result of `asperity.continuum`."""
+    """Kind → value of a number of `LIMITS` in a result of `asperity.continuum_limit`."""
     output, quantity = LIMITS[name]
     values = limits[output] if quantity is None else limits[output].sel(quantity=quantity)
     return dict(zip(limits["kind"].values.tolist(), values.values.ravel().tolist(), strict=True))

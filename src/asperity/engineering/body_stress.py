@@ -15,13 +15,13 @@ import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Array, Progress
-from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import continuum_on_grids
 from asperity.fourier.grid import Grid
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
-from asperity.stress.peaks.selection import peaks
+from asperity.stress.peaks.selection import select_peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -184,12 +184,12 @@ class BodyAnswer:
     Parameters
     ----------
     body : Body
-    layer : Layer
+    layer : Solid
         The body as the solver takes it.
     stress : dataset
         As of `analyse_stress`.
     limits : dataset
-        `asperity.continuum` of contact pressure and von Mises stress.
+        `asperity.continuum_limit` of contact pressure and von Mises stress.
     largest : dict
         Field → its extreme value: the largest of ``von_mises``, ``largest_shear`` (Tresca) and
         ``principal_1`` (tension), the smallest of ``principal_3`` and ``hydrostatic`` (compression), and that
@@ -204,7 +204,7 @@ class BodyAnswer:
     """
 
     body: Body
-    layer: Layer
+    layer: Solid
     stress: xr.Dataset
     limits: xr.Dataset
     largest: dict[str, Extreme]
@@ -316,7 +316,7 @@ def body_answer(
 
 def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> Extreme:
     """Largest von Mises stress between two depths, at the nodes or between them; y and x are NaN."""
-    planes, found = stress["plane_depth"].values, peaks(stress, "von_mises")
+    planes, found = stress["plane_depth"].values, select_peaks(stress, "von_mises")
     depths = np.append(planes, found["peak_depth"].values)
     values = np.append(stress["largest_von_mises"].values.ravel(), found["peak_value"].values)
     best = np.where((first <= depths) & (depths <= last), values, -1.0).argmax()
@@ -328,7 +328,7 @@ def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
     if field not in stress["quantity"].values:
         return found
     sign = float(DIRECTION.get(field) or np.sign(found.value))
-    candidates = peaks(stress, field)
+    candidates = select_peaks(stress, field)
     values = sign * candidates["peak_value"].values
     if not values.size or values.max() < sign * found.value:
         return found
@@ -349,7 +349,7 @@ class _Extremes:
         As of `BodyAnswer`.
     """
 
-    def __init__(self, drawn: Sequence[str], layer: Layer) -> None:
+    def __init__(self, drawn: Sequence[str], layer: Solid) -> None:
         self.interface: dict[str, list[float]] = {}
         self.found: dict[str, Extreme] = {}
         self.planes: dict[str, tuple[float, Grid, Array]] = {}

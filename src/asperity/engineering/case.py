@@ -15,9 +15,9 @@ from pydantic import Field, model_validator
 
 from asperity.contact import Contact
 from asperity.core.units import shown_si
-from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
+from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.engineering.question import Question
 from asperity.engineering.questions.conduction import Conduction
@@ -232,7 +232,7 @@ class Case(Settings):
         return min((hardness for hardness in known if math.isfinite(hardness)), default=None)
 
     @cached_property
-    def solid(self) -> Layer | TwoBodies:
+    def solid(self) -> Solid | TwoBodies:
         """The solid, or the two bodies, that the solver presses."""
         if self.counter_body is None:
             return solid_of(self.body)
@@ -305,14 +305,14 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
     return HertzContact.from_radii(*place.radii, effective_modulus, **given)
 
 
-def solid_of(body: Body) -> Layer:
+def solid_of(body: Body) -> Solid:
     """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
     if body.layer is not None:
-        return Layer(body.young, body.poisson, body.layer.height, body.layer.bottom)
-    base = Layer(body.young, body.poisson)
+        return Solid(body.young, body.poisson, body.layer.height, body.layer.bottom)
+    base = Solid(body.young, body.poisson)
     if body.coating is None:
         return base
-    return Layer(body.coating.young, body.coating.poisson, body.coating.thickness, base=base)
+    return Solid(body.coating.young, body.coating.poisson, body.coating.thickness, base=base)
 
 
 def same_material(body: Body, other: Body) -> bool:

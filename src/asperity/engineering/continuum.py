@@ -37,7 +37,7 @@ class HalfGrid:
     reason: str
 
 
-def continuum(
+def continuum_limit(
     contact: Contact,
     stress: xr.Dataset | None = None,
     *,
@@ -88,8 +88,8 @@ def continuum(
     The area at eight nodes on the shortest wavelength is too large by a tenth of its value:
 
     >>> height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.33), area_fraction=0.05)
-    >>> area = asp.continuum(contact)["area_fraction"]
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), area_fraction=0.05)
+    >>> area = asp.continuum_limit(contact)["area_fraction"]
     >>> print(f"{float(area.sel(kind='on_grid')):.4f}, better {float(area.sel(kind='estimate')):.4f}")
     0.0500, better 0.0448
     """
@@ -129,7 +129,7 @@ def continuum_on_grids(
     body: str,
     loaded: LoadedSolid | None = None,
 ) -> xr.Dataset:
-    """The result of `continuum`, given the contact on half of the nodes, and the body as that loads it."""
+    """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it."""
     coarse = None
     if stress is not None:
         planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface

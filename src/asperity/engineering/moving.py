@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.contact import solve
-from asperity.contact.solution import Solid
+from asperity.contact import solve_contact
+from asperity.contact.solution import Solids
 from asperity.core.arguments import choice, magnitude, number, whole_number
 from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
@@ -56,8 +56,9 @@ class MovingContact:
     lower : (ny, nx) array
         Upper face of the lower body, peaks upward; zeros if it is smooth.
     upper : (ny, nx) array
-        Lower face of the upper body, measured upward as `asperity.solve` takes it; zeros if it is smooth.
-    solid : Layer or TwoBodies
+        Lower face of the upper body, measured upward as `asperity.solve_contact` takes it; zeros if it is
+        smooth.
+    solid : Solid or TwoBodies
     length : float or (length_y, length_x)
         Edges of the periodic cell.
     shifts : int
@@ -75,7 +76,7 @@ class MovingContact:
     friction : float
         As for `asperity.stress_planes`; the traction on the lower body has the sliding direction.
     hardness : float, optional
-        As for `asperity.solve`.
+        As for `asperity.solve_contact`.
     film_share : float
         Share of the load that a film carries, as a smooth pressure without a shear traction; the asperities
         carry the rest.
@@ -83,7 +84,7 @@ class MovingContact:
         Shortest wavelength of the faces; a step is at most half of it. By default it is two node steps, so
         that every node is a position.
     rtol : float
-        Of each contact; see `asperity.solve`.
+        Of each contact; see `asperity.solve_contact`.
     progress : callable, optional
         Called as progress(done, total) for the contacts of one body.
 
@@ -98,11 +99,11 @@ class MovingContact:
 
     >>> x = np.arange(64) / 64
     >>> waves = 1e-3 * np.cos(2 * np.pi * x) * np.ones((4, 1))
-    >>> pair = asp.TwoBodies(asp.Layer(1.0, 0.3), asp.Layer(1.0, 0.3))
-    >>> moving = asp.MovingContact(
+    >>> pair = asp.TwoBodies(asp.Solid(1.0, 0.3), asp.Solid(1.0, 0.3))
+    >>> moving = asp.engineering.MovingContact(
     ...     waves, -waves, pair, (1 / 16, 1.0), shifts=16, mean_pressure=1e-3, wavelength_short=1.0
     ... )
-    >>> cycles = asp.stress_cycles(moving.in_body("lower"), yield_stress=1e-2)
+    >>> cycles = asp.stress.stress_cycles(moving.in_body("lower"), yield_stress=1e-2)
     >>> print(f"range of σ_xz {cycles.attrs['worst_shear_range'][0] / 1e-3:.2f} p̄")
     range of σ_xz 1.25 p̄
     """
@@ -111,7 +112,7 @@ class MovingContact:
         self,
         lower: ArrayLike,
         upper: ArrayLike,
-        solid: Solid,
+        solid: Solids,
         length: float | tuple[float, float] = 1.0,
         *,
         shifts: int,
@@ -217,7 +218,7 @@ class MovingContact:
         return start[0] + places * self._along[0], start[1] + places * self._along[1]
 
     def in_body(self, body: str) -> MovingPressure:
-        """The pressures on points of a body, for `asperity.stress_cycles`.
+        """The pressures on points of a body, for `asperity.stress.stress_cycles`.
 
         Parameters
         ----------
@@ -263,7 +264,7 @@ class MovingContact:
         both_rough = bool(np.ptp(self._upper)) and bool(np.ptp(self._lower))
         key = (state.steps % self.period if both_rough else 0), state.mean_pressure
         if key not in self._solved:
-            self._solved[key] = solve(
+            self._solved[key] = solve_contact(
                 np.roll(self._upper, shift if both_rough else 0, (0, 1)) - self._lower,
                 self._solid,
                 self.grid.length,

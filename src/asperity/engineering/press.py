@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact import Contact, solve
+from asperity.contact import Contact, solve_contact
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
@@ -30,7 +30,7 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     ConvergenceError
         If the contact does not converge.
     """
-    return solve(
+    return solve_contact(
         face.height,
         case.solid,
         face.grid.length,
@@ -42,7 +42,7 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
 
 
 def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
-    """The load as an argument of `asperity.solve`; `SettingsError` if it is out of range for the map."""
+    """The load as an argument of `solve_contact`; `SettingsError` if it is out of range for the map."""
     load, lowest = case.load, float(face.height.min())
     if isinstance(load, Hertz):
         return {"mean_pressure": case.cell_pressure}

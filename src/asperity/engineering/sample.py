@@ -132,7 +132,7 @@ def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
     return Mean(float(values.mean()), float(np.hypot(of_maps, np.nan_to_num(of_grid))), of_maps, of_grid)
 
 
-def pooled(answers: Sequence[Answer]) -> Sample:
+def pool_answers(answers: Sequence[Answer]) -> Sample:
     """The numbers of maps of one surface, in one case, as a sample.
 
     Parameters
@@ -150,7 +150,7 @@ def pooled(answers: Sequence[Answer]) -> Sample:
     >>> steel, edge = asp.Body(young=210e9, poisson=0.3), 2e-4
     >>> heights = [asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, 1e-7, seed, length=edge) for seed in range(3)]
     >>> maps = [asp.HeightMap(height, (edge, edge), periodic=True, name="ground") for height in heights]
-    >>> sample = asp.pooled([asp.run(each, steel, mean_pressure=50e6) for each in maps])
+    >>> sample = asp.pool_answers([asp.run(each, steel, mean_pressure=50e6) for each in maps])
     >>> area = sample.mean("contact", "real contact")
     >>> print(f"real contact {100 * area.value:.1f} ± {100 * area.error:.1f} %")
     real contact 5.1 ± 1.1 %

@@ -7,7 +7,7 @@ Equilibrium and Hooke's law of a mode exp(i (qx x + qy y)) are a first-order sys
 whose matrix is finite for every −1 < ν ≤ 1/2. Its eigenvalues are +q and −q, three times each, and (A² −
 q²)² = 0. The general solution is therefore a part that decays downward from the top and a part that decays
 upward from the bottom, each an exponential times a linear function of z; six boundary conditions determine
-both. Nothing is shared with `asperity.elasticity.layer`: no kernel, no compliance and no closed form.
+both. Nothing is shared with `asperity.elasticity.solid`: no kernel, no compliance and no closed form.
 
 Conventions are those of the package. Numbers are `mpmath` numbers; `digits` is the working precision, of
 which a thin layer loses about four times the decimal logarithm of 1/(q · height).

@@ -90,7 +90,7 @@ def write(
     --------
     >>> import tempfile
     >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
-    >>> contact = asp.solve(height, asp.Layer(210e9, 0.3), 2e-4, mean_pressure=20e6)
+    >>> contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), 2e-4, mean_pressure=20e6)
     >>> stress = asp.analyse_stress(contact).assign_attrs(unit_system="SI")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     asp.write_result(stress, f"{folder}/stress.nc", "Stress under a rough surface")

@@ -1,1 +1,5 @@
 """Stress inside the solid: planes over depth, peaks, profiles, statistics."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,7 +5,7 @@ one point of the depth profile and the covariance of Eq. 22 with the reference p
 Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept, or
 computed again.
 
-The condition of the mean (q = 0) mode (`Layer.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
+The condition of the mean (q = 0) mode (`Solid.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
 of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
 """
 
@@ -105,7 +105,8 @@ def analyse_stress(
     -------
     dataset
         Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
-        and Poisson's ratio: `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises
+        and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and
+        largest von Mises
         stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
         The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
         the arguments; ``plastic_contact``, where the pressure reaches the hardness, says what that means.
@@ -118,7 +119,7 @@ def analyse_stress(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, poisson=[0.0, 0.3, 0.5], quantities=("von_mises", "zz"))
     >>> deepest = stress["largest_von_mises"].sel(poisson=0.3).argmax("plane")
     >>> bool(0 < stress["plane_depth"][deepest] < 0.05)  # the largest stress lies below the surface
@@ -150,7 +151,7 @@ def analyse_lateral_conditions(
     Parameters
     ----------
     laterals : sequence of names
-        Conditions as of `Layer.lateral`.
+        Conditions as of `Solid.lateral`.
     contact, depths, poisson, quantities, tolerance, progress
         As for `analyse_stress`.
 
@@ -333,7 +334,7 @@ class _Analysis:
         return found
 
     def _dataset(self, lateral: str) -> xr.Dataset:
-        """Results under one condition of the mean mode; `asperity.peaks` selects from the peaks."""
+        """Results under one condition of the mean mode."""
         stream, references, solid = self._stream, self._references, self._stream.solid
         own = [self._fields.index(self._field("von_mises", lateral, ratio)) for ratio in stream.ratios]
         lag, in_plane = references.in_plane()

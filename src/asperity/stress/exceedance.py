@@ -91,7 +91,7 @@ class Exceedance:
         Parameters
         ----------
         estimates : dataset
-            Result of `asperity.continuum` for one Poisson's ratio.
+            Result of `asperity.continuum_limit` for one Poisson's ratio.
         peaks : int
             Number of peaks above the limit, whose errors differ in part.
         """

@@ -135,9 +135,9 @@ def stress_box(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> depths = [0.0, 0.01, 0.02]
-    >>> box = asp.stress_box(contact, depths, y=(0.2, 0.5), x=(0.2, 0.5), fields=("zz", "von_mises"))
+    >>> box = asp.stress.stress_box(contact, depths, y=(0.2, 0.5), x=(0.2, 0.5), fields=("zz", "von_mises"))
     >>> dict(box.dataset().sizes)
     {'poisson': 1, 'depth': 3, 'y': 20, 'x': 20}
     >>> for plane in box.planes():  # the same, one plane in memory
@@ -196,7 +196,7 @@ def stress_section(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> section = asp.stress_section(contact, along="x", depths=np.linspace(0, 0.1, 11), fields=("xx", "zz"))
     >>> dict(section.sizes)
     {'poisson': 1, 'depth': 11, 'x': 64}

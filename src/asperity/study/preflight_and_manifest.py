@@ -47,14 +47,14 @@ def warm_up() -> None:
     find it: afterwards the jobs do not compile the same functions side by side.
     """
     # Imported here as they take time: every job reads the rules that import this module.
-    from asperity.contact import solve
-    from asperity.elasticity.layer import Layer
+    from asperity.contact import solve_contact
+    from asperity.elasticity.solid import Solid
     from asperity.stress.analysis import analyse_stress
     from asperity.surface.self_affine import self_affine
 
     height = self_affine((64, 64), 0.8, 0.5, 0.125, 1e-3, seed=1)
     for precision, tolerance in (("float32", 1e-2), ("float64", 1e-6)):
-        contact = solve(height, Layer(1.0, 0.33), area_fraction=0.1, rtol=1e-4, dtype=precision)
+        contact = solve_contact(height, Solid(1.0, 0.33), area_fraction=0.1, rtol=1e-4, dtype=precision)
         analyse_stress(contact, tolerance=tolerance)
 
 

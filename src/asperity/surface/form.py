@@ -24,7 +24,8 @@ def add_sphere(
     Parameters
     ----------
     height : (ny, nx) array
-        Roughness as a lower face measured upward, as `asperity.solve` takes it; zeros for a smooth sphere.
+        Roughness as a lower face measured upward, as `asperity.solve_contact` takes it; zeros for a smooth
+        sphere.
     length : Grid, float or (length_y, length_x)
         Edges of the map, in the unit of the heights, or the grid that has them.
     radius : float
@@ -44,7 +45,7 @@ def add_sphere(
 
     Examples
     --------
-    >>> ball = asp.add_sphere(np.zeros((3, 3)), 3e-3, radius=0.05)  # 3 x 3 nodes, 1 mm apart
+    >>> ball = asp.surface.add_sphere(np.zeros((3, 3)), 3e-3, radius=0.05)  # 3 x 3 nodes, 1 mm apart
     >>> np.round(ball * 1e6, 3)  # µm
     array([[20., 10., 20.],
            [10.,  0., 10.],
@@ -74,7 +75,7 @@ def add_cylinder(
 
     Examples
     --------
-    >>> roller = asp.add_cylinder(np.zeros((3, 5)), (2e-3, 4e-3), radius=0.1, axis="y")  # curves along x
+    >>> roller = asp.surface.add_cylinder(np.zeros((3, 5)), (2e-3, 4e-3), radius=0.1, axis="y")
     >>> np.round(roller * 1e6, 3)  # µm
     array([[12.8,  3.2,  0. ,  3.2, 12.8],
            [12.8,  3.2,  0. ,  3.2, 12.8],

@@ -106,7 +106,7 @@ def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: 
     Examples
     --------
     >>> gaussian = asp.self_affine((64, 64), 0.8, 0.25, 0.125, rms_height=1e-3, seed=1)
-    >>> blunt = asp.johnson(gaussian, gamma=2.0, delta=1.0)
+    >>> blunt = asp.surface.johnson(gaussian, gamma=2.0, delta=1.0)
     >>> asp.roughness_parameters(blunt).skewness > 0.5
     True
     """
@@ -167,7 +167,7 @@ def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
     Examples
     --------
     >>> gaussian = asp.self_affine((256, 256), 0.8, 1 / 16, 1 / 32, rms_height=1e-3, seed=1)
-    >>> peaky = asp.with_moments(gaussian, skewness=0.0, kurtosis=5.0)
+    >>> peaky = asp.surface.with_moments(gaussian, skewness=0.0, kurtosis=5.0)
     >>> round(asp.roughness_parameters(peaky).kurtosis)
     5
     """
@@ -300,11 +300,11 @@ def with_heights(
     Examples
     --------
     >>> gaussian = asp.self_affine((256, 256), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=1)
-    >>> shaped = asp.with_heights(gaussian, moments=(-1.0, 4.0))
+    >>> shaped = asp.surface.with_heights(gaussian, moments=(-1.0, 4.0))
     >>> before, after = (asp.roughness_parameters(h) for h in (gaussian, shaped.height))
     >>> f"{after.skewness:.2f}", abs(after.rms_gradient / before.rms_gradient - 1) < 1e-12
     ('-1.00', True)
-    >>> honed = asp.with_heights(gaussian, plateau=(0.1, 0.4, 80))
+    >>> honed = asp.surface.with_heights(gaussian, plateau=(0.1, 0.4, 80))
     >>> shaped.heights_residual < 0.01, honed.heights_residual < 0.01
     (True, True)
     """

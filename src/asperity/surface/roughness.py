@@ -188,7 +188,7 @@ def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[
     The slope of the spectrum is −2(1 + H):
 
     >>> height = asp.self_affine((256, 256), 0.8, 0.25, 1 / 64, rms_height=1e-3, seed=1)
-    >>> q, power = asp.spectrum(height)
+    >>> q, power = asp.surface.spectrum(height)
     >>> inside = (q > 2 * np.pi * 5) & (q < 2 * np.pi * 60)
     >>> slope = np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0]
     >>> bool(abs(slope + 2 * (1 + 0.8)) < 0.1)

@@ -33,12 +33,12 @@ class ResultAccessor:
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact)
     >>> stress.asperity
-    <result of stage stress: plot(), peaks()>
+    <result of stage stress: plot(), select_peaks()>
     >>> figure = stress.asperity.plot("von_mises")
-    >>> int(stress.asperity.peaks("von_mises").sizes["peak"]) > 10
+    >>> int(stress.asperity.stress.select_peaks("von_mises").sizes["peak"]) > 10
     True
     >>> contact.to_dataset().asperity.section(depths=[0.0, 0.02]).sizes["depth"]
     2
@@ -129,8 +129,8 @@ class ResultAccessor:
         box = export.box_below(source, fields, depth, **settings)
         export.write_box(box, path, export.ExportUnits.of(source.system))
 
-    def peaks(self, quantity: str, poisson: float | None = None, selection: str = "all") -> xr.Dataset:
-        """Peaks of one quantity: `asperity.peaks`, with its arguments.
+    def select_peaks(self, quantity: str, poisson: float | None = None, selection: str = "all") -> xr.Dataset:
+        """Peaks of one quantity: `asperity.stress.select_peaks`, with its arguments.
 
         Raises
         ------
@@ -138,9 +138,9 @@ class ResultAccessor:
             If the dataset is no result of a stress analysis, or lacks the quantity.
         """
         self._needed("peaks")
-        from asperity.stress.peaks.selection import peaks
+        from asperity.stress.peaks.selection import select_peaks
 
-        return peaks(self._dataset, quantity, poisson, selection)
+        return select_peaks(self._dataset, quantity, poisson, selection)
 
     def _needed(self, method: str) -> str:
         """The stage, if it is one of those that a method takes."""

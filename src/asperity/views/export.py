@@ -158,7 +158,7 @@ def box_below(
     y, x : (first, last), optional
         Part of the cell.
     poisson
-        As for `asperity.plot_section`.
+        As for `asperity.views.plot_section`.
     **body
         Arguments of `Source.loaded`.
     """

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.core.types import Array
-from asperity.stress.peaks.selection import SAME_RATIO, peaks
+from asperity.stress.peaks.selection import SAME_RATIO, select_peaks
 from asperity.views.panels import canvas, finish_title
 from asperity.views.scales import Measure, measure, robust_limits
 from asperity.views.source import require_same_system, title_of, titled
@@ -73,9 +73,9 @@ def plot_peaks(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
-    >>> figure = asp.plot_peaks(stress, "von_mises")
+    >>> figure = asp.views.plot_peaks(stress, "von_mises")
     >>> len(figure.axes)
     1
     """
@@ -139,7 +139,7 @@ def _peaks(
         own = stress.attrs.get("poisson_contact")
         if own in stress["poisson"].values:
             poisson = own
-    found = peaks(stress, quantity, poisson)
+    found = select_peaks(stress, quantity, poisson)
     if quantity != "von_mises":
         return found, None
     ratio = float(found["poisson"])

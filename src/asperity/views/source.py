@@ -12,8 +12,8 @@ import xarray as xr
 from asperity.core.errors import shown
 from asperity.core.types import Array
 from asperity.core.units import shown_si
-from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LoadedSolid, Sliding, layer_from, layer_of, traction_direction
+from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid, grid_of
 from asperity.results.dataset import height_of, settings_of, unit_system
@@ -58,7 +58,7 @@ class Source:
     grid: Grid
     system: str | None
     fields: dict[str, Array]
-    layers: dict[str, Layer]
+    layers: dict[str, Solid]
     boundary: str = "periodic"
     sliding: Sliding = Sliding()  # noqa: RUF009  is immutable
 
@@ -227,7 +227,7 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
             "height or pressure, such as a Contact, is needed"
         )
     solid = getattr(result, "solid", None) or getattr(result, "layer", None)
-    layers = {"lower": solid} if isinstance(solid, Layer) else {}
+    layers = {"lower": solid} if isinstance(solid, Solid) else {}
     if isinstance(solid, TwoBodies):
         layers = {"lower": solid.lower, "upper": solid.upper}
     system = getattr(result, "unit_system", unit_system)

@@ -52,7 +52,7 @@ class Stress(NamedTuple):
 
 
 class BodyView(TypedDict, total=False):
-    """Arguments of the pictures of the stress in a body; `asperity.plot_section` describes them."""
+    """Arguments of the pictures of the stress in a body; `asperity.views.plot_section` describes them."""
 
     body: str
     friction: float | None
@@ -131,8 +131,8 @@ def plot_plane(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
-    >>> figure = asp.plot_plane(contact, depth=0.02, field="largest_shear")
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.views.plot_plane(contact, depth=0.02, field="largest_shear")
     >>> figure.savefig("plane.png")  # doctest: +SKIP
     >>> len(figure.axes)  # the map and its colour bar
     2
@@ -217,7 +217,7 @@ def plot_section(
         Full sliding, as for `asperity.stress_planes`, in the direction in which the upper body moves over the
         lower one; by default that of the result.
     axes, unit_system
-        As for `asperity.plot_height`.
+        As for `asperity.views.plot_height`.
     progress : callable, optional
         Called as progress(done, total) for each result.
 
@@ -229,8 +229,8 @@ def plot_section(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
-    >>> figure = asp.plot_section(contact, y=0.5, depth=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.views.plot_section(contact, y=0.5, depth=0.1)
     >>> figure.savefig("section.png")  # doctest: +SKIP
     >>> len(figure.axes) >= 2
     True

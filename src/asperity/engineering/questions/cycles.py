@@ -49,7 +49,8 @@ FADED = 0.1
 
 
 class Cycles(Question):
-    """Stress cycles of both bodies; see `asperity.stress_cycles` and `asperity.MovingContact`.
+    """Stress cycles of both bodies; see `asperity.stress.stress_cycles` and
+    `asperity.engineering.MovingContact`.
 
     Without shifts a body with fatigue limits is taken as smooth, under a rough one that slides along x or y.
     """
@@ -312,7 +313,7 @@ class Cycles(Question):
 
 
 def _limits(body: Body) -> dict[str, Any]:
-    """Limits and residual stress of a body, as `asperity.stress_cycles` takes them."""
+    """Limits and residual stress of a body, as `asperity.stress.stress_cycles` takes them."""
     names = ("fatigue_torsion", "fatigue_bending", "yield_stress")
     return {name: getattr(body, name) for name in names} | {"residual_stress": body.residual_stress or 0.0}
 

@@ -42,7 +42,7 @@ class LeakResult:
 
 
 class Leak(Question):
-    """Percolation of the gap, and leakage of a fluid through it; see `asperity.film_flow`."""
+    """Percolation of the gap, and leakage of a fluid through it; see `asperity.contact.film_flow`."""
 
     direction: Literal["x", "y"] = setting("x")
     """Direction in which the fluid leaks."""

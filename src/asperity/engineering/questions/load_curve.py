@@ -94,7 +94,7 @@ class AnswerCurve:
 
 
 class LoadCurve(Question):
-    """The contact under rising loads that end at the load of the case; see `asperity.load_curve`."""
+    """The contact under rising loads that end at that of the case; see `asperity.engineering.load_curve`."""
 
     TEMPLATE = "load_curve.html.j2"
 
@@ -216,7 +216,7 @@ def load_curve(
     Parameters
     ----------
     contacts : iterable of Contact
-        Such as `asperity.solve_path` yields, under rising loads.
+        Such as `asperity.solve_load_path` yields, under rising loads.
     bodies : sequence of "lower" and "upper"
         Bodies whose largest von Mises stress is computed, by a stress analysis for each load.
     resistivities : mapping, optional
@@ -237,8 +237,8 @@ def load_curve(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> path = asp.solve_path(height, asp.Layer(1.0, 0.3), mean_pressures=[1e-4, 1e-3])
-    >>> curve = asp.load_curve(path, ["lower"])
+    >>> path = asp.solve_load_path(height, asp.Solid(1.0, 0.3), mean_pressures=[1e-4, 1e-3])
+    >>> curve = asp.engineering.load_curve(path, ["lower"])
     >>> print(curve["area_fraction"].values.round(3), curve["stiffness"].values.round(2))
     [0.016 0.103] [0.46 2.19]
     """

@@ -55,7 +55,7 @@ class SlipResult:
 
 
 class PartialSlip(Question):
-    """Partial slip under a tangential load, instead of full sliding; see `asperity.partial_slip`."""
+    """Partial slip under a tangential load, instead of full sliding; see `asperity.contact.partial_slip`."""
 
     tangential_force: Force | None = setting(None, default_text="a displacement is given", example="50 mN")
     """Tangential force on the map, at most friction times load. Below that limit part of the contact
@@ -126,8 +126,8 @@ class PartialSlip(Question):
             yield Advice(
                 True,
                 "gross sliding",
-                f"the bodies slide: the tangential force of {shown_si(self.tangential_force, 'N')} is not below "
-                f"friction times load, {shown_si(limit, 'N')}, which is the force of this answer.",
+                f"the bodies slide: {shown_si(self.tangential_force, 'N')} is not below friction times load, "
+                f"{shown_si(limit, 'N')}, which is the tangential force of this answer.",
             )
         size = found.slip.deviation
         if size > 0:

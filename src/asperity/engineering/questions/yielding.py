@@ -76,7 +76,7 @@ class Yielding(Question):
     def of_body(self, answer: Answer, body: str, progress: Progress) -> None:
         """Volume and depths, and their error."""
         from asperity.engineering.body_stress import largest_von_mises_between
-        from asperity.stress.peaks.selection import peaks
+        from asperity.stress.peaks.selection import select_peaks
 
         limit, part, area = answer.case.bodies[body].yield_stress, answer.bodies[body], answer.face.map_area
         if limit is None:
@@ -84,7 +84,7 @@ class Yielding(Question):
         found = answer.of(self)[body]
         top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
         found.finish(largest_von_mises_between(part.stress, top, np.inf).value)
-        count = int((peaks(part.stress, "von_mises")["peak_value"] > limit).sum())
+        count = int((select_peaks(part.stress, "von_mises")["peak_value"] > limit).sum())
         error = found.error(part.limits, count) * area
         fraction = found.volume / found.depths[1] if found.depths else 0.0
         answer.of(self)[body] = Yielded(found.volume * area, error, found.depths, fraction)

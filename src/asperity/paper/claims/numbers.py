@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.paper.claims.sources import SKEWED, role_of_delta
 
 RESOLVED = 10
@@ -284,7 +284,7 @@ def slab_tractions_of_poisson(evidence: Evidence) -> FixedNumber:
     """Largest change with ν of E* × compliance of a bonded cubic slab, over waves that fit in the cell."""
     q = 2 * np.pi * np.sqrt(np.arange(1.0, 4096.0))
     ratios = (0.0, 0.25, 0.33, 0.5)
-    layers = [Layer(1 - nu**2, nu, height=1.0, bottom="bonded") for nu in ratios]
+    layers = [Solid(1 - nu**2, nu, height=1.0, bottom="bonded") for nu in ratios]
     compliance = np.array([layer.surface_compliance(q) for layer in layers])
     return FixedNumber(float((compliance.max(axis=0) / compliance.min(axis=0) - 1).max()))
 

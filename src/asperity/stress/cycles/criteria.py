@@ -85,7 +85,7 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
 
 @dataclass(frozen=True)
 class Criteria:
-    """Limits with which histories are compared; arguments and errors as for `asperity.stress_cycles`."""
+    """Limits with which histories are compared; arguments and errors as for `stress_cycles`."""
 
     fatigue_torsion: float | None = None
     fatigue_bending: float | None = None
@@ -199,7 +199,7 @@ class CycleMaps:
             self._means.append(self.criteria.power_means(points))
 
     def dataset(self) -> xr.Dataset:
-        """The result of `asperity.stress_cycles` from the planes so far."""
+        """The result of `asperity.stress.stress_cycles` from the planes so far."""
         values = dict(zip(NUMBERS, np.stack(self._values, axis=1), strict=True))
         found = {name: values[name] for name in self.names}
         require_finite("stress_cycles", found)

@@ -8,7 +8,7 @@ Below an ellipse
 ----------------
 The pressure p₀ √(1 − x²/a² − y²/b²) has the transform 2π a b p₀ (sin qc − qc cos qc)/(qc)³, with c² =
 (a cos θ)² + (b sin θ)² for a wavevector q (cos θ, sin θ). A mode has the stress (A + B q z) e^(−qz) at the
-depth z, see `asperity.elasticity.layer`. The integral over q is in closed form: with the angle ψ of (a cos θ,
+depth z, see `asperity.elasticity.solid`. The integral over q is in closed form: with the angle ψ of (a cos θ,
 b sin θ) and w = z/c − i (x cos ψ/a + y sin ψ/b),
 
     σ(x, y, z) = p₀ ⟨Re {A (1 − w arccot w) + B z/c (arccot w − w/(1 + w²))}⟩,   averaged over 0 ≤ ψ < π.
@@ -27,7 +27,7 @@ import numpy as np
 
 from asperity.core.arguments import magnitude
 from asperity.core.types import Array, ArrayLike
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import LineHertz
 from asperity.stress.planes.stream import shear_traction
@@ -57,8 +57,9 @@ class HertzContact:
     --------
     A ball of radius 5 mm in a groove, steel on steel:
 
-    >>> pair = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(210e9, 0.3))
-    >>> contact = asp.HertzContact.from_radii(5e-3, 80e-3, pair.effective_modulus, largest_pressure=1.2e9)
+    >>> pair = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(210e9, 0.3))
+    >>> modulus = pair.effective_modulus
+    >>> contact = asp.stress.HertzContact.from_radii(5e-3, 80e-3, modulus, largest_pressure=1.2e9)
     >>> print(f"{contact.half_width_x * 1e6:.0f} x {contact.half_width_y * 1e6:.0f} µm, "
     ...       f"{contact.largest_shear(0.3)[1] * 1e6:.0f} µm deep")
     102 x 613 µm, 76 µm deep
@@ -162,7 +163,7 @@ class HertzContact:
         self,
         y: ArrayLike,
         x: ArrayLike,
-        layer: Layer,
+        layer: Solid,
         friction: float = 0.0,
         sliding_direction: str | float = "x",
     ) -> Callable[[float], Array]:
@@ -175,7 +176,7 @@ class HertzContact:
         Parameters
         ----------
         y, x : (places,) arrays
-        layer : Layer
+        layer : Solid
             A half-space.
         friction, sliding_direction
             As for `stress_planes`.
@@ -217,7 +218,7 @@ class HertzContact:
         self,
         y: ArrayLike,
         x: ArrayLike,
-        layer: Layer,
+        layer: Solid,
         friction: float = 0.0,
         sliding_direction: str | float = "x",
     ) -> Callable[[float], Array]:

@@ -27,8 +27,8 @@ import xarray as xr
 from asperity.core.compiled import compiled_with_arrays
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, ArrayLike, Progress
-from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid, direction_cosines
+from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.stress.cycles.criteria import NUMBERS, Criteria, CycleMaps, fill_points, reduce_rows
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
@@ -58,7 +58,7 @@ class MovingPressure:
     pressures : sequence of (ny, nx) arrays
         None where there is no contact.
     grid : Grid
-    layer : Layer
+    layer : Solid
     direction : "x", "y" or float
         Of the motion, as `sliding_direction` of `asperity.stress_planes`.
     friction, sliding_direction
@@ -73,7 +73,7 @@ class MovingPressure:
 
     pressures: Sequence[Array | None]
     grid: Grid
-    layer: Layer
+    layer: Solid
     direction: str | float = "x"
     friction: float = 0.0
     sliding_direction: str | float = "x"
@@ -90,7 +90,7 @@ class Histories(CycleMaps):
     moving : MovingPressure
     criteria : Criteria
     depths, tolerance, threads
-        As for `asperity.stress_cycles`.
+        As for `asperity.stress.stress_cycles`.
     """
 
     def __init__(
@@ -221,7 +221,7 @@ class Histories(CycleMaps):
         return exact, np.where(exact[1] == -np.inf, bound[0], exact[1])
 
     def dataset(self) -> xr.Dataset:
-        """The result of `asperity.stress_cycles`, with places along x and the error of few states."""
+        """The result of `asperity.stress.stress_cycles`, with places along x and the error of few states."""
         found = super().dataset()
         halves = np.zeros((5, 2))
         halves[:3] = self._halves.T

@@ -17,8 +17,8 @@ import xarray as xr
 from asperity.core.errors import shown
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, ArrayLike, Progress
-from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
+from asperity.elasticity.solid import COMPONENTS
 from asperity.stress.cycles.criteria import Criteria, CycleMaps
 from asperity.stress.cycles.histories import Histories, MovingPressure
 from asperity.stress.planes.fields import ROW_MARGIN
@@ -108,8 +108,8 @@ def stress_cycles(
     Parameters
     ----------
     contact
-        As for `analyse_stress`; or a `MovingPressure`, as of `asperity.MovingContact`, whose friction and
-        direction are used.
+        As for `analyse_stress`; or a `MovingPressure`, as of `asperity.engineering.MovingContact`, whose
+        friction and direction are used.
     depths, tolerance, threads, progress
         As for `analyse_stress`; the first depth need not be 0.
     poisson : float, optional
@@ -152,9 +152,10 @@ def stress_cycles(
     --------
     A cylinder along y, in line contact:
 
-    >>> height = asp.add_cylinder(np.zeros((16, 256)), (0.0625, 1.0), 1.0, axis="y")
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), (0.0625, 1.0), area_fraction=0.1)
-    >>> cycles = asp.stress_cycles(contact, yield_stress=3**0.5)  # k = 1
+    >>> height = asp.surface.add_cylinder(np.zeros((16, 256)), (0.0625, 1.0), 1.0, axis="y")
+    >>> solid = asp.Solid(young=1.0, poisson=0.3)
+    >>> contact = asp.solve_contact(height, solid, (0.0625, 1.0), area_fraction=0.1)
+    >>> cycles = asp.stress.stress_cycles(contact, yield_stress=3**0.5)  # k = 1
     >>> share = cycles.attrs["worst_shear_range"][0] / contact.pressure.max()
     >>> limit = cycles.attrs["worst_shakedown_upper"][0] * contact.pressure.max()
     >>> print(f"range of τ_xz {share:.2f} p₀, shakedown limit {limit:.1f} k")

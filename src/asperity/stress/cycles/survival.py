@@ -49,11 +49,11 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     Parameters
     ----------
     cycles : dataset
-        Of `asperity.stress_cycles` with fatigue limits.
+        Of `asperity.stress.stress_cycles` with fatigue limits.
     scatter : float
         Coefficient of variation of the fatigue limit, from 0.01 to 1. The smaller it is, the more the few
-        highest points count: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of `asperity.depth_grid`
-        causes errors of up to 1, 5, 20 and 40 %.
+        highest points count: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of
+        `asperity.stress.depth_grid` causes errors of up to 1, 5, 20 and 40 %.
     volume : float
         Stressed volume of the specimens on which limits and scatter were measured, in the unit of length of
         the contact cubed.
@@ -66,9 +66,9 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     Examples
     --------
     >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
-    >>> contact = asp.solve(height, asp.Layer(210e9, 0.3), 2e-4, mean_pressure=20e6)
-    >>> cycles = asp.stress_cycles(contact, fatigue_torsion=300e6, fatigue_bending=480e6)
-    >>> cracks = asp.cracks_per_area(cycles, scatter=0.1, volume=1e-8)
+    >>> contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), 2e-4, mean_pressure=20e6)
+    >>> cycles = asp.stress.stress_cycles(contact, fatigue_torsion=300e6, fatigue_bending=480e6)
+    >>> cracks = asp.stress.cracks_per_area(cycles, scatter=0.1, volume=1e-8)
     >>> bool(0 < np.exp(-cracks * 1e-6) < 1)
     True
     """

@@ -297,7 +297,7 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     >>> grid = asp.Grid((32, 32))
     >>> y, x = grid.coordinates()
     >>> wave = np.cos(2 * np.pi * (x - 0.3)) * np.cos(2 * np.pi * (y[:, None] - 0.4))
-    >>> peaks = asp.plane_peaks(wave, grid)
+    >>> peaks = asp.stress.plane_peaks(wave, grid)
     >>> for value, y, x in zip(peaks.value, peaks.y, peaks.x):
     ...     print(f"{value:+.2f} at y = {y:.2f}, x = {x:.2f}")
     +1.00 at y = 0.40, x = 0.30
@@ -341,9 +341,9 @@ def find_peaks(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> planes = asp.stress_planes(contact, np.linspace(0, 0.1, 21), fields=("largest_shear",))
-    >>> peaks = asp.find_peaks(planes, "largest_shear", floor=0.1 * contact.max_pressure)
+    >>> peaks = asp.stress.find_peaks(planes, "largest_shear", floor=0.1 * contact.max_pressure)
     >>> highest = peaks.value.argmax()
     >>> bool(0.25 < peaks.value[highest] / contact.max_pressure < 0.35)  # 0.31 under a ball
     True

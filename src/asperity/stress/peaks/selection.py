@@ -2,7 +2,8 @@
 
 The peaks of all quantities and Poisson's ratios stand one after the other along the dimension `peak`.
 ``peak_quantity`` is the name of the quantity, ``peak_poisson`` the Poisson's ratio of each peak. The ratio is
-NaN where the quantity is the same for every one; `peaks` finds such peaks under any of the analysed ratios.
+NaN where the quantity is the same for every one; `select_peaks` finds such peaks under any of the analysed
+ratios.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike
 
 SELECTIONS = ("all", "at_contact", "interior", "under_contact")
-"""Names of the selections of `peaks`."""
+"""Names of the selections of `select_peaks`."""
 
 LARGEST_AT_SURFACE = (
     "pressure",
@@ -44,7 +45,7 @@ HIGHEST_SHARE = 0.1
 _LABELS = ("peak_quantity", "peak_poisson")
 
 
-def peaks(
+def select_peaks(
     stress: xr.Dataset, quantity: str, poisson: float | None = None, selection: str = "all"
 ) -> xr.Dataset:
     """Select the peaks of one quantity from the result of a stress analysis.
@@ -81,9 +82,10 @@ def peaks(
     The von Mises peaks below the contacts, as a table of pandas:
 
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.33), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
-    >>> table = asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> below = asp.stress.select_peaks(stress, "von_mises", poisson=0.33, selection="under_contact")
+    >>> table = below.to_dataframe()
     >>> list(table.columns[:4]), bool(table["peak_depth"].min() > 0)
     (['peak_value', 'peak_depth', 'peak_y', 'peak_x'], True)
     """
@@ -105,7 +107,7 @@ def peaks(
 
 
 def is_selected(stress: xr.Dataset, selection: str) -> Array:
-    """True for every peak of an analysis, or of a result of `peaks`, that a selection holds."""
+    """True for every peak of an analysis, or of a result of `select_peaks`, that a selection holds."""
     chosen = np.ones(stress.sizes["peak"], bool)
     if selection in ("interior", "under_contact"):
         chosen &= stress["peak_interior"].values
@@ -115,7 +117,7 @@ def is_selected(stress: xr.Dataset, selection: str) -> Array:
 
 
 def selection_for(quantity: str) -> str:
-    """The selection of `peaks` that figures and claims count for a quantity.
+    """The selection of `select_peaks` that figures and claims count for a quantity.
 
     They count peaks under a contact, and those in the surface only of quantities that are largest there.
     """
@@ -180,7 +182,7 @@ def peak_numbers(
     number, mean, deviation, depth, depth_highest = np.full((5, *shape), np.nan)
     quantile = np.full((*shape, levels.size), np.nan)
     for q, p in np.ndindex(shape):
-        found = peaks(stress, quantities[q], float(ratios[p]), selection_for(quantities[q]))
+        found = select_peaks(stress, quantities[q], float(ratios[p]), selection_for(quantities[q]))
         size, depths = np.abs(found["peak_value"].values), found["peak_depth"].values
         number[q, p] = size.size
         if not size.size:

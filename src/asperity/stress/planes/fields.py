@@ -28,7 +28,7 @@ import numpy as np
 from asperity.core.compiled import compiled, inlined
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
-from asperity.elasticity.layer import COMPONENTS
+from asperity.elasticity.solid import COMPONENTS
 
 MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""

@@ -13,8 +13,8 @@ import numpy as np
 from asperity.core.compiled import compiled, fused, fused_inlined
 from asperity.core.parallel import KeptArrays, run_tasks
 from asperity.core.types import Array
-from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.elasticity.solid import COMPONENTS
 from asperity.fourier.grid import Fourier, Grid, Work
 from asperity.stress.planes.fields import NODES_AT_ONCE, BasisField, Visit, bands_of, strips_of
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
@@ -487,7 +487,7 @@ def _add_sliding(
 
     The traction is `traction` times the pressure; the equations are in ``docs/method.md``. `directions` are
     as of `_fill_spectra`, and 1/q of the rows with q_y ≥ 0; `kernels` N, M, X, P and Q of
-    `Layer.shear_kernels`, `modes` and `out` complex.
+    `Solid.shear_kernels`, `modes` and `out` complex.
     """
     (qx, odd_qx), (qy, odd_qy), over_q = directions
     friction_x, friction_y = traction

@@ -89,7 +89,7 @@ def stress_planes(
     contact : object with ``pressure``, ``grid`` and ``layer``
         A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array
-        Rising depths ≥ 0, in a layer of at most its height. `Layer.interface` is the lower face of a coating,
+        Rising depths ≥ 0, in a layer of at most its height. `Solid.interface` is the lower face of a coating,
         the next larger number (`numpy.nextafter`) the upper face of its base.
     poisson : float or sequence, optional
         Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
@@ -124,7 +124,7 @@ def stress_planes(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), mean_pressure=1e-3)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), mean_pressure=1e-3)
     >>> for plane in asp.stress_planes(contact, depths=[0.0, 0.1, 0.5], fields=("zz", "von_mises")):
     ...     print(f"{plane.depth:.1f} {plane.fields['zz'].shape} {plane.fields['zz'].mean():.6f}")
     0.0 (1, 64, 64) -0.001000
@@ -168,7 +168,7 @@ def depth_grid(
     growth : float
         Largest distance between planes, relative to their depth.
     interface : float, optional
-        Depth of the interface under a coating, `Layer.interface`: planes lie on both its faces, the lower one
+        Depth of the interface under a coating, `Solid.interface`: planes lie on both its faces, the lower one
         at the next larger number, and in the coating are at least `COATING_PLANES`.
 
     Returns
@@ -183,7 +183,7 @@ def depth_grid(
 
     Examples
     --------
-    >>> depths = asp.depth_grid(asp.Grid((64, 64)), height=0.5)
+    >>> depths = asp.stress.depth_grid(asp.Grid((64, 64)), height=0.5)
     >>> depths[:4] * 64  # in spacings of the grid
     array([0. , 0.5, 1. , 1.5])
     >>> depths.size, float(depths[-1])

@@ -30,7 +30,7 @@ def rectangle_stress(
     Parameters
     ----------
     component : str
-        One of `asperity.elasticity.layer.COMPONENTS`; z is upward, depth ≥ 0.
+        One of `asperity.elasticity.solid.COMPONENTS`; z is upward, depth ≥ 0.
     loaded : "z", "x" or "y"
         Unit pressure (σ_zz = −1 on the rectangle), or unit traction along x or y (σ_xz = 1 or σ_yz = 1).
     y, x : (ny,), (nx,) arrays

@@ -28,8 +28,8 @@ from numpy.typing import ArrayLike
 from asperity.core.arguments import choices, number, real_array, thread_count
 from asperity.core.parallel import aligned_memory
 from asperity.core.types import Array, Progress
-from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid, direction_cosines
+from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import Grid, Work
 from asperity.stress.planes.fields import (
     BASIS,
@@ -130,7 +130,7 @@ class LinearPlane:
         return self.fields([name], [poisson], [uniform_part(self.solid.layer, poisson, self.depth)])
 
 
-def uniform_part(layer: Layer, poisson: float, depth: float) -> float:
+def uniform_part(layer: Solid, poisson: float, depth: float) -> float:
     """Uniform part of σ_xx and σ_yy at a depth over the mean pressure."""
     return float(replace(layer, poisson=poisson).uniform_stress(depth)[0])
 
@@ -293,7 +293,7 @@ class _Memory:
         return (self._block.size - size, self._block.size) if number % 2 else (0, size)
 
 
-def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> list[float]:
+def checked_ratios(poisson: float | Sequence[float] | None, layer: Solid) -> list[float]:
     """Poisson's ratios that the layer allows, by default its own."""
     if poisson is None:
         return [layer.poisson]
@@ -316,7 +316,7 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
     return ratios
 
 
-def shear_traction(friction: Any, direction: Any, layer: Layer) -> tuple[float, float]:
+def shear_traction(friction: Any, direction: Any, layer: Solid) -> tuple[float, float]:
     """Shear traction over pressure along x and y under full sliding, see `asperity.stress_planes`."""
     accepted = f"a number from 0 to {MAX_FRICTION:g}"
     friction = number("friction", friction, accepted, lambda size: 0 <= size <= MAX_FRICTION)

@@ -24,7 +24,7 @@ import numpy as np
 from asperity.core.sizes import good_size
 from asperity.core.types import Array
 from asperity.elasticity.kernels import DEEPEST
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 
 ENVELOPE_MARGIN = 0.01
@@ -64,7 +64,7 @@ class Truncation:
         Coefficients of the contact pressure.
     grids : sequence of Grid
         Grids to choose from, finest first: that of the coefficients, and coarser ones of the same cell.
-    layer : Layer
+    layer : Solid
     tolerance : float
         Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
     envelope : callable
@@ -80,7 +80,7 @@ class Truncation:
         self,
         pressure: Array,
         grids: Sequence[Grid],
-        layer: Layer,
+        layer: Solid,
         tolerance: float,
         envelope: Callable[[float], float],
         aliases: float = 0.0,
@@ -155,7 +155,7 @@ class Truncation:
         return PlaneGrid(grid, bound + float(beyond[columns]), scale, columns)
 
 
-def envelope_of(layer: Layer, poisson: float, friction: float, depth: float) -> float:
+def envelope_of(layer: Solid, poisson: float, friction: float, depth: float) -> float:
     """The constant K at a depth, under pressure and a shear traction `friction` times it.
 
     In a half-space it is the same at every depth, and holds for all ratios ≥ `poisson`. In a layer it is the

@@ -291,7 +291,7 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     --------
     >>> grid = asp.Grid((64, 64))
     >>> height = asp.self_affine(grid.shape, 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> lag, covariance = asp.autocorrelation(height, grid)
+    >>> lag, covariance = asp.stress.autocorrelation(height, grid)
     >>> print(f"{covariance[0]:.3e}, to half at {np.interp(-0.5, -covariance / covariance[0], lag):.2f}")
     1.000e-06, to half at 0.07
     """

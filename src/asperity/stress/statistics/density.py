@@ -51,7 +51,7 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1.0, seed=1)
-    >>> density = asp.probability_density(height, bins=20)
+    >>> density = asp.stress.probability_density(height, bins=20)
     >>> density.density.size, round(float(np.sum(density.density * np.diff(density.edges))), 12)
     (20, 1.0)
     """

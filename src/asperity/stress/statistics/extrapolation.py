@@ -161,7 +161,7 @@ OUTPUTS = (
     *("area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
     *(*DEPTHS, *DECAYS),
 )
-"""Numbers of `asperity.continuum`."""
+"""Numbers of `asperity.continuum_limit`."""
 
 KINDS = ("on_grid", "on_half", "estimate", "error")
 
@@ -233,7 +233,7 @@ def resolution(estimates: xr.Dataset) -> float:
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
-    """The dataset of `asperity.continuum` from the results on two grids under the same load.
+    """The dataset of `asperity.continuum_limit` from the results on two grids under the same load.
 
     Parameters
     ----------

@@ -20,7 +20,13 @@ import xarray as xr
 
 from asperity.core.arguments import number, real_array, require_finite, whole_number
 from asperity.core.types import Array
-from asperity.stress.peaks.selection import HIGHEST_SHARE, SELECTIONS, has_percentile, is_selected, peaks
+from asperity.stress.peaks.selection import (
+    HIGHEST_SHARE,
+    SELECTIONS,
+    has_percentile,
+    is_selected,
+    select_peaks,
+)
 from asperity.stress.statistics.covariance import decay_lengths
 from asperity.stress.statistics.density import bin_edges, normalised
 
@@ -80,11 +86,11 @@ def pool_peaks(
     >>> stresses, gradients = [], []
     >>> for seed in (1, 2, 3):
     ...     height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=seed)
-    ...     contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
-    ...     depths = asp.depth_grid(contact.grid, height=0.25)
+    ...     contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    ...     depths = asp.stress.depth_grid(contact.grid, height=0.25)
     ...     stresses.append(asp.analyse_stress(contact, depths, quantities=("von_mises",)))
     ...     gradients.append(contact.gradient_rms_contact)
-    >>> pooled = asp.pool_peaks(stresses, gradients, bins=20, resamples=100)
+    >>> pooled = asp.stress.pool_peaks(stresses, gradients, bins=20, resamples=100)
     >>> density = pooled["peak_density"].sel(selection="under_contact", quantity="von_mises", poisson=0.3)
     >>> width = np.diff(pooled["bin_edge"].sel(quantity="von_mises"))
     >>> round(float((density * width).sum()), 6)
@@ -189,7 +195,7 @@ def _pooled_peaks(
     of_quantities = []  # edges of bins, common to all seeds, selections and Poisson's ratios
     for name in quantities:
         values = [
-            peaks(stress, name, ratio)["peak_value"].values / gradient
+            select_peaks(stress, name, ratio)["peak_value"].values / gradient
             for stress, gradient in zip(stresses, scale, strict=True)
             for ratio in stress["poisson"].values
         ]
@@ -200,7 +206,7 @@ def _pooled_peaks(
     density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
     median_depth = np.full((2, *shape), np.nan)
     for q, p in np.ndindex(shape[1:]):
-        every = [peaks(stress, quantities[q], float(ratios[p])) for stress in stresses]
+        every = [select_peaks(stress, quantities[q], float(ratios[p])) for stress in stresses]
         for s, selection in enumerate(SELECTIONS):
             masks = [is_selected(found, selection) for found in every]
             values, depths = (

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.contact import solve_path
+from asperity.contact import solve_load_path
 from asperity.contact.half_grid import solve_on_half
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
-from asperity.elasticity.layer import Layer, simplest_solid
+from asperity.elasticity.solid import Solid, simplest_solid
 from asperity.results.dataset import grid_of, height_of
 from asperity.settings.sections import imposed_load
 from asperity.stress.statistics.extrapolation import reason_against
@@ -23,7 +23,7 @@ _SMALLEST_WAVENUMBER = 2 * np.pi
 """Wavenumber of the longest wave on the unit cell, which reaches deepest."""
 
 
-def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
+def solid(settings: Mapping[str, Any]) -> tuple[Solid, dict[str, Any]]:
     """The solid of a study and its description for the result files.
 
     Parameters
@@ -34,22 +34,22 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
 
     Returns
     -------
-    layer : Layer
+    layer : Solid
         The layer of the settings, or the half-space if both differ by at most half_space_tolerance
-        (`asperity.elasticity.layer.simplest_solid`). Young's modulus is 1 − ν², so that E* is one.
+        (`asperity.elasticity.solid.simplest_solid`). Young's modulus is 1 − ν², so that E* is one.
     record : dict
         The `SOLID_ATTRIBUTES`: the solid used, the reason and the difference, the condition of
         the mean (q = 0) mode, and Poisson's ratio.
     """
     poisson, base = settings["poisson"], settings.get("base")
     young = 1 - poisson**2
-    layer = Layer(
+    layer = Solid(
         young=young,
         poisson=poisson,
         height=settings["height"],
         bottom=settings["bottom"],
         lateral=settings["lateral"],
-        base=None if base is None else Layer(young * base["modulus_ratio"], base["poisson"]),
+        base=None if base is None else Solid(young * base["modulus_ratio"], base["poisson"]),
     )
     chosen = simplest_solid(layer, _SMALLEST_WAVENUMBER, settings["half_space_tolerance"])
     record = {
@@ -104,7 +104,7 @@ def press_surface(
         raise ValueError(f"contact.approach = {value!r}: less than {most:.6g} is needed, {FULL_CONTACT}")
     path = sorted(fractions)
     press = partial(
-        solve_path,
+        solve_load_path,
         height,
         layer,
         grid_of(surface).length,
@@ -149,8 +149,8 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
     Returns
     -------
     dataset
-        Pressure and numbers of the contact, with the attribute ``lost_gradient`` of `asperity.continuum`;
-        None where the contact allows no estimate.
+        Pressure and numbers of the contact, with the attribute ``lost_gradient`` of
+        `asperity.continuum_limit`; None where the contact allows no estimate.
     """
     height = height_of(contact).values
     if reason_against(contact["pressure"].values, height, float(contact.get("plastic_area", 0))):

@@ -21,7 +21,7 @@ from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.results.dataset import grid_of, height_of, read_result, settings_of
-from asperity.stress.peaks.selection import peaks, selection_for
+from asperity.stress.peaks.selection import select_peaks, selection_for
 from asperity.stress.statistics.density import bin_edges
 from asperity.stress.statistics.extrapolation import OnGrid, extrapolated_numbers, numbers_on
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
@@ -242,7 +242,7 @@ def _patch_correlations(
 
     They are those of all peaks, of the highest below each patch, and of the latter below large patches.
     """
-    found = peaks(stress, "von_mises", ratio, selection_for("von_mises"))
+    found = select_peaks(stress, "von_mises", ratio, selection_for("von_mises"))
     row, column = (
         np.rint(found[f"peak_{axis}"].values / step).astype(int)
         for axis, step in zip("yx", grid.spacing, strict=True)
@@ -334,7 +334,7 @@ def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
         np.sum((stress[f"peak_{axis}"] < 0) | (stress[f"peak_{axis}"] > reach[axis])) for axis in reach
     ]
     excess = [
-        float(peaks(stress, "von_mises", ratio)["peak_value"].max() / largest.max() - 1)
+        float(select_peaks(stress, "von_mises", ratio)["peak_value"].max() / largest.max() - 1)
         for ratio, largest in stress["largest_von_mises"].groupby("poisson")
     ]
     return checks | {

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.contact import solve
+from asperity.contact import solve_contact
 from asperity.contact.gap import percolation
 from asperity.contact.slip import partial_slip
 from asperity.core.types import Array
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 from asperity.reference.bisinusoid import Bisinusoid
 from asperity.reference.bonded_layer import BondedLayer, Coating
@@ -60,7 +60,7 @@ def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
     """
     poisson, radii = (0.0, 0.33, 0.5), np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
     curve = np.linspace(0.0, radii.max() + 0.02, 61)[1:]
-    layers = [Layer(1.0, nu) for nu in poisson]
+    layers = [Solid(1.0, nu) for nu in poisson]
     imposed, along_curve = (
         np.array([_periodic_pressures(some, layer.effective_modulus) for layer in layers])
         for some in (radii, curve)
@@ -132,7 +132,7 @@ def slab_load_area(
     )
 
 
-def _contacts(points: int, method: str, layers: Sequence[Layer], **load: Array) -> Array:
+def _contacts(points: int, method: str, layers: Sequence[Solid], **load: Array) -> Array:
     """Area fraction, contact radius and mean pressure of the paraboloid, a row of loads for each layer."""
     ((kind, loads),) = load.items()
     grid = Grid((points, points))
@@ -140,7 +140,7 @@ def _contacts(points: int, method: str, layers: Sequence[Layer], **load: Array) 
     found = np.empty((3, *loads.shape))
     for (row, column), value in np.ndenumerate(loads):
         imposed: dict[str, Any] = {kind: float(value)}
-        contact = solve(height, layers[row], method=method, rtol=1e-6, **imposed)
+        contact = solve_contact(height, layers[row], method=method, rtol=1e-6, **imposed)
         radius = indenter.fitted_contact_radius(contact.pressure, grid)
         found[:, row, column] = contact.area_fraction, radius, contact.mean_pressure
     return found
@@ -194,7 +194,7 @@ def _wave_errors(points: int, load: float) -> tuple[float, float]:
     line = Grid((8, points), (8 / points, 1.0))
     x = line.coordinates()[1] - 0.5
     height = np.tile(exact.height(x), (8, 1))
-    contact = solve(height, Layer(1.0, 0.0), line.length, mean_pressure=mean_pressure, rtol=RTOL)
+    contact = solve_contact(height, Solid(1.0, 0.0), line.length, mean_pressure=mean_pressure, rtol=RTOL)
     pressure = exact.pressure(x)
     return (
         float(np.linalg.norm(contact.pressure[0] - pressure) / np.linalg.norm(pressure)),
@@ -230,21 +230,21 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
     array = PeriodicHertz(contact_radius, CURVATURE_RADIUS)
     single = Hertz.from_load(array.load, CURVATURE_RADIUS)
     height = paraboloid(grid, CURVATURE_RADIUS)
-    contact = solve(height, Layer(1.0, 0.0), mean_pressure=array.mean_pressure, rtol=RTOL)
+    contact = solve_contact(height, Solid(1.0, 0.0), mean_pressure=array.mean_pressure, rtol=RTOL)
     width = int(reach * contact_radius * points)
     x = np.arange(-width, width + 1) / points
     depth = np.linspace(0.0, reach * contact_radius, samples)
     axis_depth = np.linspace(0.2, 0.8, 61) * contact_radius
     planes = []
     for nu in poisson:
-        layer = Layer(1 - nu**2, nu, lateral="free")
+        layer = Solid(1 - nu**2, nu, lateral="free")
         _, stress = indenter.displacement_and_stress(contact.pressure, grid, layer, 0.5, 0.5, axis_depth)
         on_axis = {"closed_form": single.stress(0.0, axis_depth, nu).von_mises}
         for name, lateral in (("free", 0.0), ("confined", nu / (1 - nu)), ("array", 0.5 + nu)):
             uniform = -lateral * array.mean_pressure * np.array([1, 1, 0, 0, 0, 0])
             on_axis[name] = von_mises(stress[:, 0] + uniform)
         peaks = {name: indenter.largest_sample(values, axis_depth) for name, values in on_axis.items()}
-        layer, middle = Layer(1 - nu**2, nu), np.full(len(x), 0.5)
+        layer, middle = Solid(1 - nu**2, nu), np.full(len(x), 0.5)
         _, stress = indenter.displacement_and_stress(contact.pressure, grid, layer, middle, x + 0.5, depth)
         exact = single.stress(np.abs(x), depth[:, None], nu)
         variables: dict[str, object] = {
@@ -286,8 +286,8 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         y, x = (nodes - edge / 2 for nodes, edge in zip(grid.coordinates(), grid.length, strict=True))
         radius_x, radius_y = exact.curvature_radii
         height = y[:, None] ** 2 / (2 * radius_y) + x**2 / (2 * radius_x)
-        solid = Layer(1 - poisson**2, poisson)
-        contact = solve(height, solid, grid.length, force=exact.load, boundary="free", rtol=RTOL)
+        solid = Solid(1 - poisson**2, poisson)
+        contact = solve_contact(height, solid, grid.length, force=exact.load, boundary="free", rtol=RTOL)
         planes = stress_planes(contact, depth, poisson, ["von_mises"], tolerance=0)
         axis = np.array([plane.fields["von_mises"][0, middle, middle] for plane in planes])
         solved, solved_depth = indenter.largest_sample(axis, depth)
@@ -318,7 +318,7 @@ def edge_tension(points: int = 512) -> xr.Dataset:
     poisson = np.array([0.0, 0.3, 0.5])
     exact = EllipticHertz(SEMI_MINOR, SEMI_MINOR, largest_pressure=1e-4)
     height = paraboloid(Grid((points, points)), exact.curvature_radii[0])
-    contact = solve(height, Layer(1.0, 0.0), force=exact.load, boundary="free", rtol=RTOL)
+    contact = solve_contact(height, Solid(1.0, 0.0), force=exact.load, boundary="free", rtol=RTOL)
     distance = (np.arange(points) - points // 2) / points / SEMI_MINOR
     outside = (distance > 1) & (distance <= 1.5)
     plane = next(stress_planes(contact, [0.0], list(poisson), ["xx"], tolerance=0))
@@ -356,7 +356,9 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
         layer = BondedLayer(height, nu)
         forms = layer.flat_punch(punch_radius, 1e-4), layer.paraboloid(contact_radius, CURVATURE_RADIUS)
         for kind, (face, expected) in enumerate(zip((flat_face, round_face), forms, strict=True)):
-            contact = solve(face, indenter.bonded_slab(nu, height), approach=expected.approach, rtol=RTOL)
+            contact = solve_contact(
+                face, indenter.bonded_slab(nu, height), approach=expected.approach, rtol=RTOL
+            )
             solved[kind, i, j], exact[kind, i, j] = contact.mean_pressure, expected.load
     return _dataset(
         {"load": (("indenter", "contact_ratio", "poisson"), solved, exact)},
@@ -392,9 +394,9 @@ def coating_indentation(points: int = 512) -> xr.Dataset:
         exact = Coating(height, poisson, ratio, base_modulus=1.0, base_poisson=poisson).paraboloid(
             contact_radius, CURVATURE_RADIUS
         )
-        base = Layer(1 - poisson**2, poisson)
-        coating = Layer(ratio * base.young, poisson, height, base=base)
-        contact = solve(face, coating, mean_pressure=exact.load, rtol=RTOL)
+        base = Solid(1 - poisson**2, poisson)
+        coating = Solid(ratio * base.young, poisson, height, base=base)
+        contact = solve_contact(face, coating, mean_pressure=exact.load, rtol=RTOL)
         found[:, i, j] = (
             np.sqrt(contact.area_fraction / np.pi),
             contact_radius,
@@ -429,7 +431,10 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
     y, x = (nodes - 0.5 for nodes in grid.coordinates())
     height = wave.height(y[:, None], x)
     few, most = (
-        [solve(height, Layer(1.0, 0.0), mean_pressure=p * wave.complete_pressure, rtol=RTOL) for p in loads]
+        [
+            solve_contact(height, Solid(1.0, 0.0), mean_pressure=p * wave.complete_pressure, rtol=RTOL)
+            for p in loads
+        ]
         for loads in (small, nearly_complete)
     )
     radius = [indenter.fitted_contact_radius(contact.pressure, grid) for contact in few]
@@ -467,14 +472,14 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
         ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, sticking_area, tangential_displacement,
         lost_energy, percolation, shear_range and shakedown_pressure.
     """
-    solid = Layer(1 - 0.3**2, 0.3)
+    solid = Solid(1 - 0.3**2, 0.3)
     height = self_affine((points, points), 0.8, 1 / 4, 8 / points, rms_height=1e-3, seed=1)
-    rough = solve(height, solid, mean_pressure=1e-3, hardness=0.03, rtol=RTOL)
-    again = solve(rough.flattened_height(), solid, mean_pressure=1e-3, rtol=RTOL)
+    rough = solve_contact(height, solid, mean_pressure=1e-3, hardness=0.03, rtol=RTOL)
+    again = solve_contact(rough.flattened_height(), solid, mean_pressure=1e-3, rtol=RTOL)
     error = np.linalg.norm(again.pressure - rough.pressure) / np.linalg.norm(rough.pressure)
     exact = Hertz(contact_radius=0.32, curvature_radius=2.0, effective_modulus=1.0)
     x = (np.arange(points) - points / 2 + 0.5) / points
-    sphere = solve((x[:, None] ** 2 + x**2) / 4, solid, force=exact.load, boundary="free", rtol=RTOL)
+    sphere = solve_contact((x[:, None] ** 2 + x**2) / 4, solid, force=exact.load, boundary="free", rtol=RTOL)
     edges = (0.0625, 1.0)
     friction = 0.4
     slip = partial_slip(sphere, friction, tangential_force=friction * exact.load / 2)
@@ -487,7 +492,7 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
         paths = percolation(replace(sphere, gap=noise, pressure=np.zeros_like(noise)))
         opened += [np.mean(noise >= width) for width in paths.constriction]
     x = (np.arange(4 * points) - 2 * points) / (4 * points)
-    line = solve(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
+    line = solve_contact(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
     cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
     pressure = line.max_pressure
     pairs = {

@@ -7,9 +7,9 @@ indenter.
 
 import numpy as np
 
-from asperity.contact import Contact, solve
+from asperity.contact import Contact, solve_contact
 from asperity.core.types import Array, ArrayLike
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Fourier, Grid, resample
 
 CURVATURE_RADIUS = 1000.0
@@ -44,15 +44,15 @@ def fitted_contact_radius(pressure: Array, grid: Grid) -> float:
     return float(np.sqrt(-2 * a / (b - np.sqrt(b**2 - 4 * a * c)) * distance.max()))
 
 
-def bonded_slab(poisson: float, height: float = 1.0) -> Layer:
+def bonded_slab(poisson: float, height: float = 1.0) -> Solid:
     """Bonded slab with E* = 1."""
-    return Layer(1 - poisson**2, poisson, height=height, bottom="bonded")
+    return Solid(1 - poisson**2, poisson, height=height, bottom="bonded")
 
 
 def slab_contact(points: int, approach: float, poisson: float = 0.33) -> Contact:
     """Contact of the paraboloid with the bonded cubic slab at an approach, by the spectral solver."""
     height = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
-    return solve(height, bonded_slab(poisson), approach=approach, rtol=1e-8)
+    return solve_contact(height, bonded_slab(poisson), approach=approach, rtol=1e-8)
 
 
 def largest_sample(values: Array, depth: Array) -> tuple[float, float]:
@@ -65,7 +65,7 @@ def largest_sample(values: Array, depth: Array) -> tuple[float, float]:
 
 
 def displacement_and_stress(
-    pressure: Array, grid: Grid, layer: Layer, y: ArrayLike, x: ArrayLike, depths: ArrayLike
+    pressure: Array, grid: Grid, layer: Solid, y: ArrayLike, x: ArrayLike, depths: ArrayLike
 ) -> tuple[Array, Array]:
     """Displacement and stress below a pressure, as sums over its Fourier modes.
 
@@ -73,7 +73,7 @@ def displacement_and_stress(
     ----------
     pressure : (ny, nx) array
     grid : Grid
-    layer : Layer
+    layer : Solid
     y, x : (points,) arrays
         Positions in the coordinates of the grid.
     depths : (depths,) array

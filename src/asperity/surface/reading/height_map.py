@@ -47,7 +47,7 @@ class MapError(InputError):
     --------
     >>> flat = asp.HeightMap(np.zeros((8, 8)), length=(1e-3, 1e-3), name="flat")
     >>> try:
-    ...     asp.treat_map(flat)
+    ...     asp.prepare_map(flat)
     ... except asp.MapError as error:
     ...     print(error)
     flat: periodic: the file does not say that the map is one period; set it to declared,

@@ -7,8 +7,8 @@ face over the lower one: as the slopes are small, only the sum of both reliefs c
 
     h(y, x) = −z_lower(y, x) − z_upper(y', x'),
 
-the lower face of an indenter as `asperity.solve` takes it. Turned about the axis y, y' runs along y and x'
-against x. A map whose heights are those of a lower face already faces down and is not turned.
+the lower face of an indenter as `asperity.solve_contact` takes it. Turned about the axis y, y' runs along y
+and x' against x. A map whose heights are those of a lower face already faces down and is not turned.
 """
 
 from dataclasses import replace
@@ -64,7 +64,7 @@ def face_to_face(
     Parameters
     ----------
     lower, upper : HeightMap
-        Levelled and without missing points; see `asperity.treat_map`.
+        Levelled and without missing points; see `asperity.prepare_map`.
     turned_about : "y" | "x"
         Axis about which the upper map is turned over.
     shift : (y, x)
@@ -85,7 +85,7 @@ def face_to_face(
     >>> waves = 1e-7 * np.cos(2 * np.pi * np.arange(64) / 16) * np.ones((64, 1))
     >>> lower = asp.HeightMap(waves, length, periodic=True, unit="m", orientation="peaks up")
     >>> upper = asp.HeightMap(waves.T, length, periodic=True, unit="m", orientation="peaks up")
-    >>> faced = asp.face_to_face(lower, upper)
+    >>> faced = asp.surface.face_to_face(lower, upper)
     >>> float(round(np.ptp(faced.map.height) / np.ptp(waves), 6))
     2.0
 
@@ -93,7 +93,7 @@ def face_to_face(
 
     >>> peak = np.zeros((64, 64))
     >>> peak[20, 3] = 1e-7
-    >>> faced = asp.face_to_face(asp.HeightMap(0 * peak, length), asp.HeightMap(peak, length))
+    >>> faced = asp.surface.face_to_face(asp.HeightMap(0 * peak, length), asp.HeightMap(peak, length))
     >>> np.argwhere(faced.map.height == faced.map.height.min()).tolist()
     [[20, 60]]
     """

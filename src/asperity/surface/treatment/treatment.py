@@ -174,12 +174,13 @@ class TreatedMap:
         return replace(self, height=self.part(self.height), grid=grid, images=1, boundary="free")
 
 
-def prepare_map(path: FilePath, options: MapOptions | None = None, **given: Any) -> TreatedMap:
-    """The lower face of an indenter, in metres, from a file with a measured map.
+def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
+    """The lower face of an indenter, in metres, from a measured map.
 
     Parameters
     ----------
-    path : path
+    source : path or HeightMap
+        File of a map, whose unit has to be known, or a map.
     options : MapOptions, optional
     **given
         Fields of `MapOptions`, in place of those of `options`.
@@ -203,7 +204,7 @@ def prepare_map(path: FilePath, options: MapOptions | None = None, **given: Any)
     ((40, 40), [8e-05, 8e-05])
     """
     options = (options or MapOptions()).replaced(**given)
-    return treat_map(usable_map(path, options), options)
+    return treat_map(source if isinstance(source, HeightMap) else usable_map(source, options), options)
 
 
 def usable_map(path: FilePath, options: MapOptions, needs_unit: bool = True) -> HeightMap:
@@ -243,7 +244,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
     >>> heights[3, 5] = np.nan  # a point without data
     >>> surface = asp.HeightMap(heights, length=(80e-6, 80e-6))
-    >>> made = asp.treat_map(surface, periodic="mirrored", undefined="harmonic")
+    >>> made = asp.prepare_map(surface, periodic="mirrored", undefined="harmonic")
     >>> made.height.shape, bool(np.isfinite(made.height).all())
     ((80, 80), True)
     """

@@ -34,10 +34,10 @@ base.
 The mode q = 0
 --------------
 The mode q = 0 is a uniform pressure on a cell that repeats sideways. The paper does not say whether the cell
-may spread; `Layer.lateral` chooses: ``"confined"`` (no lateral strain) or ``"free"`` (no mean lateral
+may spread; `Solid.lateral` chooses: ``"confined"`` (no lateral strain) or ``"free"`` (no mean lateral
 stress). The mode is not the limit q → 0. A half-space, coated or not, and a layer with a free bottom have no
 finite uniform displacement: their displacement and compliance at q = 0 are set to 0. If the base of a
-coating may spread, the coating is stretched with it. `Layer.kernels` gives 1 for Z and 0 for
+coating may spread, the coating is stretched with it. `Solid.kernels` gives 1 for Z and 0 for
 the others at q = 0.
 
 The Nyquist rule
@@ -122,7 +122,7 @@ class ShearKernels(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Layer:
+class Solid:
     """An isotropic linear elastic layer, or the half-space.
 
     Parameters
@@ -138,7 +138,7 @@ class Layer:
         no effect on the half-space.
     lateral : "confined" | "free"
         Condition for the mode q = 0: no lateral strain; no mean lateral stress.
-    base : Layer, optional
+    base : Solid, optional
         Elastic half-space to which the layer, a coating, is bonded; its `lateral` is that of the coating.
 
     Raises
@@ -149,14 +149,14 @@ class Layer:
 
     Examples
     --------
-    >>> steel = asp.Layer(young=210e9, poisson=0.3)  # a half-space, in Pa
+    >>> steel = asp.Solid(young=210e9, poisson=0.3)  # a half-space, in Pa
     >>> print(f"{steel.effective_modulus / 1e9:.1f} GPa")
     230.8 GPa
-    >>> rubber = asp.Layer(young=2e6, poisson=0.5, height=1e-3, bottom="bonded")  # 1 mm on a rigid base
+    >>> rubber = asp.Solid(young=2e6, poisson=0.5, height=1e-3, bottom="bonded")  # 1 mm on a rigid base
     >>> wavenumber = np.array([10.0, 1e3, 1e5])  # rad/m
     >>> np.round(rubber.surface_compliance(wavenumber) * rubber.effective_modulus * wavenumber / 2, 3)
     array([0.   , 0.241, 1.   ])
-    >>> coated = asp.Layer(400e9, 0.25, height=2e-6, base=steel)  # 2 µm of a hard coating
+    >>> coated = asp.Solid(400e9, 0.25, height=2e-6, base=steel)  # 2 µm of a hard coating
     >>> coated.stress(1e6, 0.0, [2e-6, np.nextafter(2e-6, 1)])[:, 0].real.round(3)  # σ_xx jumps
     array([0.391, 0.13 ])
     """
@@ -166,7 +166,7 @@ class Layer:
     height: float | None = None
     bottom: str = "bonded"
     lateral: str = "confined"
-    base: Layer | None = None
+    base: Solid | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "young", magnitude("young", self.young))
@@ -180,10 +180,10 @@ class Layer:
         choice("lateral", self.lateral, LATERALS)
         if self.base is None:
             return
-        if not isinstance(self.base, Layer):
-            raise TypeError(f"base = {shown(self.base)}: a Layer without a height is needed")
+        if not isinstance(self.base, Solid):
+            raise TypeError(f"base = {shown(self.base)}: a Solid without a height is needed")
         if self.base.height is not None:
-            raise ValueError(f"base = {self.base!r}: a half-space is needed, a Layer without a height")
+            raise ValueError(f"base = {self.base!r}: a half-space is needed, a Solid without a height")
         if self.height is None:
             raise ValueError("height = None: the height of the coating is needed on a base")
         if self.bottom != "bonded":
@@ -194,7 +194,7 @@ class Layer:
         below = f"bottom={self.bottom!r}" if self.base is None else f"base={self.base!r}"
         given = "" if self.height is None else f", height={self.height:.6g}, {below}"
         lateral = "" if self.lateral == "confined" else f", lateral={self.lateral!r}"
-        return f"Layer(young={self.young:.6g}, poisson={self.poisson:.6g}{given}{lateral})"
+        return f"Solid(young={self.young:.6g}, poisson={self.poisson:.6g}{given}{lateral})"
 
     def _repr_html_(self) -> str:
         rows = [
@@ -205,7 +205,7 @@ class Layer:
             *([] if self.base is None else [("base", repr(self.base))]),
             ("mean (q = 0) mode", f"laterally {self.lateral}"),
         ]
-        return table("Layer", rows)
+        return table("Solid", rows)
 
     @property
     def effective_modulus(self) -> float:
@@ -487,7 +487,7 @@ class Layer:
         The error of an element (i, j) is below 8e-15 of √(G_ii G_jj) for every height and ν
         (``docs/stability.md``). For q height below about 1e-4 the stretching is below the rounding error of
         the bending in G33 and G36, so that displacements cannot be inverted to tractions:
-        `asperity.layer_fields` does not use the tensor.
+        `asperity.elasticity.layer_fields` does not use the tensor.
 
         Examples
         --------
@@ -495,7 +495,7 @@ class Layer:
 
         >>> push = np.array([0, 0, -1, 0, 0, 0])
         >>> for height in (20.0, 0.1):
-        ...     moved = np.tensordot(asp.Layer(1.0, 0.3, height).green_tensor(1.0, 0.0), push, ([1], [0]))
+        ...     moved = np.tensordot(asp.Solid(1.0, 0.3, height).green_tensor(1.0, 0.0), push, ([1], [0]))
         ...     print(f"{moved[2].real:.4g} {moved[5].real:.4g}")
         -1.82 -1.576e-07
         -1.094e+04 -1.094e+04
@@ -539,7 +539,7 @@ class SolidChoice:
 
     Attributes
     ----------
-    layer : Layer
+    layer : Solid
         The layer asked about, or the half-space of the same material.
     difference : float
         Largest relative difference between the surface compliances of layer and half-space, or between any
@@ -549,12 +549,12 @@ class SolidChoice:
         One sentence for the record of a result.
     """
 
-    layer: Layer
+    layer: Solid
     difference: float
     reason: str
 
 
-def simplest_solid(layer: Layer, q_min: float, tolerance: float) -> SolidChoice:
+def simplest_solid(layer: Solid, q_min: float, tolerance: float) -> SolidChoice:
     """The half-space if it differs from the layer by at most the tolerance for all q ≥ q_min; else the layer.
 
     A half-space is cheaper to compute than a layer and serves every Poisson's ratio at once. The field of a
@@ -566,7 +566,7 @@ def simplest_solid(layer: Layer, q_min: float, tolerance: float) -> SolidChoice:
 
     Parameters
     ----------
-    layer : Layer
+    layer : Solid
     q_min : float
         Smallest wavenumber of the pressure: 2π over the longer edge of the cell.
     tolerance : float

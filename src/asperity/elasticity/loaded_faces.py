@@ -34,7 +34,7 @@ from asperity.core.arguments import choice, finite_array, number, real_array, re
 from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.kernels import NOTHING_LEFT
-from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import Fourier, Grid
 
 DISPLACEMENTS = ("displacement_x", "displacement_y", "displacement_z")
@@ -57,7 +57,7 @@ SCALINGS = 6
 """Number of times that rows and columns of a system are divided by the roots of their largest elements."""
 
 ZERO_DISPLACEMENTS = {"bonded": DISPLACEMENTS, "frictionless": DISPLACEMENTS[2:], "free": ()}
-"""Displacements that are zero on each bottom of a `Layer`."""
+"""Displacements that are zero on each bottom of a `Solid`."""
 
 _SERIES = [2 * k / math.factorial(2 * k + 1) for k in range(1, 11)]
 """Coefficients of (s cosh s − sinh s)/s³ in s², to double precision for |s| ≤ 1."""
@@ -90,7 +90,7 @@ class LayerFields:
 
     Parameters
     ----------
-    layer : Layer
+    layer : Solid
     grid : Grid
     displaced : (2, 3) array of truth values
         Top and bottom, x, y and z: True where the displacement is prescribed, False for σ_xz, σ_yz or σ_zz.
@@ -98,7 +98,7 @@ class LayerFields:
         Coefficients of the prescribed tractions and displacements.
     """
 
-    def __init__(self, layer: Layer, grid: Grid, displaced: Array, modes: Array) -> None:
+    def __init__(self, layer: Solid, grid: Grid, displaced: Array, modes: Array) -> None:
         self.layer, self.grid = layer, grid
         self._mean = _mean_state(layer, displaced, modes)
         # The response at a Nyquist q_y is the mean of those at q_y and −q_y, which is an additional row. The
@@ -173,7 +173,7 @@ class LayerFields:
 
 
 def layer_fields(
-    layer: Layer,
+    layer: Solid,
     grid: Grid,
     top: Mapping[str, ArrayLike],
     bottom: Mapping[str, ArrayLike] | None = None,
@@ -186,7 +186,7 @@ def layer_fields(
 
     Parameters
     ----------
-    layer : Layer
+    layer : Solid
     grid : Grid
         Of the cell, which repeats sideways.
     top, bottom : mapping
@@ -210,7 +210,7 @@ def layer_fields(
 
     Notes
     -----
-    The mean (q = 0) mode follows `Layer.lateral`. Quantities that are then undetermined are set to 0: the
+    The mean (q = 0) mode follows `Solid.lateral`. Quantities that are then undetermined are set to 0: the
     mean displacement of the middle of a layer that nothing holds, that of a half-space under a mean
     traction, and the mean pressure in a confined layer of ν = 1/2 of which both mean normal displacements
     are prescribed. Equal and opposite mean shear tractions on a free layer are a uniform shear if
@@ -224,19 +224,19 @@ def layer_fields(
     A layer between two rough faces, whose pressures come from two contacts:
 
     >>> grid = asp.Grid((64, 64))
-    >>> layer = asp.Layer(young=1.0, poisson=0.3, height=0.2)
+    >>> layer = asp.Solid(young=1.0, poisson=0.3, height=0.2)
     >>> faces = {}
     >>> for seed, face in enumerate(("top", "bottom")):
     ...     height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=seed)
-    ...     faces[face] = {"pressure": asp.solve(height, layer, mean_pressure=2e-3).pressure}
-    >>> for plane in asp.layer_fields(layer, grid, **faces).planes([0.0, 0.1, 0.2]):
+    ...     faces[face] = {"pressure": asp.solve_contact(height, layer, mean_pressure=2e-3).pressure}
+    >>> for plane in asp.elasticity.layer_fields(layer, grid, **faces).planes([0.0, 0.1, 0.2]):
     ...     print(f"{plane.depth:.1f} {plane.fields['zz'].mean():.4f} {plane.fields['zz'].min():.4f}")
     0.0 -0.0020 -0.0298
     0.1 -0.0020 -0.0069
     0.2 -0.0020 -0.0319
     """
-    if not isinstance(layer, Layer) or not isinstance(grid, Grid):
-        raise TypeError(f"layer = {shown(layer)}, grid = {shown(grid)}: a Layer and a Grid are needed")
+    if not isinstance(layer, Solid) or not isinstance(grid, Grid):
+        raise TypeError(f"layer = {shown(layer)}, grid = {shown(grid)}: a Solid and a Grid are needed")
     if layer.base is not None:
         raise ValueError(f"layer = {layer!r}: one without a base is needed")
     if layer.height is None and bottom is not None:
@@ -288,7 +288,7 @@ def _coefficients(name: str, value: Any, grid: Grid) -> Array:
     return modes
 
 
-def _mean_state(layer: Layer, displaced: Array, modes: Array) -> tuple[Array, Array, Array]:
+def _mean_state(layer: Solid, displaced: Array, modes: Array) -> tuple[Array, Array, Array]:
     """Mean displacements of the top and of the bottom, (3,) each, and mean stress, (6,).
 
     Raises
@@ -324,7 +324,7 @@ def _mean_state(layer: Layer, displaced: Array, modes: Array) -> tuple[Array, Ar
     return upper, lower, np.array([lateral, lateral, *stress[::-1], 0.0])
 
 
-def _amplitudes(layer: Layer, displaced: Array, data: Array, q: Array, cosine: Array, sine: Array) -> Array:
+def _amplitudes(layer: Solid, displaced: Array, data: Array, q: Array, cosine: Array, sine: Array) -> Array:
     """Amplitudes of `_states`, (6, modes), for data of x, y, z of the top and of the bottom, (6, modes)."""
     h = q * (layer.height or np.inf)
     none, unit = np.zeros_like(h), np.broadcast_to(np.eye(6)[:, :, None], (6, 6, h.size))

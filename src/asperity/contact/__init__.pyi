@@ -1,0 +1,10 @@
+from .certificate import Certificate as Certificate
+from .certificate import verify_contact as verify_contact
+from .gap import film_flow as film_flow
+from .gap import percolation as percolation
+from .slip import partial_slip as partial_slip
+from .solution import Contact as Contact
+from .solve import METHODS as METHODS
+from .solve import ConvergenceError as ConvergenceError
+from .solve import solve_contact as solve_contact
+from .solve import solve_load_path as solve_load_path

@@ -1,0 +1,13 @@
+from .form import add_cylinder as add_cylinder
+from .form import add_sphere as add_sphere
+from .heights import johnson as johnson
+from .heights import with_heights as with_heights
+from .heights import with_moments as with_moments
+from .reading.height_map import HeightMap as HeightMap
+from .reading.height_map import MapError as MapError
+from .reading.map_file import read_map as read_map
+from .roughness import roughness_parameters as roughness_parameters
+from .roughness import spectrum as spectrum
+from .self_affine import self_affine as self_affine
+from .treatment.face_to_face import face_to_face as face_to_face
+from .treatment.treatment import prepare_map as prepare_map
