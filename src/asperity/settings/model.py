@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, get_args
 
 from pydantic import (
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     GetPydanticSchema,
@@ -48,15 +47,10 @@ OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed"
 """Keywords of an entry that are not those of the standard."""
 
 
-def _plain_number(value: Any) -> Any:
-    """A number of NumPy as one of Python."""
-    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
-
-
-Number = Annotated[float, BeforeValidator(_plain_number), Strict()]
+Number = Annotated[float, Strict()]
 """A number; text and truth values are refused."""
 
-Whole = Annotated[int, BeforeValidator(_plain_number), Strict()]
+Whole = Annotated[int, Strict()]
 """A whole number that is written as one: 2048.0 is refused."""
 
 YesNo = Annotated[bool, Strict()]
@@ -144,12 +138,21 @@ class ContradictionError(ValueError):
         super().__init__("; ".join(map(str, self.found)))
 
 
+def _plain_numbers(value: Any) -> Any:
+    """Settings whose numbers of NumPy are those of Python."""
+    if isinstance(value, dict):
+        return {key: _plain_numbers(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return type(value)(map(_plain_numbers, value))
+    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
+
+
 class _ProblemsOfAll(_Metaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
     def __call__(cls: Any, **given: Any) -> Any:  # noqa: N805  of a metaclass
         try:
-            return super().__call__(**given)
+            return super().__call__(**_plain_numbers(given))
         except ValidationError as error:
             raise SettingsError("", problems(cls, error)) from None
 
@@ -308,6 +311,8 @@ def _plain(entry: Any, known: Mapping[str, Any]) -> Any:
         entry = (others[0] if len(others) == 1 else {"anyOf": others}) | entry
     if entry.get("default", 0) is None:
         del entry["default"]
+    if "prefixItems" in entry:  # items of a pair are alike
+        entry["items"] = entry.pop("prefixItems")[0]
     if "patternProperties" in entry:
         ((pattern, below),) = entry.pop("patternProperties").items()
         entry |= {"additionalProperties": below, "propertyNames": {"type": "string", "pattern": pattern}}
@@ -364,7 +369,7 @@ def accepted(entry: Entry) -> str:
         fewest, most = entry.get("minItems", 0), entry.get("maxItems")
         count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
         items = f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items" if most != 1 else "1 item"
-        return f"a list of {items}, each {accepted(entry.get('items') or entry['prefixItems'][0])}"
+        return f"a list of {items}, each {accepted(entry['items'])}"
     if "maxLength" in entry:
         return f"{_TYPES[entry['type']]} of {entry['minLength']} to {entry['maxLength']} characters"
     signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
@@ -468,7 +473,7 @@ def _below(entry: Entry, part: Any) -> Entry | None:
     if part in entry.get("properties", {}):
         return entry["properties"][part]
     if entry.get("type") == "array":
-        return entry.get("items") or entry["prefixItems"][0]
+        return entry["items"]
     named = entry.get("additionalProperties")
     return named if isinstance(named, Mapping) else None
 
