@@ -253,5 +253,5 @@ test_wrong_case_is_refused = refuses(
     (lambda: case({"shifts": 8}, COATING), "cycles.shifts = 8: .* a coating"),
     (lambda: case({"shifts": 2}), "cycles.shifts = 2: at least .* are needed, for steps of half"),
     (lambda: case(sliding=SLIDING), "sliding.direction = 30: x, y or a multiple of 90 is needed"),
-    (lambda: case({"shifts": 8}, sliding=SLIDING), "sliding.direction = 30: .* by 4 nodes along y"),
+    (lambda: case({"shifts": 8}, sliding=SLIDING), "sliding.direction = 30.0: .* by 4 nodes along y"),
 )

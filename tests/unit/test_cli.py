@@ -59,7 +59,7 @@ def test_layer_has_the_ratio_of_its_contact(chain, tmp_path, capsys):
     assert "--poisson 0.2: only 0.33 is accepted" in capsys.readouterr().err
 
 
-HELP = "import sys; from asperity.cli.parser import make_parser; make_parser().format_help(); "
+HELP = "import sys; from asperity.cli.parser import make_parser; make_parser('').format_help(); "
 FIGURES = "import sys; from asperity.paper.figures import known; known(); "
 
 

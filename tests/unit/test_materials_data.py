@@ -6,11 +6,12 @@ import pint
 import pytest
 import yaml
 
+from asperity import Body
 from asperity.core.units import KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE
 
 DATA = yaml.safe_load(files("asperity").joinpath("settings/materials.yaml").read_text(encoding="utf-8"))
 MATERIALS, SOURCES = DATA["materials"], DATA["sources"]
-STRENGTHS = {"yield", "hardness", "fatigue_bending", "fatigue_torsion"}
+STRENGTHS = {"yield_stress", "hardness", "fatigue_bending", "fatigue_torsion"}
 UNITS = dict.fromkeys({"young", *STRENGTHS}, "Pa") | {
     "poisson": "",
     "conductivity": "W/(m K)",
@@ -26,6 +27,9 @@ REGISTRY = pint.UnitRegistry()
 
 
 def si(value, quantity):
+    """A value in SI; a bare number is in the unit of its setting."""
+    if not isinstance(value, str):
+        return float(value)
     return REGISTRY.Quantity(value).to(UNITS[quantity]).magnitude
 
 
@@ -72,6 +76,14 @@ def test_numbers_of_a_material_are_physical(material):
     assert 0 < material["poisson"]["value"] < 0.5
     for quantity in STRENGTHS & material.keys():
         assert si(material[quantity]["value"], quantity) < si(material["young"]["value"], "young") / 10
+
+
+@pytest.mark.parametrize("name", MATERIALS)
+def test_body_of_every_material_has_its_constants(name):
+    """All but the fatigue limits: one of them alone says nothing."""
+    body, given = Body(material=name), MATERIALS[name]
+    for quantity in UNITS.keys() & given.keys() - {"fatigue_bending", "fatigue_torsion"}:
+        assert getattr(body, quantity) == pytest.approx(si(given[quantity]["value"], quantity), rel=1e-12)
 
 
 def test_names_are_unique_and_many():

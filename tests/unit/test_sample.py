@@ -82,7 +82,7 @@ def test_largest_is_not_below_the_observed():
 def test_identical_bodies_are_one_row():
     """Under friction, whose direction is opposite in the other body."""
     maps = [a_map(seed, 96) for seed in (1, 2)]
-    answers = [run(each, STEEL, STEEL, mean_pressure=2e9, friction=0.2) for each in maps]
+    answers = [run(each, STEEL, STEEL, mean_pressure=2e9, sliding={"friction": 0.2}) for each in maps]
     sample, peaks = asp.pool_answers(answers), pd.concat([answer.peaks() for answer in answers])
     found = sample.largest(2 * EDGE**2).set_index("quantity")
     assert list(found.index) == ["pressure", "von_mises"]

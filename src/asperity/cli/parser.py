@@ -199,14 +199,14 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     """
     from asperity.settings.check import default
     from asperity.settings.configuration import Configuration
-    from asperity.settings.model import entry_of
+    from asperity.settings.model import entry_of, item_of
 
     entry = entry_of(Configuration, key)
-    items = entry.get("items", entry)
+    items = item_of(entry)
     value = None if default_text or as_text else default(key)
     placeholder = f"{{{','.join(items['enum'])}}}" if "enum" in items else _placeholder(items)
     made: dict[str, Any] = {"dest": key, "default": value, "metavar": placeholder}
-    is_list = "items" in entry
+    is_list = items is not entry
     if is_list:
         fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
         made["nargs"] = fixed or "+"

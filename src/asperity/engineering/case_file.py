@@ -1,9 +1,9 @@
 """Case files: YAML with the groups of a case, which ``asperity run`` takes in place of a map.
 
 It writes one beside every answer. Besides the groups of `asperity.Case` a file may have ``out``, the folder
-the answer, and ``checksums`` of the maps, with which a case is refused once they have changed. Names of
-files are relative to the folder of the file.
-``map.file`` may be a list, of several maps; then the map of the counter body may be a list, too.
+of the answer, and ``checksums`` of the maps, with which a case is refused once they have changed. Names of
+files are relative to the folder of the file. ``map.file`` may be a list of several maps; then the map of the
+counter body may be a list, too.
 """
 
 from __future__ import annotations

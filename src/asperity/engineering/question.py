@@ -73,8 +73,6 @@ class Row(NamedTuple):
 
     def by(self, error: float, source: str = "the pixels") -> Row:
         """The row with the error of its value, if that is known, and what it is the error of."""
-        if math.isfinite(self.value) and error == 0:
-            return self._replace(estimate=self.value, error=0.0)
         if not (math.isfinite(self.value) and error > 0):
             return self
         row = self._replace(estimate=self.value, error=error)

@@ -55,22 +55,22 @@ def _lines(name: str, entry: Entry, value: Any, indent: str) -> Iterator[str]:
     """Lines of a setting or group: a comment, and the value; keys without a value are commented out."""
     below = entry.get("properties")
     if not below or not isinstance(value, Mapping):
-        yield from _comment(entry, indent)
+        yield from _comment(_in_words(entry), indent)
         yield f"{indent}{name}: {_yaml(value)}"
         return
-    yield f"{indent}# {entry['description']}"
+    yield from _comment(entry["description"], indent)
     yield f"{indent}{name}:{'' if below and value else ' {}'}"
     for key in value:
         yield from _lines(key, below[key], value[key], f"{indent}  ")
     for key, each in below.items():
         if key not in value and "properties" not in each:
-            yield from _comment(each, f"{indent}  ")
+            yield from _comment(_in_words(each), f"{indent}  ")
             yield f"{indent}  # {key}: {_yaml(each.get('example', each.get('default')))}"
 
 
-def _comment(entry: Entry, indent: str) -> Iterator[str]:
-    """Description of a setting, what it accepts, and its default, in lines of comment."""
-    yield from (f"{indent}# {line}" for line in textwrap.wrap(_in_words(entry), WIDTH - len(indent)))
+def _comment(text: str, indent: str) -> Iterator[str]:
+    """A text in lines of comment."""
+    yield from (f"{indent}# {line}" for line in textwrap.wrap(text, WIDTH - len(indent)))
 
 
 def _in_words(entry: Entry) -> str:
@@ -109,7 +109,7 @@ def explanation(key: str) -> str:
     if "properties" not in entry:
         example = f"\nExample: {_yaml({path[-1]: entry['example']})[1:-1]}" if "example" in entry else ""
         return f"{key}: {_in_words(entry)}{example}"
-    width = max(map(len, entry["properties"]))
+    width = max(map(len, entry["properties"]), default=0)
     lines = [f"  {name:<{width}}  {each['description']}" for name, each in entry["properties"].items()]
     return "\n".join([f"{key}: {entry['description']}", *lines])
 

@@ -46,7 +46,6 @@ Entry = Mapping[str, Any]
 OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
 """Keywords of an entry that are not those of the standard."""
 
-
 Number = Annotated[float, Strict()]
 """A number; text and truth values are refused."""
 
@@ -138,21 +137,12 @@ class ContradictionError(ValueError):
         super().__init__("; ".join(map(str, self.found)))
 
 
-def _plain_numbers(value: Any) -> Any:
-    """Settings whose numbers of NumPy are those of Python."""
-    if isinstance(value, dict):
-        return {key: _plain_numbers(each) for key, each in value.items()}
-    if isinstance(value, (list, tuple)):
-        return type(value)(map(_plain_numbers, value))
-    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
-
-
 class _ProblemsOfAll(_Metaclass):
     """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
 
     def __call__(cls: Any, **given: Any) -> Any:  # noqa: N805  of a metaclass
         try:
-            return super().__call__(**_plain_numbers(given))
+            return super().__call__(**given)
         except ValidationError as error:
             raise SettingsError("", problems(cls, error)) from None
 
@@ -207,6 +197,16 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
         """Key and rest of the message of settings of the group that exclude each other."""
         yield from ()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, values: Any) -> Any:
+        """The values, with numbers of NumPy as those of Python."""
+        return (
+            {name: _plain_numbers(each) for name, each in values.items()}
+            if isinstance(values, dict)
+            else values
+        )
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if found := tuple(self.contradictions()):
@@ -220,6 +220,13 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
     def written(self) -> dict[str, Any]:
         """The settings that are given, as a file holds them, with their units."""
         return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+
+
+def _plain_numbers(value: Any) -> Any:
+    """A number of NumPy as one of Python, also in a list."""
+    if isinstance(value, (list, tuple)):
+        return [_plain_numbers(each) for each in value]
+    return value.item() if isinstance(value, Real) and hasattr(value, "item") else value
 
 
 def _one_of(schema: dict[str, Any]) -> None:
@@ -311,8 +318,6 @@ def _plain(entry: Any, known: Mapping[str, Any]) -> Any:
         entry = (others[0] if len(others) == 1 else {"anyOf": others}) | entry
     if entry.get("default", 0) is None:
         del entry["default"]
-    if "prefixItems" in entry:  # items of a pair are alike
-        entry["items"] = entry.pop("prefixItems")[0]
     if "patternProperties" in entry:
         ((pattern, below),) = entry.pop("patternProperties").items()
         entry |= {"additionalProperties": below, "propertyNames": {"type": "string", "pattern": pattern}}
@@ -369,7 +374,7 @@ def accepted(entry: Entry) -> str:
         fewest, most = entry.get("minItems", 0), entry.get("maxItems")
         count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
         items = f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items" if most != 1 else "1 item"
-        return f"a list of {items}, each {accepted(entry['items'])}"
+        return f"a list of {items}, each {accepted(item_of(entry))}"
     if "maxLength" in entry:
         return f"{_TYPES[entry['type']]} of {entry['minLength']} to {entry['maxLength']} characters"
     signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
@@ -404,7 +409,7 @@ def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
         If it is not accepted; the message says what is needed instead.
     """
     entry = entry_of(root, key)
-    items = entry.get("items", entry) if isinstance(given, list) else entry
+    items = item_of(entry) if isinstance(given, list) else entry
     read = [scalar(text, items) for text in given] if isinstance(given, list) else scalar(given, items)
     try:
         return check_of(root, key).validate_python(read, context={"units": True})
@@ -412,6 +417,11 @@ def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
         found: Any = error.errors(include_url=False)[0]
         words, refused = (items, given[found["loc"][0]]) if found["loc"] else (entry, given)
         raise NeededError(_needed(found, words), refused) from None
+
+
+def item_of(entry: Entry) -> Entry:
+    """Description of an item of a list; of anything else the entry itself."""
+    return entry.get("items") or entry.get("prefixItems", [entry])[0]
 
 
 def scalar(text: str, entry: Entry) -> Any:
@@ -426,8 +436,11 @@ def scalar(text: str, entry: Entry) -> Any:
 
 def problems(root: type[BaseModel], error: ValidationError) -> Iterator[Problem]:
     """A problem for each part of an error of `pydantic`, each key once."""
-    known = set()
-    for each in error.errors(include_url=False):
+    known, found = set(), error.errors(include_url=False)
+    in_lists = {each["loc"][:-1] for each in found}
+    for each in found:
+        if each["type"] == "too_short" and each["loc"] in in_lists:  # refused items are not counted
+            continue
         for problem in _problems_of(root, each):
             if problem not in known:
                 known.add(problem)
@@ -473,7 +486,7 @@ def _below(entry: Entry, part: Any) -> Entry | None:
     if part in entry.get("properties", {}):
         return entry["properties"][part]
     if entry.get("type") == "array":
-        return entry["items"]
+        return item_of(entry)
     named = entry.get("additionalProperties")
     return named if isinstance(named, Mapping) else None
 

@@ -42,7 +42,7 @@ SHARES = 1 - np.array([0.15, 0.04, 0.0])
 """Limits over the one that is asked for."""
 
 
-OF_ALL, OF_ONE, OF_PLASTIC = 0.3, 0.5, 1.5
+OF_ALL, OF_ONE, OF_PLASTIC = 0.4, 0.6, 1.2
 """Error of the stress at all peaks, and that of a single one, over the stated error of the largest peak;
 factor of both under a hardness (`benchmarks/volume.py`)."""
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from asperity.cli.parser import COMMANDS, arguments
 from asperity.core.errors import InputError, fail, one_line, shown
 from asperity.core.packages import require
-from asperity.settings.model import Problem, SettingsError, entry_of, scalar
+from asperity.settings.model import Problem, SettingsError, entry_of, item_of, scalar
 from asperity.settings.reader import parse
 
 WRONG_USAGE = 2
@@ -319,7 +319,9 @@ def _given(
             entry = entry_of(Case, key)
             yield (
                 key,
-                [scalar(each, entry) for each in given] if isinstance(given, list) else scalar(given, entry),
+                [scalar(each, item_of(entry)) for each in given]
+                if isinstance(given, list)
+                else scalar(given, entry),
             )
 
 

@@ -117,6 +117,8 @@ class Yielding(Question):
         per_area = row("volume above yield per area", found.volume / map_area, "m").by(
             found.error / map_area, source
         )
+        if found.error == 0:  # far below yield; a pool of maps needs it
+            per_area = per_area._replace(estimate=per_area.value, error=0.0)
         if found.depths is None:
             yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
             yield per_area

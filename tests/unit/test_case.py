@@ -1,0 +1,249 @@
+"""Cases as groups of settings: files, templates, materials by name, and everything wrong at once."""
+
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.cli.parser import COMMANDS, arguments
+from asperity.engineering.case import Case
+from asperity.engineering.case_file import case_text, load_case
+from asperity.engineering.templates import explanation, template, templates
+from asperity.settings.model import SettingsError, described, entries
+
+STEEL = {"young": "210 GPa", "poisson": 0.3}
+PLAIN = {"map": "a.x3p", "body": STEEL, "load": {"mean_pressure": "50 MPa"}}
+
+CASES = {
+    "plain": {},
+    "text": {"map": {"file": "a.txt", "physical_size": ["96 um", 80], "unit": "um", "missing": -9999.0}},
+    "treatment": {
+        "map": {"file": "a.x3p", "despike": 8, "s_filter": "2.5 um", "l_filter": "80 um", "points": 64},
+        "fields": ["von_mises", "xz"],
+    },
+    "hertz": {
+        "load": {"hertz_pressure": "1.2 GPa", "radius_x": "9 mm", "radius_y": "inf", "at": [0, 0.2]},
+        "sliding": {"friction": 0.05, "direction": "y"},
+    },
+    "bodies": {
+        "body": {"material": "100Cr6", "hardness": "inf", "coating": {"thickness": "2 um", **STEEL}},
+        "counter_body": {
+            **STEEL,
+            "layer": {"height": "5 um"},
+            "map": {"file": "b.x3p", "turned_about": "x", "shift": ["10 um", "-4 um"], "detrend": "none"},
+        },
+    },
+    "conduction": {
+        "body": STEEL | {"conductivity": 50, "resistivity": 1e-7},
+        "counter_body": STEEL | {"conductivity": 200, "resistivity": 3e-8},
+        "conduction": {},
+        "load_curve": {"loads": ["10 MPa"], "steps": 3},
+    },
+    "gap": {"leak": {"direction": "y", "viscosity": 0.03, "pressure_difference": "5 bar"}},
+    "slip": {
+        "load": {"force": "12 N"},
+        "sliding": {"friction": 0.3, "direction": 30.0},
+        "partial_slip": {"tangential_force": "50 mN"},
+    },
+    "cycles": {
+        "body": STEEL
+        | {"fatigue_torsion": "300 MPa", "fatigue_bending": "480 MPa", "residual_stress": "-400 MPa"},
+        "cycles": {"fatigue_scatter": 0.1, "fatigue_volume": "100 mm3"},
+        "run_in": {"loads": 1, "hardness": "7 GPa"},
+        "film": {"load_share": 0.5},
+        "sample": {"area": "10 mm2"},
+    },
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_written_case_is_read_as_the_same(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = Case.read(PLAIN | CASES[name])
+    Path("cases").mkdir()
+    text = case_text(case, Path("cases"))
+    assert yaml.safe_load(text)["map"]["file"].startswith("../a.")
+    Path("cases/case.yaml").write_text(text, encoding="utf-8")
+    again = Case.read(load_case(Path("cases/case.yaml")))
+    assert case_text(again, Path("cases")) == text
+    content = again.written()
+    for surface in (content["map"], content.get("counter_body", {}).get("map", {})):
+        surface |= {"file": Path(surface["file"]).name} if surface else {}
+    assert Case.read(content) == case
+    assert again.questions.keys() == case.questions.keys()
+
+
+def test_numbers_of_python_are_written_with_units(tmp_path):
+    body = asp.Body(young=np.float32(2**37), poisson=0.3)
+    case = Case(map="a.x3p", body=body, load={"force": 3}, load_curve={"loads": [1, np.float64(2.5)]})
+    written = yaml.safe_load(case_text(case, tmp_path))
+    assert written["body"]["young"] == "137.438953472 GPa"
+    assert written["load_curve"]["loads"] == ["1 N", "2.5 N"]
+    assert Case.read(case.written()).load_curve.path(case) == [1.0, 2.5, 3.0]
+
+
+def keys_of(content, prefix=""):
+    """Dotted keys of a case file."""
+    for key, value in content.items():
+        yield f"{prefix}{key}"
+        if isinstance(value, dict):
+            yield from keys_of(value, f"{prefix}{key}.")
+
+
+@pytest.mark.parametrize("name", templates())
+def test_template_is_a_case_whose_keys_are_explained(name):
+    content = yaml.safe_load(template(name))
+    listed = content["map"]["file"]
+    paths = listed if isinstance(listed, list) else [listed]
+    assert all(
+        files("asperity.engineering").joinpath("maps", path.rpartition("/")[2]).is_file() for path in paths
+    )
+    Case.read(content | {"map": content["map"] | {"file": paths[0]}})
+    for key in keys_of(content):
+        assert explanation(key).startswith(f"{key}: ")
+    comments = [line for line in template(name).splitlines() if line.lstrip().startswith("#")]
+    assert len(comments) > 10
+    assert max(map(len, comments)) <= 110
+
+
+def test_every_setting_is_explained():
+    for key, entry in entries(described(Case)):
+        assert entry["description"].split()[0] in explanation(key)
+    with pytest.raises(ValueError, match=r"leak\.viscosty: unknown key; did you mean viscosity\?"):
+        explanation("leak.viscosty")
+
+
+@pytest.fixture
+def small_maps(tmp_path, monkeypatch):
+    """Three maps of 24 x 24 points of 4 µm in place of those of the templates; nothing is drawn."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
+    for number in (1, 2, 3):
+        height = asp.self_affine((24, 24), 0.8, 48.0, 24.0, rms_height=0.05, seed=number, length=96.0)
+        head = "# Width: 96 um\n# Height: 96 um\n# Value units: um"
+        np.savetxt(f"ground_{number}.txt", height, header=head, comments="", fmt="%.6f")
+
+
+@pytest.mark.parametrize("name", templates())
+def test_template_runs_as_it_is(name, small_maps, capsys):
+    """Its maps are replaced by smaller ones."""
+    if name == "seal":
+        pytest.importorskip("reynoldsflow")
+    assert main(["case", name]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    folder = str(files("asperity.engineering") / "maps") + "/"
+    text = "\n".join(lines).replace(folder, "").replace(".x3p", ".txt").replace("points: 64", "points: 24")
+    with open("case.yaml", "w", encoding="utf-8") as file:
+        file.write(text)
+    assert main(["run", "case.yaml", "--out", "out"]) == 0
+    printed = capsys.readouterr().out
+    assert "real contact" in printed
+
+
+def refusal(**groups):
+    """Problems of a case by key."""
+    with pytest.raises(SettingsError) as caught:
+        Case.read(PLAIN | groups)
+    return dict(caught.value.found)
+
+
+def test_all_problems_are_found_at_once():
+    found = refusal(
+        body={"young": "210", "poisson": 0.7, "yeild_stress": "1 GPa"},
+        load={"mean_pressure": "50 MPa", "force": "1 N"},
+        lek={},
+        leak={"direction": "z"},
+        fields=["von_mises", "von_mises"],
+    )
+    assert found["body.young"].startswith(" = '210': a pressure > 0 with its unit")
+    assert found["body.poisson"] == " = 0.7: a number > -1 and ≤ 0.5 is needed"
+    assert found["body.yeild_stress"] == ": unknown key; did you mean yield_stress?"
+    assert found["load.mean_pressure, hertz_pressure, force, approach, area_fraction"].endswith(
+        "exactly one of them is needed, mean_pressure and force given"
+    )
+    assert found["lek"] == ": unknown key; did you mean leak?"
+    assert found["leak.direction"] == " = 'z': x or y is needed"
+    assert "distinct items" in found["fields"]
+    assert len(found) == 7
+
+
+@pytest.mark.parametrize(
+    ("groups", "key", "text"),
+    [
+        ({"sliding": {"direction": "nan"}}, "sliding.direction", "x, y or an angle in degrees"),
+        ({"yielding": {}}, "yielding", "a yield_stress of a body is needed"),
+        ({"cycles": {}}, "cycles", "needs shifts, or fatigue limits"),
+        ({"conduction": {}}, "conduction", "a counter_body is needed"),
+        ({"load": {"hertz_pressure": "1 GPa"}}, "load.hertz_pressure", "needs radius_x"),
+        ({"load": {"mean_pressure": "1e70 GPa"}}, "load.mean_pressure", "a pressure > 0"),
+        ({"body": STEEL | {"map": "b.x3p"}}, "body.map", "the map of the body is the group `map`"),
+        ({"body": STEEL | {"residual_stress": "1 MPa"}}, "body.residual_stress", "needs fatigue_torsion"),
+        ({"body": {"material": "100Cr7"}}, "body.material", "did you mean 100Cr6?"),
+        ({"map": {"file": "a.x3p", "form": "sphere"}}, "map.form", "needs map.radius"),
+        (
+            {"map": {"file": "a", "periodic": "none"}, "body": STEEL | {"layer": {"height": "1 um"}}},
+            "body.layer",
+            "not accepted with map.periodic = none",
+        ),
+    ],
+)
+def test_setting_without_what_it_needs_is_refused(groups, key, text):
+    assert text in refusal(**groups)[key]
+
+
+def test_material_by_name_with_other_constants(tmp_path):
+    body = asp.Body(material="52100", poisson=0.28)
+    known = asp.material("100Cr6").constants
+    assert (body.young, body.poisson) == (210e9, 0.28)
+    assert set(body.of_table) == known.keys() - {"poisson", "fatigue_torsion", "fatigue_bending"}
+    coated = asp.Body(material="100Cr6", coating={"thickness": 1e-6, **STEEL})
+    assert coated.hardness is None  # that of the material is not that of the coated body
+    surface = asp.HeightMap(1e-9 * np.random.default_rng(1).normal(size=(16, 16)), (16e-6, 16e-6), name="a")
+    answer = asp.run(surface, asp.Body(material="100Cr6", hardness="inf"), mean_pressure=20e6)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
+        asp.write_answer(answer, tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"young {known['young'].value} ({known['young'].source[:20]}" in page
+    assert "hardness 7" not in page
+    assert answer.case.written()["body"] == {"material": "100Cr6", "hardness": "inf"}
+
+
+def test_own_materials_beside_the_case_are_known(tmp_path):
+    (tmp_path / "materials.yaml").write_text(
+        "my steel: {young: 205 GPa, poisson: 0.29}\n100Cr6: {young: 208 GPa, poisson: 0.3}\n"
+    )
+    for name, young in (("my steel", 205e9), ("100Cr6", 208e9), ("M50", asp.Body(material="M50").young)):
+        (tmp_path / "case.yaml").write_text(
+            f"map: a.x3p\nbody: {{material: {name}}}\nload: {{mean_pressure: 1 MPa}}\n"
+        )
+        assert Case.read(load_case(tmp_path / "case.yaml")).body.young == young
+    (tmp_path / "materials.yaml").write_text("my steel: {young: 205 GPa, poison: 0.29}\n")
+    with pytest.raises(ValueError, match=r"my steel\.poison: unknown key; did you mean poisson\?"):
+        Case.read(load_case(tmp_path / "case.yaml"))
+
+
+def test_flags_of_a_run_are_few():
+    entry = COMMANDS["run"]
+    flags = {name for each in (entry, *entry["groups"]) for name in arguments(each) if name.startswith("--")}
+    assert 15 <= len(flags) <= 30
+
+
+def test_unknown_flag_is_refused_before_libraries():
+    code = (
+        "import sys; from asperity.cli.main import main\n"
+        "try: main(['run', 'a.x3p', '--pressure', '1 MPa'])\n"
+        "except SystemExit as ended: sys.exit(ended.code if 'numpy' not in sys.modules else 9)"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert found.returncode == 2
+    assert (
+        found.stderr
+        == "asperity: --pressure: not accepted; did you mean --mean-pressure? (see asperity run --help)\n"
+    )
