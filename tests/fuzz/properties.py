@@ -34,6 +34,7 @@ from inputs import (
 )
 
 import asperity as asp
+from asperity.surface.treatment.treatment import make_periodic
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
@@ -303,7 +304,7 @@ def try_treatment(case):
     """A treated map: finite, with mean zero."""
     case = dict(case)
     surface, in_cell = asp.HeightMap(**case.pop("map")), case.pop("in_cell")
-    height = (asp.make_periodic if in_cell else asp.prepare_map)(surface, **case).height
+    height = (make_periodic if in_cell else asp.prepare_map)(surface, **case).height
     require_finite(height=height)
     require(abs(float(np.mean(height))) <= 1e-9 * float(np.abs(height).max()), "the mean height is not zero")
 

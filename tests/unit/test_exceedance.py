@@ -71,9 +71,9 @@ def test_smooth_roller_yields_where_hertz_says():
     edge, largest, limit = 48e-6, 1.2e9, 655e6
     wave = 1e-10 * np.cos(6 * np.pi * np.arange(32) / 32)
     surface = asp.HeightMap(wave * wave[:, None] * 1e10, (edge, edge), periodic=True, unit="m")
-    body = asp.Body(210e9, 0.3, yield_stress=limit)
-    place = asp.engineering.HertzPlace(36.54e-3, np.inf)
-    answer = asp.run(surface, body, hertz_pressure=largest, hertz=place)
+    body = {"young": 210e9, "poisson": 0.3, "yield_stress": limit}
+    load = {"hertz_pressure": largest, "radius_x": 36.54e-3, "radius_y": np.inf}
+    answer = asp.run(surface, body, load=load)
     line = LineHertz(answer.case.hertz_contact.half_width_x, largest)
     depth = line.half_width * np.linspace(0, 3, 30_001)
     exact = von_mises(line.stress(0.0, depth, 0.3))
@@ -81,7 +81,8 @@ def test_smooth_roller_yields_where_hertz_says():
     assert lower.largest_von_mises == pytest.approx(exact.max(), rel=1e-3)
     assert lower.depth == pytest.approx(depth[exact.argmax()], rel=0.06)
     above = depth[exact > limit]
-    assert lower.depths_above_yield == pytest.approx((above[0], above[-1]), rel=0.02)
-    assert lower.volume_above_yield == pytest.approx((above[-1] - above[0]) * edge**2, rel=0.05)
+    yielded = answer.found["yielding"]["lower"]
+    assert yielded.depths == pytest.approx((above[0], above[-1]), rel=0.02)
+    assert yielded.volume == pytest.approx((above[-1] - above[0]) * edge**2, rel=0.05)
     shear = np.ptp(line.stress(0.0, depth, 0.3)[:, :3], axis=1) / 2
     assert lower.largest["largest_shear"].value == pytest.approx(shear.max(), rel=2e-3)

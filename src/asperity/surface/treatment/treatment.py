@@ -370,14 +370,14 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     Raises
     ------
     MapError
-        As for `treat_map`.
+        As for `prepare_map`.
 
     Examples
     --------
     >>> edges = 80e-6, 120e-6
     >>> heights = asp.self_affine((40, 60), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=edges)
     >>> surface = asp.HeightMap(heights, edges)
-    >>> made = asp.make_periodic(surface, periodic="mirrored")
+    >>> made = make_periodic(surface, periodic="mirrored")
     >>> made.height.shape, made.grid.length  # four mirror images; the longer edge is 1
     ((80, 120), (0.6666666666666667, 1.0))
     """
