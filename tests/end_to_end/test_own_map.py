@@ -38,8 +38,11 @@ def answers(monkeypatch, tmp_path):
 
     monkeypatch.setattr("asperity.engineering.output.write_answer", keep)
     monkeypatch.chdir(tmp_path)
-    for name in ("steel", "lapped", "ring", "honed", "ring_1", "ring_2", "ring_3"):
+    for name in ("steel", "lapped", "ring", "honed"):
         shutil.copy(DATA / "steel.x3p", tmp_path / f"{name}.x3p")
+    for number in (1, 2, 3):
+        ground = ROOT / f"src/asperity/engineering/maps/ground_{number}.x3p"
+        shutil.copy(ground, tmp_path / f"ring_{number}.x3p")
     return found
 
 
