@@ -3,7 +3,8 @@ A layer between two rough faces
 ===============================
 
 A thin sheet pressed between two rough surfaces, such as a gasket or a separator, bears the stress of both.
-Each face is known by its tractions, here the pressures of two contacts; `asperity.elasticity.layer_fields` solves for
+Each face is known by its tractions, here the pressures of two contacts; `asperity.elasticity.layer_fields`
+solves for
 stress and displacement in the whole layer. The same call takes displacements in place of tractions, for
 instance those that an image correlation has measured on a face.
 """

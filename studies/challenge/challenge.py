@@ -218,8 +218,8 @@ def draw_stress(rows: pd.DataFrame, profiles: pd.DataFrame) -> Figure:
 def limits(data: xr.Dataset) -> pd.DataFrame:
     """Numbers of each grid, and their limits at vanishing spacing from the first two grids, a row each.
 
-    From the area the strip along its boundary on the finer grid is subtracted (`asperity.continuum_limit`); the
-    other numbers are extrapolated with second order.
+    From the area the strip along its boundary on the finer grid is subtracted (`asperity.continuum_limit`);
+    the other numbers are extrapolated with second order.
     """
     data = data.drop_vars("density")
     coarse, fine = (data.isel(points=number) for number in (0, 1))

@@ -82,8 +82,8 @@ def plastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     """Elastic and plastic area under every load below each hardness, estimated from both grids.
 
     Nodes count with their whole pixels. Therefore a strip along its boundary is subtracted from the area of
-    contact, as in `asperity.continuum_limit`, and a strip of the same width is added to the plastic area, whose
-    nodes are those whose whole pixel would bear the hardness.
+    contact, as in `asperity.continuum_limit`, and a strip of the same width is added to the plastic area,
+    whose nodes are those whose whole pixel would bear the hardness.
     """
     loads, hardnesses = config["plastic"]["loads"], config["plastic"]["hardness"]
     half = on_half_the_nodes(height, asp.Grid(height.shape))[0]

@@ -1,4 +1,5 @@
-"""`solve_contact` and `solve_load_path`: controls, methods, boundaries, starts, extremes, memory, refused arguments."""
+"""`solve_contact` and `solve_load_path`: controls, methods, boundaries, starts, extremes, memory, refused
+arguments."""
 
 import numpy as np
 import pytest

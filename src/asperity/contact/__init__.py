@@ -7,7 +7,8 @@ incompressible) u has mean zero, and δ is measured from the mean plane of the s
 
 With a hardness p_H, p ≤ p_H, and g ≤ 0 where p = p_H: the surface is flattened there by −g.
 
-`solve_contact` scales the problem (`problem`), a method finds p (`active_set`, `gfmd`), and `certificate` checks it
+`solve_contact` scales the problem (`problem`), a method finds p (`active_set`, `gfmd`), and `certificate`
+checks it
 independently. `load` computes the change of p with the load: stiffness, the loads between which the same
 nodes touch, and control by area. The loop of the fast method is written at the top of `active_set`.
 """

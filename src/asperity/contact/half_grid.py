@@ -22,8 +22,8 @@ def solve_on_half(
 ) -> tuple[Contact, float]:
     """The contact on half of the nodes, and the share of the squared gradient that they do not hold.
 
-    `settings` of `asperity.solve_contact` hold the load. With a free boundary every second node is kept, and the
-    share is not computed: it is 0.
+    `settings` of `asperity.solve_contact` hold the load. With a free boundary every second node is kept,
+    and the share is not computed: it is 0.
     """
     lost = 0.0
     if boundary == "free":

@@ -129,7 +129,7 @@ def continuum_on_grids(
     body: str,
     loaded: LoadedSolid | None = None,
 ) -> xr.Dataset:
-    """The result of `continuum_limit`, given the contact on half of the nodes, and the body as that loads it."""
+    """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it."""
     coarse = None
     if stress is not None:
         planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface

@@ -56,7 +56,8 @@ class MovingContact:
     lower : (ny, nx) array
         Upper face of the lower body, peaks upward; zeros if it is smooth.
     upper : (ny, nx) array
-        Lower face of the upper body, measured upward as `asperity.solve_contact` takes it; zeros if it is smooth.
+        Lower face of the upper body, measured upward as `asperity.solve_contact` takes it; zeros if it is
+        smooth.
     solid : Solid or TwoBodies
     length : float or (length_y, length_x)
         Edges of the periodic cell.

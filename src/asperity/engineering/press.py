@@ -42,7 +42,7 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
 
 
 def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
-    """The load as an argument of `asperity.solve_contact`; `SettingsError` if it is out of range for the map."""
+    """The load as an argument of `solve_contact`; `SettingsError` if it is out of range for the map."""
     load, lowest = case.load, float(face.height.min())
     if isinstance(load, Hertz):
         return {"mean_pressure": case.cell_pressure}

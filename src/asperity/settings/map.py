@@ -54,8 +54,8 @@ class FileOptions(Settings):
         accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
         example="um",
     )
-    """Unit of the heights, and of edges given as numbers; for a list of points also two, that of x and y and that
-    of z, such as mm um."""
+    """Unit of the heights, and of edges given as numbers; for a list of points also two, that of x and y
+    and that of z, such as mm um."""
     physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
         None,
         default_text="as in the file",

@@ -105,7 +105,8 @@ def analyse_stress(
     -------
     dataset
         Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
-        and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and largest von Mises
+        and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and
+        largest von Mises
         stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
         The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
         the arguments; ``plastic_contact``, where the pressure reaches the hardness, says what that means.
@@ -333,7 +334,7 @@ class _Analysis:
         return found
 
     def _dataset(self, lateral: str) -> xr.Dataset:
-        """Results under one condition of the mean mode; `asperity.stress.select_peaks` selects from the peaks."""
+        """Results under one condition of the mean mode."""
         stream, references, solid = self._stream, self._references, self._stream.solid
         own = [self._fields.index(self._field("von_mises", lateral, ratio)) for ratio in stream.ratios]
         lag, in_plane = references.in_plane()

@@ -24,7 +24,8 @@ def add_sphere(
     Parameters
     ----------
     height : (ny, nx) array
-        Roughness as a lower face measured upward, as `asperity.solve_contact` takes it; zeros for a smooth sphere.
+        Roughness as a lower face measured upward, as `asperity.solve_contact` takes it; zeros for a smooth
+        sphere.
     length : Grid, float or (length_y, length_x)
         Edges of the map, in the unit of the heights, or the grid that has them.
     radius : float
@@ -74,7 +75,7 @@ def add_cylinder(
 
     Examples
     --------
-    >>> roller = asp.surface.add_cylinder(np.zeros((3, 5)), (2e-3, 4e-3), radius=0.1, axis="y")  # curves along x
+    >>> roller = asp.surface.add_cylinder(np.zeros((3, 5)), (2e-3, 4e-3), radius=0.1, axis="y")
     >>> np.round(roller * 1e6, 3)  # µm
     array([[12.8,  3.2,  0. ,  3.2, 12.8],
            [12.8,  3.2,  0. ,  3.2, 12.8],

@@ -173,7 +173,7 @@ def _problems_of_several(
         for name, job in jobs.items():
             other = of_checksum.setdefault(job.rough.files[0].sha256, name)
             if other != name:
-                yield f"--pooled: {name} and {other} are the same map; each place of the surface is needed once"
+                yield f"--pooled: {name} and {other} are the same map; each place is needed once"
         faces = {name: job.rough.face for name, job in jobs.items()}
         try:
             check_alike(faces)

@@ -49,7 +49,8 @@ FADED = 0.1
 
 
 class Cycles(Question):
-    """Stress cycles of both bodies; see `asperity.stress.stress_cycles` and `asperity.engineering.MovingContact`.
+    """Stress cycles of both bodies; see `asperity.stress.stress_cycles` and
+    `asperity.engineering.MovingContact`.
 
     Without shifts a body with fatigue limits is taken as smooth, under a rough one that slides along x or y.
     """

@@ -94,7 +94,7 @@ class AnswerCurve:
 
 
 class LoadCurve(Question):
-    """The contact under rising loads that end at the load of the case; see `asperity.engineering.load_curve`."""
+    """The contact under rising loads that end at that of the case; see `asperity.engineering.load_curve`."""
 
     TEMPLATE = "load_curve.html.j2"
 

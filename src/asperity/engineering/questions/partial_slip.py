@@ -126,8 +126,8 @@ class PartialSlip(Question):
             yield Advice(
                 True,
                 "gross sliding",
-                f"the bodies slide: the tangential force of {shown_si(self.tangential_force, 'N')} is not below "
-                f"friction times load, {shown_si(limit, 'N')}, which is the force of this answer.",
+                f"the bodies slide: {shown_si(self.tangential_force, 'N')} is not below friction times load, "
+                f"{shown_si(limit, 'N')}, which is the tangential force of this answer.",
             )
         size = found.slip.deviation
         if size > 0:

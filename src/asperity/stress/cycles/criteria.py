@@ -85,7 +85,7 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
 
 @dataclass(frozen=True)
 class Criteria:
-    """Limits with which histories are compared; arguments and errors as for `asperity.stress.stress_cycles`."""
+    """Limits with which histories are compared; arguments and errors as for `stress_cycles`."""
 
     fatigue_torsion: float | None = None
     fatigue_bending: float | None = None

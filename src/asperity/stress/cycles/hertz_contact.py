@@ -58,7 +58,8 @@ class HertzContact:
     A ball of radius 5 mm in a groove, steel on steel:
 
     >>> pair = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(210e9, 0.3))
-    >>> contact = asp.stress.HertzContact.from_radii(5e-3, 80e-3, pair.effective_modulus, largest_pressure=1.2e9)
+    >>> modulus = pair.effective_modulus
+    >>> contact = asp.stress.HertzContact.from_radii(5e-3, 80e-3, modulus, largest_pressure=1.2e9)
     >>> print(f"{contact.half_width_x * 1e6:.0f} x {contact.half_width_y * 1e6:.0f} µm, "
     ...       f"{contact.largest_shear(0.3)[1] * 1e6:.0f} µm deep")
     102 x 613 µm, 76 µm deep

@@ -108,8 +108,8 @@ def stress_cycles(
     Parameters
     ----------
     contact
-        As for `analyse_stress`; or a `MovingPressure`, as of `asperity.engineering.MovingContact`, whose friction and
-        direction are used.
+        As for `analyse_stress`; or a `MovingPressure`, as of `asperity.engineering.MovingContact`, whose
+        friction and direction are used.
     depths, tolerance, threads, progress
         As for `analyse_stress`; the first depth need not be 0.
     poisson : float, optional
@@ -153,7 +153,8 @@ def stress_cycles(
     A cylinder along y, in line contact:
 
     >>> height = asp.surface.add_cylinder(np.zeros((16, 256)), (0.0625, 1.0), 1.0, axis="y")
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), (0.0625, 1.0), area_fraction=0.1)
+    >>> solid = asp.Solid(young=1.0, poisson=0.3)
+    >>> contact = asp.solve_contact(height, solid, (0.0625, 1.0), area_fraction=0.1)
     >>> cycles = asp.stress.stress_cycles(contact, yield_stress=3**0.5)  # k = 1
     >>> share = cycles.attrs["worst_shear_range"][0] / contact.pressure.max()
     >>> limit = cycles.attrs["worst_shakedown_upper"][0] * contact.pressure.max()

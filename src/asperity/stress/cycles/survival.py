@@ -52,8 +52,8 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
         Of `asperity.stress.stress_cycles` with fatigue limits.
     scatter : float
         Coefficient of variation of the fatigue limit, from 0.01 to 1. The smaller it is, the more the few
-        highest points count: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of `asperity.stress.depth_grid`
-        causes errors of up to 1, 5, 20 and 40 %.
+        highest points count: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of
+        `asperity.stress.depth_grid` causes errors of up to 1, 5, 20 and 40 %.
     volume : float
         Stressed volume of the specimens on which limits and scatter were measured, in the unit of length of
         the contact cubed.

@@ -2,7 +2,8 @@
 
 The peaks of all quantities and Poisson's ratios stand one after the other along the dimension `peak`.
 ``peak_quantity`` is the name of the quantity, ``peak_poisson`` the Poisson's ratio of each peak. The ratio is
-NaN where the quantity is the same for every one; `select_peaks` finds such peaks under any of the analysed ratios.
+NaN where the quantity is the same for every one; `select_peaks` finds such peaks under any of the analysed
+ratios.
 """
 
 from __future__ import annotations
@@ -83,7 +84,8 @@ def select_peaks(
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
     >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
-    >>> table = asp.stress.select_peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> below = asp.stress.select_peaks(stress, "von_mises", poisson=0.33, selection="under_contact")
+    >>> table = below.to_dataframe()
     >>> list(table.columns[:4]), bool(table["peak_depth"].min() > 0)
     (['peak_value', 'peak_depth', 'peak_y', 'peak_x'], True)
     """

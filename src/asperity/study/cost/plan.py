@@ -1,7 +1,8 @@
 """Cost and errors of a calculation before it is made, and the cheapest settings that reach a target.
 
 `errors.csv` holds the largest errors of every output that ``benchmarks/tradeoff.py`` found on random
-surfaces, after the correction of the grid (`asperity.continuum_limit`). The bound of an output is the sum of those
+surfaces, after the correction of the grid (`asperity.continuum_limit`). The bound of an output is the sum
+of those
 of the next coarser grid and of the next coarser settings that were measured, times a margin; for the mean
 over surfaces of one kind, a 95 % confidence interval from the spread of the seeds is added.
 

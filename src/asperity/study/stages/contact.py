@@ -149,8 +149,8 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
     Returns
     -------
     dataset
-        Pressure and numbers of the contact, with the attribute ``lost_gradient`` of `asperity.continuum_limit`;
-        None where the contact allows no estimate.
+        Pressure and numbers of the contact, with the attribute ``lost_gradient`` of
+        `asperity.continuum_limit`; None where the contact allows no estimate.
     """
     height = height_of(contact).values
     if reason_against(contact["pressure"].values, height, float(contact.get("plastic_area", 0))):

@@ -7,8 +7,8 @@ face over the lower one: as the slopes are small, only the sum of both reliefs c
 
     h(y, x) = −z_lower(y, x) − z_upper(y', x'),
 
-the lower face of an indenter as `asperity.solve_contact` takes it. Turned about the axis y, y' runs along y and x'
-against x. A map whose heights are those of a lower face already faces down and is not turned.
+the lower face of an indenter as `asperity.solve_contact` takes it. Turned about the axis y, y' runs along y
+and x' against x. A map whose heights are those of a lower face already faces down and is not turned.
 """
 
 from dataclasses import replace
