@@ -32,8 +32,8 @@ COMMANDS = (
     'plan {"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}',
 )
 VOCABULARY = """
-    solve stress peaks plot plan run surface view export --young --set map.radius=1mm --periodic body.hardness=
-    1e-300 1e300 1e400 --material 100Cr6 --mean-pressure --case load_curve.loads=[1]
+    solve stress peaks plot plan run surface view export --young --set map.radius=1mm --periodic
+    body.hardness= 1e-300 1e300 1e400 --material 100Cr6 --mean-pressure --case load_curve.loads=[1]
     --friction --counter-young 70GPa --physical-size --contact --path --poisson --points --periodic --detrend
     --undefined --help --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins
     --confidence --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3

@@ -38,7 +38,7 @@ class ResultAccessor:
     >>> stress.asperity
     <result of stage stress: plot(), select_peaks()>
     >>> figure = stress.asperity.plot("von_mises")
-    >>> int(stress.asperity.stress.select_peaks("von_mises").sizes["peak"]) > 10
+    >>> int(stress.asperity.peaks("von_mises").sizes["peak"]) > 10
     True
     >>> contact.to_dataset().asperity.section(depths=[0.0, 0.02]).sizes["depth"]
     2
