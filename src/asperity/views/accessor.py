@@ -36,9 +36,9 @@ class ResultAccessor:
     >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact)
     >>> stress.asperity
-    <result of stage stress: plot(), select_peaks()>
+    <result of stage stress: plot(), peaks()>
     >>> figure = stress.asperity.plot("von_mises")
-    >>> int(stress.asperity.stress.select_peaks("von_mises").sizes["peak"]) > 10
+    >>> int(stress.asperity.peaks("von_mises").sizes["peak"]) > 10
     True
     >>> contact.to_dataset().asperity.section(depths=[0.0, 0.02]).sizes["depth"]
     2
