@@ -94,6 +94,8 @@ class Body(OfMaterial):
     >>> steel = asp.Body(young="210 GPa", poisson=0.3, yield_stress=1.5e9)
     >>> film = asp.Body(young=2e9, poisson=0.4, layer={"height": "5 um"})  # on a rigid base
     >>> coated = asp.Body(material="100Cr6", coating={"thickness": "2 um", "young": 400e9, "poisson": 0.25})
+    >>> steel.young, coated.young, coated.coating.thickness
+    (210000000000.0, 210000000000.0, 2e-06)
     """
 
     hardness: Hardness | None = setting(
