@@ -4,8 +4,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 import skfem
+from solution_check import mode_compliance
 
 import asperity as asp
+from asperity.reference.pivoting import pivot
 from asperity.reference.state_space import StateSpace
 
 ROUNDING = 4e-14
@@ -193,6 +195,31 @@ def test_error_of_coarser_planes_is_below_its_bound(contact, contrast, height):
                 assert abs(plane.fields[name] - full.fields[name][:, ::step, ::step]).max() < plane.bound
             assert plane.bound < 1.001e-4 * np.sqrt(np.mean(full.fields["zz"] ** 2))
     assert coarse > 4
+
+
+@pytest.mark.parametrize("contrast", [1e-6, 1e-3, 30.0, 1e3, 1e6])
+@pytest.mark.parametrize("thickness", [1e-3, 0.01, 0.1, 1.0])
+@pytest.mark.parametrize(("nu", "area"), [(0.2, 0.02), (0.5, 0.45)])
+def test_pressure_of_any_coating_is_direct(contrast, thickness, nu, area):
+    """Solver error, ten tolerances of 1e-6, of a contact on 24² nodes."""
+    height = asp.self_affine((24, 24), 0.8, 0.5, 0.125, rms_height=1e-3, seed=10)
+    solid = asp.Solid(contrast, nu, thickness, base=asp.Solid(1.0, 0.49))
+    contact = asp.solve_contact(height, solid, area_fraction=area)
+    exact = pivot(height, mode_compliance(solid, contact.grid), mean_pressure=contact.mean_pressure)
+    assert np.linalg.norm(contact.pressure - exact) < 1e-5 * np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("seed", [3, 10])
+def test_stiff_coating_is_solved_as_by_gfmd(seed):
+    """A hard film on a polymer in a wide contact: it bends between the contacts."""
+    height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=seed)
+    solid = asp.Solid(1.0, 0.2, 0.01, base=asp.Solid(0.01, 0.49))
+    fast, damped = (
+        asp.solve_contact(height, solid, mean_pressure=4.3e-5, method=method, rtol=1e-8)
+        for method in ("active_set", "gfmd")
+    )
+    assert fast.certificate.iterations < 200
+    assert np.linalg.norm(fast.pressure - damped.pressure) < 1e-6 * np.linalg.norm(damped.pressure)
 
 
 def test_coating_of_equal_material_is_half_space():

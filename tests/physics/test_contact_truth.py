@@ -78,6 +78,17 @@ def test_free_pressure_is_that_of_direct_solution(shape, length, fraction):
     np.testing.assert_allclose(contact.pressure, by_approach, rtol=0, atol=1e-7 * by_load.max())
 
 
+@pytest.mark.parametrize("area_fraction", [0.01, 0.3])
+@pytest.mark.parametrize(("shape", "length"), [((3, 200), (1.0, 1e4)), ((24, 24), (1.0, 1e-2))])
+def test_pressure_on_narrow_pixels_is_direct(shape, length, area_fraction):
+    """Pixels 100 and 150 times as long as wide. Solver error."""
+    height = 1e-3 * np.random.default_rng(0).standard_normal(shape)
+    contact = solve_contact(height, UNIT, length, area_fraction=area_fraction)
+    modes = mode_compliance(UNIT, asp.Grid(shape, length))
+    exact = pivot(height, modes, mean_pressure=contact.mean_pressure)
+    assert difference(contact.pressure, exact) < 1e-5
+
+
 @pytest.mark.parametrize("method", ["active_set", "gfmd"])
 @pytest.mark.parametrize("part", [0.3, 0.99, 0.999])
 def test_approach_near_full_contact(part, method):

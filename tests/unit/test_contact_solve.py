@@ -241,6 +241,10 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(FLAT, SLAB, boundary="free"), "boundary = 'free': half-spaces are .* of height 1"),
     (lambda: pressed(method="gfmd", boundary="free"), "method = 'gfmd': active_set is needed for boundary ="),
     (lambda: covering(1e-60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
+    (
+        lambda: solve_contact(NOISE[:3], HALF_SPACE, (1e-6, 1.0), area_fraction=0.1),
+        r"length = .*: spacings .* by a factor of at most 300 are needed in a periodic cell, and here by 1",
+    ),
     (lambda: pressed(hardness=0.1), "hardness = 0.1: more than the mean pressure 0.1"),
     (lambda: pressed(hardness=1.0, method="gfmd"), ".*active_set is needed"),
     (lambda: covering(NOISE, 1.0, hardness=1e-3), "area_fraction = 1: less is needed"),

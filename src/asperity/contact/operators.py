@@ -96,9 +96,15 @@ CELL_NODES_UNDER_COATING = 4
 COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_UNDER_COATING = 0.03, 0.005
 MAX_COARSE_ITERATIONS = 50
 
-# Under a stiff coating the compliance on the coarse grid is at most so many times that of the half-space of
-# the stencil: where it is larger, rounding and the error of the coarse system exceed the pressure that
-# remains of two that cancel. Found by trial on 64² nodes ...
+# One over the compliance of a coated solid is used as a stencil if its positive weights beside the middle
+# one sum up to at most this fraction of that one: 0.1 on a half-space, up to 0.3 under most coatings, and
+# above 1 under thin incompressible ones, where solutions fail with it.
+MAX_OUTWARD = 0.5
+
+# Where it is not used, the compliance on the coarse grid is at most so many times that of the half-space of
+# the stencil: where it is larger, two terms of M cancel to less than the error of the coarse system. Found
+# by trial on 64² nodes, with ratios of moduli of 1e2 to 1e6: inner solves with 3 take up to 1.5 times the
+# iterations, with 30 as many, and with 100 some of them fail.
 MAX_SOFTNESS = 10.0
 
 
@@ -364,7 +370,10 @@ class Preconditioner:
         nodes, self.coarse_drop = CELL_NODES, COARSE_RESIDUAL_DROP
         if response.solid.interface is not None:
             nodes, self.coarse_drop = CELL_NODES_UNDER_COATING, COARSE_RESIDUAL_DROP_UNDER_COATING
-        self.cells = Grid(tuple(max(1, n // nodes) for n in grid.shape), grid.length)  # type: ignore[arg-type]
+        # Where one spacing is more than twice the other, cells are about square.
+        sides = (max(1, int(nodes * min(1, 2 * min(grid.spacing) / step))) for step in grid.spacing)
+        shape = tuple(max(1, n // side) for n, side in zip(grid.shape, sides, strict=True))
+        self.cells = Grid(shape, grid.length)  # type: ignore[arg-type]
         self.coarse, compliance = response.on_cells(self.cells)
         self.compliance = compliance / response.nodal_compliance
         if stiffness:
@@ -475,11 +484,11 @@ def inverse_stencil(
 ) -> tuple[Array, float]:
     """The inverse of the compliance in real space as a stencil, in units of the nodal compliance.
 
-    It is zero beyond a radius in nodes, and the same for all nodes. On a half-space it is E* |q| / 2. Under a
-    coating it is one over the compliance, if none of its weights but the middle one is positive: any part of
-    it is then positive definite. A coating that is stiffer than its base bends as a plate, and its inverse
-    compliance, cut off, is not even positive on all waves: the stencil is then that of the half-space that is
-    as stiff as the solid for the wave for which it is stiffest.
+    It is zero beyond a radius in nodes, and the same for all nodes. On a half-space it is E* |q| / 2, and
+    under a coating one over the compliance, unless what the radius leaves of it is not positive definite, as
+    where a stiff coating bends like a plate, or has large positive weights, as where a soft one is thin and
+    incompressible. The stencil is then that of a half-space that is at least as stiff as the solid for every
+    wave: the preconditioner is positive definite, and its coarse grid lowers the stiffness of long waves.
 
     Returns
     -------
@@ -488,24 +497,29 @@ def inverse_stencil(
         E* of that half-space over that of the solid; 0 if the stencil is one over the compliance.
     """
     tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
-    fourier, row, column = Fourier(tile, engine=engine), *np.ogrid[: RADIUS + 1, : RADIUS + 1]
+    fourier = Fourier(tile, engine=engine)
+    row, column = (np.minimum(places, _TILE - places) for places in np.ogrid[:_TILE, :_TILE])
 
     def cut_off(modes: Array) -> Array:
-        kernel = fourier.inverse(modes / tile.size + 0j)
-        return np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)
+        return np.where(
+            row**2 + column**2 <= radius * (radius + 1), fourier.inverse(modes / tile.size + 0j), 0
+        )
 
     half_space, stiffness = 0.5 * tile.wavenumber() * min(spacing), 0.0
-    if solid.interface is None:
-        weights = cut_off(half_space)
-    else:
+    weights = cut_off(half_space)
+    if solid.interface is not None:
         compliance = solid.surface_compliance(tile.wavenumber())
         nodal_compliance = min(spacing) / solid.effective_modulus
         modes = np.divide(nodal_compliance, compliance, where=compliance > 0, out=0 * half_space)
-        weights = cut_off(modes)
-        if weights.reshape(-1)[1:].max() > 0:
+        own = cut_off(modes)
+        outward = np.maximum(own, 0).sum() - own[0, 0]
+        if fourier.forward(own).real.min() > 0 and outward < MAX_OUTWARD * own[0, 0]:
+            weights = own
+        else:
             stiffness = float((modes[half_space > 0] / half_space[half_space > 0]).max())
-            weights = cut_off(stiffness * half_space)
-    return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32), stiffness
+            weights *= stiffness
+    quadrant = weights[: RADIUS + 1, : RADIUS + 1]
+    return np.broadcast_to(quadrant, (2, 2, *quadrant.shape)).astype(np.float32), stiffness
 
 
 @compiled
