@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -218,7 +218,9 @@ def solve_contact(
                 exact = Problem(units.heights(values), double, limit / units.stress, problem.plastic)
                 state = _state_of(exact, scaled, method, rtol, progress, start)
                 state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
-            contact = _contact_of(problem, scaled, state, values, units, rtol)
+            reached = None if approach is None else control.value
+            asked = _Asked(grid, solid, method, reached, rtol, begin)
+            contact = _contact_of(problem, scaled, state, values, units, asked)
         except ConvergenceError as error:
             raise error.in_units(units.stress) from None
     met_hardness = hardness is not None and (
@@ -236,11 +238,7 @@ def solve_contact(
         elastic = solve_contact(values, solid, grid, **imposed, **settings)  # type: ignore[arg-type]
         if elastic.max_pressure <= limit:
             return replace(elastic, hardness=contact.hardness, plastic_depth=np.zeros_like(elastic.gap))
-    certificate = replace(
-        contact.certificate, pairs=response.fourier.work.pairs(grid), seconds=time.perf_counter() - begin
-    )
-    reached = contact.approach if approach is None else control.value
-    return replace(contact, grid=grid, solid=solid, method=method, approach=reached, certificate=certificate)
+    return contact
 
 
 def solve_load_path(
@@ -409,8 +407,19 @@ def _state_of(
     return METHODS[method](problem, control, rtol, progress, start)
 
 
+class _Asked(NamedTuple):
+    """What a contact states of its call: in the units of the caller, with the time at which it began."""
+
+    grid: Grid
+    solid: Solids
+    method: str
+    approach: float | None
+    rtol: float
+    begin: float
+
+
 def _contact_of(
-    problem: Problem, control: Control, state: State, values: Array, units: Units, rtol: float
+    problem: Problem, control: Control, state: State, values: Array, units: Units, asked: _Asked
 ) -> Contact:
     """The certified contact in the units of the caller, without what the caller imposed.
 
@@ -432,25 +441,16 @@ def _contact_of(
     mean_pressure, approach = total_pressure / problem.grid.size, state.approach
     if control.kind != "approach" and elastic:
         approach = total_level / elastic
-    rms_height = rms_deviation(values, threads) / units.height
-    exact_gap = None
-    if problem.height.dtype == np.float32:
-        exact_gap = response.in_precision("float64").displacement(state.pressure.astype(float))
-        exact_gap += problem.height
-        exact_gap -= approach
     # Problem and state are not needed any more. New arrays in place of theirs would raise the peak of the
     # memory of `solve_contact` on 2048² nodes from 0.51 to 0.57 GB.
-    gap, displaced, level = problem.height, displacement, problem.height.dtype.type(approach)
-
-    def write_gap(rows: slice) -> None:
-        gap[rows] += displaced[rows]
-        gap[rows] -= level
-
-    in_strips(write_gap, gap.shape, threads)
+    gap, exact_gap = _gap_of(problem, state.pressure, displacement, approach)
     largest = max(part[4] for part in parts)
     load = state.load if control.kind == "mean_pressure" else None
-    certificate = checked_certificate(
-        problem, state, gap if exact_gap is None else exact_gap, load, rms_height, largest, rtol
+    rms_height = rms_deviation(values, threads) / units.height
+    certificate = replace(
+        checked_certificate(problem, state, exact_gap, load, rms_height, largest, asked.rtol),
+        pairs=response.fourier.work.pairs(asked.grid),
+        seconds=time.perf_counter() - asked.begin,
     )
     mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
     if mean:
@@ -471,21 +471,38 @@ def _contact_of(
         pressure=state.pressure,
         displacement=displacement,
         gap=gap,
-        grid=problem.grid,
-        solid=response.solid,
+        grid=asked.grid,
+        solid=asked.solid,
         boundary=response.boundary,
         area_fraction=nodes / problem.grid.size,
         mean_pressure=mean_pressure * units.stress,
-        approach=(approach + mean) * units.height + units.datum,
+        approach=(approach + mean) * units.height + units.datum if asked.approach is None else asked.approach,
         certificate=certificate,
         control_error=_control_error(control, nodes / problem.grid.size, mean_pressure),
-        method="active_set",
-        rtol=rtol,
+        method=asked.method,
+        rtol=asked.rtol,
         hardness=hardness * units.stress,
         plastic_depth=plastic_depth,
     )
     _require_held(contact, units, nodes)
     return contact
+
+
+def _gap_of(problem: Problem, pressure: Array, displacement: Array, approach: float) -> tuple[Array, Array]:
+    """The gap, in place of the height of a problem, and the gap in double precision."""
+    response, gap, exact = problem.response, problem.height, None
+    if gap.dtype == np.float32:
+        exact = response.in_precision("float64").displacement(pressure.astype(float))
+        exact += gap
+        exact -= approach
+    level = gap.dtype.type(approach)
+
+    def write_gap(rows: slice) -> None:
+        gap[rows] += displacement[rows]
+        gap[rows] -= level
+
+    in_strips(write_gap, gap.shape, problem.fourier.threads)
+    return gap, gap if exact is None else exact
 
 
 def _control_error(imposed: Control, area_fraction: float, mean_pressure: float) -> float:

@@ -243,70 +243,108 @@ def _of_heights(
     surface: HeightMap, measures: MapMeasures, edges_known: bool, is_profile: bool
 ) -> dict[str, str]:
     """Defects, roughness and spectrum of a map; without edges in its unit nothing that depends on them."""
+    found = {
+        **_defects(surface, measures),
+        **_roughness_words(surface, measures),
+        **_texture_words(surface, measures),
+        **_wave_words(surface, measures),
+    }
+    if is_profile:
+        rest = {name: text for name, text in found.items() if name not in ("Sal", "Str")}
+        found = {name.replace("S", "R", 1): text for name, text in rest.items()}
+    unknown = () if edges_known else NEED_EDGES
+    return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in unknown}
+
+
+def _defects(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
+    """Spikes, tilt and bow."""
+    spikes = "no points"
+    beyond = f", beyond {DESPIKE:g} robust standard deviations from the local median"
+    if measures.spike_count:
+        share = surface.shown_share(int(np.count_nonzero(measures.spikes)))
+        highest = surface.shown_length(measures.highest_spike, digits=4)
+        spikes = f"{share} in {measures.spike_count} spikes of up to {highest}"
+        beyond += "; plasticity, Sal, Str, tip and waves are without them"
+    tilt = bow = "not subtracted: the map is one period"
+    if not measures.is_period:
+        tilt = f"{math.degrees(measures.tilt):.3g}°"
+        bow = f"{surface.shown_length(measures.bow, digits=4)} from lowest to highest point"
+    return {"spikes": f"{spikes}{beyond}", "tilt": tilt, "bow": bow}
+
+
+def _parameters(surface: HeightMap, height: Array) -> dict[str, str]:
+    """Parameters of the points that have data, in words."""
 
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)
 
-    def parameters(height: Array) -> dict[str, str]:
-        """Parameters of the points that have data that spikes and bow change, in words."""
-        values = height[np.isfinite(height)]
-        _, skewness, kurtosis = roughness.moments(values, np.full(values.size, 1 / values.size))
-        up = values if surface.orientation != LOWER_FACE else -values
-        core, peaks, valleys = roughness.core_roughness(up)
-        return {
-            "Sq": length(float(np.std(values))),
-            "Sa": length(float(np.mean(np.abs(values - values.mean())))),
-            "Sz": length(float(np.ptp(values))),
-            "Ssk": f"{skewness:.3g}",
-            "Sku": f"{kurtosis:.3g}",
-            "Sdq": f"{roughness.rms_step(height, surface.spacing):.3g}",
-            "Sk": length(core),
-            "Spk": length(peaks),
-            "Svk": length(valleys),
-        }
+    values = height[np.isfinite(height)]
+    _, skewness, kurtosis = roughness.moments(values, np.full(values.size, 1 / values.size))
+    up = values if surface.orientation != LOWER_FACE else -values
+    core, peaks, valleys = roughness.core_roughness(up)
+    return {
+        "Sq": length(float(np.std(values))),
+        "Sa": length(float(np.mean(np.abs(values - values.mean())))),
+        "Sz": length(float(np.ptp(values))),
+        "Ssk": f"{skewness:.3g}",
+        "Sku": f"{kurtosis:.3g}",
+        "Sdq": f"{roughness.rms_step(height, surface.spacing):.3g}",
+        "Sk": length(core),
+        "Spk": length(peaks),
+        "Svk": length(valleys),
+    }
 
-    def without_spikes(height: Array) -> Array:
-        return np.where(measures.measured, height, np.nan)
 
-    level, shown = measures.level, parameters(measures.spiky)
+def _roughness_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
+    """Parameters that spikes and bow change, with and without them, and the index of plasticity."""
+    shown, measured = _parameters(surface, measures.spiky), measures.measured
+    level = np.where(measured, measures.level, np.nan)
+    without = []
     if measures.spike_count:
-        texts = parameters(without_spikes(level))
-        shown = {name: f"{shown[name]}, without spikes {text}" for name, text in texts.items()}
-    shortest, ratio, direction = roughness.texture(level, surface.spacing)
-    lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
-    sal, str_ = length(shortest), f"{ratio:.2g}"
+        without.append((", without spikes", level))
     if measures.bow_counts:
-        without = f", without {'spikes and ' if measures.spike_count else ''}bow"
-        texts = parameters(without_spikes(measures.flat))
-        shown = {name: f"{shown[name]}{without} {text}" for name, text in texts.items()}
+        words = f", without {'spikes and ' if measures.spike_count else ''}bow"
+        without.append((words, np.where(measured, measures.flat, np.nan)))
+    for words, height in without:
+        texts = _parameters(surface, height)
+        shown = {name: f"{shown[name]}{words} {text}" for name, text in texts.items()}
+    slope = roughness.rms_step(level, surface.spacing)
+    return {
+        **{name: f"{shown[name]}, {words}" for name, words in PARAMETERS.items()},
+        "plasticity": f"index {slope:.3g} × E*/p_H, modulus over hardness p_H; far below 1 the contact is "
+        "elastic",
+    }
+
+
+def _texture_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
+    """Length and direction of the texture, with and without the bow."""
+    shortest, ratio, direction = roughness.texture(measures.level, surface.spacing)
+    lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
+    sal, str_ = surface.shown_length(shortest, digits=4), f"{ratio:.2g}"
+    if measures.bow_counts:
         shortest, ratio, direction = roughness.texture(measures.flat, surface.spacing)
-        sal += f", without bow {length(shortest)}"
+        sal += f", without bow {surface.shown_length(shortest, digits=4)}"
         str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
+    return {
+        "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
+        "Str": f"{str_}, shortest over longest such length{lay}",
+    }
+
+
+def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
+    """Waves of the map: those that a tip rounds, the longest and shortest, and the step of the period."""
+
+    def length(value: float) -> str:
+        return surface.shown_length(value, digits=4)
+
+    level = measures.level
     tip = roughness.finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)
     exponent = "" if math.isnan(hurst) else f", slope as for a Hurst exponent of {hurst:.2f}"
     step = edge_step(level)
     stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
-    spikes = "no points"
-    beyond = f", beyond {DESPIKE:g} robust standard deviations from the local median"
-    if measures.spike_count:
-        spikes = (
-            f"{surface.shown_share(int(np.count_nonzero(measures.spikes)))} in {measures.spike_count} spikes "
-        )
-        spikes += f"of up to {length(measures.highest_spike)}"
-        beyond += "; plasticity, Sal, Str, tip and waves are without them"
-    slope = roughness.rms_step(without_spikes(level), surface.spacing)
-    no_trend = "not subtracted: the map is one period"
-    found = {
-        "spikes": f"{spikes}{beyond}",
-        "tilt": no_trend if measures.is_period else f"{math.degrees(measures.tilt):.3g}°",
-        "bow": no_trend if measures.is_period else f"{length(measures.bow)} from lowest to highest point",
-        **{name: f"{shown[name]}, {words}" for name, words in PARAMETERS.items()},
-        "plasticity": f"index {slope:.3g} × E*/p_H, modulus over hardness p_H; far below 1 the contact is "
-        "elastic",
-        "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
-        "Str": f"{str_}, shortest over longest such length{lay}",
+    return {
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",
         "waves": f"half of the mean square height is in waves longer than {length(long_waves)}, half of the "
         f"mean square gradient in waves shorter than {length(short_waves)}{exponent}",
@@ -315,11 +353,6 @@ def _of_heights(
         "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times that between "
         f"neighbouring points{verdict}",
     }
-    if is_profile:
-        rest = {name: text for name, text in found.items() if name not in ("Sal", "Str")}
-        found = {name.replace("S", "R", 1): text for name, text in rest.items()}
-    unknown = () if edges_known else NEED_EDGES
-    return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in unknown}
 
 
 def _channels(found: MapFile) -> str:

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
 from asperity.core.types import Array, FilePath
 from asperity.fourier.grid import Grid
-from asperity.settings.map import MapOptions, Periodicity
+from asperity.settings.map import Detrend, MapOptions, Periodicity
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.formats import PROFILE, UNNAMED
@@ -254,81 +255,41 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     images = 2 if options.periodic == "mirrored" else 1
     grid, target = _grids(surface, options, images)
     shortest, radius = _lengths(surface, options, grid, target, images)
-    is_lower_face, periodic = surface.orientation == LOWER_FACE, options.periodic
-    done = ["turned upside down: the peaks of the map touch first"]
-    if is_lower_face:
-        done = ["used as it is: the heights are those of an indenter's lower face"]
-    if surface.channel not in ("", UNNAMED):
-        done.append(f"channel of the file: {one_line(surface.channel)}")
-    done += surface.notes
-    if options.format == PROFILE:
-        done.append("line scan: the same heights for all y, which is plane strain")
-
-    raw, gaps, spikes = surface.height, ~np.isfinite(surface.height), 0
-    if options.scan_lines is not None:
-        raw, offsets = levelling.level_lines(raw, options.scan_lines)
-        rms = surface.shown_length(float(np.std(offsets)))
-        done.append(f"scan lines along x levelled ({options.scan_lines}): rms offset {rms} removed")
-    if options.despike is not None:
-        found = levelling.find_spikes(raw, options.despike)
-        gaps, spikes = gaps | found, int(np.count_nonzero(found))
-        done.append(
-            f"spikes: {surface.shown_share(spikes)} beyond {options.despike:g} robust standard deviations "
-            "from the local median replaced"
-        )
-    one_period = is_period(options, surface)
-    detrend = options.detrend or ("none" if one_period else "tilt")
-    level, slope, bow = levelling.subtract_trend(raw, detrend, surface.length, ~gaps)
-    is_flat = np.ptp(level[~gaps]) <= FLAT_VARIATION * np.abs(raw[~gaps]).max()
-    if is_flat and radius is None:
+    levelled = _levelled(surface, options)
+    if levelled.is_flat and radius is None:
         raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
-    tilt = math.atan(math.hypot(*slope))
-    degrees = f"tilt of {math.degrees(tilt):.3g}°"
-    curvature = f"{degrees} and curvature of {surface.shown_length(bow)} height"
-    trends = {"none": "mean height", "tilt": degrees, "curvature": curvature}
-    remark = ", a period has no tilt" if detrend == "none" else ", with a step at the edges of the period"
-    done.append(f"levelled: {trends[detrend]} removed{remark if one_period else ''}")
-    if surface.missing:
-        done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
-    level = levelling.fill_harmonic(level, gaps)
-
-    level, filtered, words = _filtered(level, surface, options, grid)
-    done += words
-
+    level, filtered, words = _filtered(levelled.height, surface, options, grid)
     step, altered = levelling.edge_step(level), 0.0
-    if periodic == "windowed":
+    if options.periodic == "windowed":
         window = levelling.tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
-    cell = images * grid.length[0], images * grid.length[1]
-    stepped = f"edge step {step:.3g} times that between neighbouring points"
-    ways = {
-        None: f"taken as one period, as the file states: {stepped}",
-        "declared": f"taken as one period, as declared: {stepped}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*cell)}",
-        "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
-        "none": "not made periodic: for a free boundary",
-    }
-    done.append(ways[periodic])
 
-    lower = level - np.mean(level) if is_lower_face else np.mean(level) - level
-    has_edges = periodic in ("mirrored", "none")
+    lower = level - np.mean(level) if surface.orientation == LOWER_FACE else np.mean(level) - level
+    has_edges = options.periodic in ("mirrored", "none")
     low_pass = levelling.low_pass_bounded if has_edges else levelling.low_pass_periodic
     height = low_pass(lower, grid, target, shortest)
     if images > 1:
         height = levelling.mirrored(height)
-    if not is_flat and np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
+    if not levelled.is_flat and np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
+    cell = images * grid.length[0], images * grid.length[1]
+    done = [
+        *_words_on_heights(surface, options),
+        *_words_on_levelling(surface, options, levelled),
+        *words,
+        _words_on_period(surface, options, cell, step, altered),
+    ]
     if shortest is not None:
         done.append(f"waves shorter than {surface.shown_length(shortest)} removed")
     if target.shape != grid.shape:
         done.append(f"resampled to {target.shape[0]} x {target.shape[1]} points")
     treatment = MapTreatment(
         missing=surface.missing,
-        spikes=spikes,
-        filled_fraction=(surface.missing + spikes) / surface.height.size,
-        tilt=tilt,
-        bow=bow,
+        spikes=levelled.spikes,
+        filled_fraction=(surface.missing + levelled.spikes) / surface.height.size,
+        tilt=levelled.tilt,
+        bow=levelled.bow,
         altered_fraction=altered,
         filtered_height=filtered[0],
         filtered_gradient=filtered[1],
@@ -344,9 +305,89 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         tuple(done),
         surface.name,
         images,
-        "free" if periodic == "none" else "periodic",
+        "free" if options.periodic == "none" else "periodic",
     )
     return treated if radius is None else _with_form(treated, options, radius, surface)
+
+
+class _Levelled(NamedTuple):
+    """Heights without spikes and trend, filled where there are no data, and what was taken from them.
+
+    Lengths are in the unit of the map, and the tilt is in radians.
+    """
+
+    height: Array
+    line_offset: float
+    spikes: int
+    detrend: Detrend
+    tilt: float
+    bow: float
+    is_flat: bool
+
+
+def _levelled(surface: HeightMap, options: MapOptions) -> _Levelled:
+    """Scan lines levelled, spikes and trend removed, and gaps filled, in this order."""
+    raw, gaps, offset, spikes = surface.height, ~np.isfinite(surface.height), 0.0, 0
+    if options.scan_lines is not None:
+        raw, offsets = levelling.level_lines(raw, options.scan_lines)
+        offset = float(np.std(offsets))
+    if options.despike is not None:
+        found = levelling.find_spikes(raw, options.despike)
+        gaps, spikes = gaps | found, int(np.count_nonzero(found))
+    detrend = options.detrend or ("none" if is_period(options, surface) else "tilt")
+    level, slope, bow = levelling.subtract_trend(raw, detrend, surface.length, ~gaps)
+    is_flat = bool(np.ptp(level[~gaps]) <= FLAT_VARIATION * np.abs(raw[~gaps]).max())
+    filled = levelling.fill_harmonic(level, gaps)
+    return _Levelled(filled, offset, spikes, detrend, math.atan(math.hypot(*slope)), bow, is_flat)
+
+
+def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
+    """What the heights are, and how their file was read."""
+    if surface.orientation == LOWER_FACE:
+        yield "used as it is: the heights are those of an indenter's lower face"
+    else:
+        yield "turned upside down: the peaks of the map touch first"
+    if surface.channel not in ("", UNNAMED):
+        yield f"channel of the file: {one_line(surface.channel)}"
+    yield from surface.notes
+    if options.format == PROFILE:
+        yield "line scan: the same heights for all y, which is plane strain"
+
+
+def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelled) -> Iterator[str]:
+    """What was taken from the heights, and what was filled."""
+    if options.scan_lines is not None:
+        rms = surface.shown_length(found.line_offset)
+        yield f"scan lines along x levelled ({options.scan_lines}): rms offset {rms} removed"
+    if options.despike is not None:
+        share = surface.shown_share(found.spikes)
+        beyond = f"beyond {options.despike:g} robust standard deviations from the local median"
+        yield f"spikes: {share} {beyond} replaced"
+    degrees = f"tilt of {math.degrees(found.tilt):.3g}°"
+    curvature = f"{degrees} and curvature of {surface.shown_length(found.bow)} height"
+    trends = {"none": "mean height", "tilt": degrees, "curvature": curvature}
+    remark = ""
+    if is_period(options, surface):
+        has_step = found.detrend != "none"
+        remark = ", with a step at the edges of the period" if has_step else ", a period has no tilt"
+    yield f"levelled: {trends[found.detrend]} removed{remark}"
+    if surface.missing:
+        yield f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function"
+
+
+def _words_on_period(
+    surface: HeightMap, options: MapOptions, cell: tuple[float, float], step: float, altered: float
+) -> str:
+    """How the map became a period, its step at the edges before that, and the share that a window altered."""
+    stepped = f"edge step {step:.3g} times that between neighbouring points"
+    ways = {
+        None: f"taken as one period, as the file states: {stepped}",
+        "declared": f"taken as one period, as declared: {stepped}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*cell)}",
+        "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
+        "none": "not made periodic: for a free boundary",
+    }
+    return ways[options.periodic]
 
 
 def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
