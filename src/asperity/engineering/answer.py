@@ -264,7 +264,8 @@ def case_in_words(case: Case) -> str:
     value = shown_si(load.value, UNITS[load.kind])
     if load.kind == "area_fraction":
         kind, value = "real contact area", f"{100 * load.value:.4g} %"
-    upper = "a rigid body" if case.counter_body is None else case.counter_body.in_words
+    counter = case.elastic_counter_body
+    upper = "a rigid body" if counter is None else counter.in_words
     direction = case.sliding_direction
     along = direction if isinstance(direction, str) else f"{direction:g}° from x"
     sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Self, get_args
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from asperity.contact import Contact
 from asperity.core.units import shown_si
@@ -65,7 +65,8 @@ class Case(Settings):
     body: Body = setting(...)
     """The body, whose surface is the map."""
     counter_body: Body | None = setting(None, default_text="rigid and flat")
-    """The counter body. Which of the two is rough does not matter as long as the slopes are small."""
+    """The counter body, rigid if only its map is given. Which of the two is rough does not matter as long as
+    the slopes are small."""
     load: Load = setting(...)
     """The load."""
     fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
@@ -110,6 +111,11 @@ class Case(Settings):
         file = value.get("materials") if isinstance(value, Mapping) else None
         with own_materials(file) if isinstance(file, str) else nullcontext():
             return made(value)
+
+    @field_validator("counter_body", mode="wrap")
+    @classmethod
+    def _or_rigid(cls, value: Any, made: Any) -> Any:
+        return Body.or_rigid(value, made)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -187,9 +193,14 @@ class Case(Settings):
         return asked
 
     @property
+    def elastic_counter_body(self) -> Body | None:
+        """The counter body; None if it is rigid."""
+        return None if self.counter_body is None or self.counter_body.is_rigid else self.counter_body
+
+    @property
     def groups_of_bodies(self) -> dict[str, Body]:
         """The elastic bodies by the names of their groups."""
-        groups = {"body": self.body, "counter_body": self.counter_body}
+        groups = {"body": self.body, "counter_body": self.elastic_counter_body}
         return {name: body for name, body in groups.items() if body is not None}
 
     @property
@@ -204,12 +215,13 @@ class Case(Settings):
         Equal bodies have the same stress without friction and without moving faces.
         """
         moves = self.friction or (self.cycles is not None and self.cycles.shifts is not None)
-        alike = self.counter_body is not None and self.body.is_like(self.counter_body)
+        counter = self.elastic_counter_body
+        alike = counter is not None and self.body.is_like(counter)
         return {"lower": self.body} if alike and not moves else self.bodies
 
     def stress_title(self, body: str) -> str:
         """Heading of the stress of one body."""
-        if self.counter_body is None:
+        if self.elastic_counter_body is None:
             return "stress in the elastic body"
         if len(self.different_bodies) == 1:
             return "stress in both bodies"
@@ -239,9 +251,9 @@ class Case(Settings):
     @cached_property
     def solid(self) -> Solid | TwoBodies:
         """The solid, or the two bodies, that the solver presses."""
-        if self.counter_body is None:
+        if (counter := self.elastic_counter_body) is None:
             return solid_of(self.body)
-        return TwoBodies(solid_of(self.body), solid_of(self.counter_body))
+        return TwoBodies(solid_of(self.body), solid_of(counter))
 
     @property
     def hertz_contact(self) -> HertzContact | None:

@@ -224,7 +224,7 @@ def constants_of_table(case: Case) -> list[str]:
 def settings_of(answer: Answer) -> dict[str, Any]:
     """Settings from which the answer can be made again, and the solids as results describe them."""
     case = answer.case
-    upper = None if case.counter_body is None else asdict(solid_of(case.counter_body))
+    upper = None if case.elastic_counter_body is None else asdict(solid_of(case.elastic_counter_body))
     solids = {
         "name": answer.face.name,
         "layer": asdict(solid_of(case.body)),

@@ -134,7 +134,8 @@ class Body(OfMaterial):
     layer: Layer | None = setting(None, default_text="a half-space")
     """A layer on a rigid base."""
     map: CounterMap | None = setting(None, default_text="the counter body is flat")
-    """Height map of the counter body."""
+    """Height map of the counter body, which is rigid if nothing else is given."""
+    _is_rigid: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
     def _check(self) -> "Body":
@@ -147,6 +148,22 @@ class Body(OfMaterial):
         if self.residual_stress is not None and self.fatigue_torsion is None:
             raise ContradictionError(("residual_stress", ": needs fatigue_torsion and fatigue_bending"))
         return self
+
+    @classmethod
+    def or_rigid(cls, value: Any, made: Any) -> Any:
+        """A counter body, which is rigid if its map alone is given."""
+        if not (isinstance(value, Mapping) and value.keys() == {"map"} and value["map"] is not None):
+            return made(value)
+        unused = {"young": "1 Pa", "poisson": 0.0}
+        found = made({**value, **unused})
+        found.model_fields_set.difference_update(unused)
+        found._is_rigid = True
+        return found
+
+    @property
+    def is_rigid(self) -> bool:
+        """True for a counter body of which only the map is given; then no constant of it counts."""
+        return self._is_rigid
 
     @property
     def in_words(self) -> str:

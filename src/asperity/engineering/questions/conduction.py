@@ -33,7 +33,7 @@ class Conduction(Question):
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Constants that one body lacks, and bodies that are no half-spaces."""
-        if case.counter_body is None:
+        if case.elastic_counter_body is None:
             yield "conduction", ": a counter_body is needed, elastic and with its own constants"
             return
         bodies = case.groups_of_bodies
