@@ -73,8 +73,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--surfaces", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=5)
+    parser.add_argument("--surfaces", type=int, default=30)
+    parser.add_argument("--seed", type=int, default=6)
     parser.add_argument("--out", default="docs/volume.csv")
     options = parser.parse_args()
     generator, rows = np.random.default_rng(options.seed), []

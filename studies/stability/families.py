@@ -115,6 +115,13 @@ SOLIDS: dict[str, Solids] = {
     "sheet": Solid(1.0, 0.3, 0.03, "free"),
     "two bodies": TwoBodies(Solid(1.0, 0.3), Solid(0.1, 0.4, 0.02)),
     "two half-spaces": TwoBodies(Solid(1.0, 0.3), Solid(0.2, 0.45)),
+    "hard film": Solid(1.0, 0.2, 0.01, base=Solid(0.01, 0.49)),
+    "very hard film": Solid(1.0, 0.3, 1e-3, base=Solid(1e-5, 0.3)),
+    "soft coating": Solid(1.0, 0.4, 0.03, base=Solid(20.0, 0.3)),
+    "rubber film": Solid(1.0, 0.5, 3e-3, base=Solid(1e5, 0.3)),
+    "coated bodies": TwoBodies(
+        Solid(1.0, 0.3, 0.02, base=Solid(0.1, 0.3)), Solid(0.5, 0.5, 0.1, base=Solid(5.0, 0.3))
+    ),
 }
 HALF_SPACES = ("half-space", "incompressible", "two half-spaces")
 """Solids that a free boundary accepts."""

@@ -207,7 +207,7 @@ def test_everything_wrong_is_named_at_once(tmp_path, refused):
         ("counter_body.fatigue_torsion=3MPa counter_body.fatigue_bending=4MPa", "--counter-young: missing"),
         ("body.fatigue_torsion=3MPa", "body.fatigue_torsion: needs fatigue_bending"),
         ("body.residual_stress=-3MPa", "body.residual_stress: needs fatigue_torsion"),
-        ("body.hardness=1MPa", "body.hardness = 1 MPa: more than the pressure"),
+        ("body.hardness=1MPa", "--hardness = 1 MPa: more than the pressure"),
         ("map.form=cylinder", "map.form: needs map.radius"),
         ("map.cylinder_axis=x", "map.cylinder_axis: needs map.form: cylinder"),
         ("sample.area=10mm2", "sample: needs --pooled"),

@@ -51,8 +51,18 @@ OPTIONS = {
     "points": "--set map.points=24",
     "treatment": "--detrend curvature --despike 8 --set map.wavelength_short=3um",
 }
-SAVED = ("saved.yaml", "out/case.yaml", "out/more.yaml", "case.yaml")
-LOST = ("mine.txt", "other.txt", "foreign.yaml", "notes.txt", "", ".", "mine.txt/new.yaml", "out/answer.csv")
+SAVED = ("saved.yaml", "out/case.yaml", "out/more.yaml")
+LOST = (
+    "mine.txt",
+    "other.txt",
+    "foreign.yaml",
+    "case.yaml",
+    "notes.txt",
+    "",
+    ".",
+    "mine.txt/new.yaml",
+    "out/answer.csv",
+)
 OUT, NO_OUT = ("out", "new/out"), ("", ".", "mine.txt", "mine.txt/out", "used")
 NO_OUT_OF_SEVERAL = ("", "mine.txt", "mine.txt/out")
 
@@ -95,7 +105,6 @@ def is_refused(case):
         case["out"] in (NO_OUT if len(case["maps"]) == 1 else NO_OUT_OF_SEVERAL)
         or save in LOST
         or (save is not None and len(case["maps"]) > 1)
-        or (save == "case.yaml" and "case.yaml" in case["maps"])
         or (
             "soft" in options
             and "hardness" not in options
@@ -129,8 +138,7 @@ def try_answer(case):
     with contextlib.chdir(folder), NO_PICTURES:
         code, said = bad_input.answer(cli.main, command_of(case))
         for path, content in before.items():
-            is_saved = path.name == case["save"] == "case.yaml"
-            if not (is_saved or (path.is_file() and path.read_bytes() == content)):
+            if not (path.is_file() and path.read_bytes() == content):
                 raise PromiseError(f"{path.name} is destroyed")  # told apart from other promises
         if code:
             lines = said.splitlines()

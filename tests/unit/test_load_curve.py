@@ -61,7 +61,7 @@ CONDUCTING = STEEL.replaced(conductivity=50.0)
 test_wrong_loads_are_refused = refuses(
     (lambda: loads_of("5 MPa", last="1 MPa"), "load_curve.loads = 5 MPa, 1 MPa: a list of rising values"),
     (lambda: loads_of("1 MPa", 2e6, last="5 MPa", steps=3), "load_curve.loads = 2 values: a single one is n"),
-    (lambda: loads_of(last="5 MPa", steps=3), r"load_curve.loads = \(\): a list of 1 to 99 rising values"),
+    (lambda: loads_of(last="5 MPa", steps=3), r"load_curve.loads = \[\]: a list of 1 to 99 rising values"),
     (lambda: loads_of(0.1, last=0.1, kind="area_fraction"), "load_curve.loads = 0.1, 0.1: a list of rising"),
     (lambda: loads_of("5 N", last="1 MPa"), "load_curve.loads: '5 N': a mean pressure is needed"),
     (lambda: run(a_rough_map(), CONDUCTING, force=1.0), "conduction: a counter_body is needed"),

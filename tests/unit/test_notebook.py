@@ -117,9 +117,9 @@ def test_file_of_a_contact_gives_the_same_section(solid, tmp_path):
 
 
 def test_stress_dataset_plots_and_is_a_file(stress, tmp_path):
-    assert repr(stress.asperity) == "<result of stage stress: plot(), peaks()>"
+    assert repr(stress.asperity) == "<result of stage stress: plot(), select_peaks()>"
     assert stress.asperity.plot("von_mises").axes
-    assert stress.asperity.stress.select_peaks("von_mises", selection="under_contact").sizes["peak"] > 0
+    assert stress.asperity.select_peaks("von_mises", selection="under_contact").sizes["peak"] > 0
     stress.to_netcdf(tmp_path / "plain.nc")
     xr.testing.assert_allclose(xr.load_dataset(tmp_path / "plain.nc"), stress)
     asp.write_result(stress, tmp_path / "stress.nc", "Stress")

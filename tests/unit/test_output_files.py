@@ -173,7 +173,7 @@ def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
 def answer():
     height = 1e-8 * np.random.default_rng(1).normal(size=(16, 16))
     surface = HeightMap(height, (16e-6, 16e-6), name="small", periodic=True)
-    return asp.engineering.run(
+    return asp.run(
         surface,
         Body(young=210e9, poisson=0.3, hardness=5e9, fatigue_torsion=3e8, fatigue_bending=5e8),
         Body(young=70e9, poisson=0.3),

@@ -1,5 +1,8 @@
 """Loops over parts of arrays on several threads, and the tasks that threads take in turn."""
 
+import os
+import subprocess
+import sys
 import threading
 import time
 from functools import partial
@@ -35,6 +38,25 @@ def test_parts_of_arrays_hold_every_element_once():
     np.testing.assert_array_equal(np.concatenate(map_parts(lambda part: part, 2, values)), values)
     apply(lambda source, factor, target: np.multiply(source, factor, out=target), 3, values, 2.0, out)
     np.testing.assert_array_equal(out, 2 * values)
+
+
+PRINTED_BITS = """
+import asperity as asp
+height = asp.self_affine((200, 200), 0.8, 0.25, 0.04, rms_height=1e-3, seed=1)
+contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), approach=0.5 * height.min())
+slip = asp.contact.partial_slip(contact, 0.3, tangential_force=0.1 * contact.force)
+roughness = asp.roughness_parameters(height)
+numbers = contact.mean_pressure, contact.stiffness, slip.compliance_ratio, slip.deviation, slip.lost_energy
+print([float(number).hex() for number in (*numbers, roughness.skewness, roughness.kurtosis)])
+"""
+
+
+def test_numbers_do_not_depend_on_the_blas():
+    """Its scalar products of more than 10,000 elements round differently on two threads."""
+    run = partial(subprocess.run, [sys.executable, "-c", PRINTED_BITS], capture_output=True, check=True)
+    one, two = (run(env=os.environ | {"OMP_NUM_THREADS": threads}).stdout for threads in "12")
+    assert one == two
+    assert one.count(b"0x") == 7
 
 
 @pytest.mark.parametrize("threads", [1, 2, 4])

@@ -204,6 +204,10 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     entry = entry_of(Configuration, key)
     items = item_of(entry)
     value = None if default_text or as_text else default(key)
+    if value is not None and not default_text:
+        default_text = str(value)
+    if key.startswith("measured."):  # the map knows its defaults; those that are given are for maps alone
+        value = None
     placeholder = f"{{{','.join(items['enum'])}}}" if "enum" in items else _placeholder(items)
     made: dict[str, Any] = {"dest": key, "default": value, "metavar": placeholder}
     is_list = items is not entry
@@ -212,8 +216,6 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
         made["nargs"] = fixed or "+"
     if not as_text:
         made |= {"action": _StoreList} if is_list else {"type": partial(value_of, key)}
-    if value is not None and not default_text:
-        default_text = str(value)
     return made | {"help": _help(entry, default_text or entry.get("default_text"), words)}
 
 

@@ -44,7 +44,7 @@ from itertools import count
 
 import numpy as np
 
-from asperity.contact.contact_nodes import field_of
+from asperity.contact.contact_nodes import dot, field_of, norm
 from asperity.contact.inner_solve import MAX_ITERATIONS, RESIDUAL_DROP, InnerSolver
 from asperity.contact.iterate import ContactSystem, Iterate, Pressure, Step
 from asperity.contact.load import AREA_TOLERANCE, AreaControl, extended_to_area
@@ -418,7 +418,7 @@ class ActiveSet:
         direction = correction.pressure.astype(iterate.pressure.dtype)
         response = _displacement(problem, nodes, direction)
         self.iterations += 2 + correction.iterations
-        curvature = float(np.dot(direction, response[nodes]))
+        curvature = dot(direction, response[nodes])
         if not curvature > 0:
             return None
         pressure = iterate.pressure_field().reshape(-1)
@@ -426,9 +426,9 @@ class ActiveSet:
         overlap = (system.approach - level) / problem.nodal_compliance
         entering = np.where(pressure == 0, np.maximum(overlap, 0), 0)
         entering += np.where(pressure >= hardness, np.minimum(overlap, 0), 0)
-        change = float(np.dot(direction, overlap[nodes])) / curvature
-        hidden = float(np.dot(np.abs(response), np.abs(entering))) / curvature
-        error = (abs(change) + hidden) * float(np.linalg.norm(direction) / np.linalg.norm(iterate.pressure))
+        change = dot(direction, overlap[nodes]) / curvature
+        hidden = dot(np.abs(response), np.abs(entering)) / curvature
+        error = (abs(change) + hidden) * norm(direction) / norm(iterate.pressure)
         if error <= 0.5 * self._rule.tolerance:  # both errors add up
             return None
         pressure += entering

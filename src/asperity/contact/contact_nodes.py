@@ -86,6 +86,11 @@ def dot(a: Any, b: Any) -> float:
     return total
 
 
+def norm(a: Array) -> float:
+    """√(Σ a²), of the same rounding for every number of threads, unlike `numpy.linalg.norm`."""
+    return math.sqrt(dot(a, a))
+
+
 @compiled
 def add_multiple(values: Any, others: Any, factor: Any) -> None:
     """Add factor × others to values."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.contact_nodes import added, dot, field_of, inserted
+from asperity.contact.contact_nodes import added, dot, field_of, inserted, norm
 from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.operators import Operators
 from asperity.contact.problem import Control, Problem
@@ -125,8 +125,8 @@ class Iterate:
         displacement = problem.response.displacement(field, field)
         if not control.fixes_load:
             pressure = values.astype(float, copy=False)
-            work = float(pressure @ (control.value - problem.height.reshape(-1)[nodes]))
-            energy = float(pressure @ displacement.reshape(-1)[nodes])
+            work = dot(pressure, control.value - problem.height.reshape(-1)[nodes])
+            energy = dot(pressure, displacement.reshape(-1)[nodes])
             largest = float(values.max(initial=0))
             if work > 0 and energy > 0 and largest < problem.hardness:
                 factor = work / energy
@@ -475,29 +475,29 @@ def _error(
     - The gap is known only to its rounding error, which corresponds to a pressure.
     """
     problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads
-    norm = math.sqrt(sum_parts(dot, threads, iterate.pressure, iterate.pressure))
+    of_pressure = math.sqrt(sum_parts(dot, threads, iterate.pressure, iterate.pressure))
     shift = 0.0
     if system.has_free_approach:
         shift = sum_parts(added, threads, system.preconditioned) / operators.uniform_sum
     corrected = sum_parts(_projected_square, threads, system.preconditioned, operators.uniform, shift)
     penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0)
     penetration /= problem.own_compliance
-    error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
+    error = math.hypot(math.sqrt(corrected), norm(penetration))
     if inner.layer_stiffness is not None:
         fourier = problem.fourier
         overlap = field_of(problem.grid.shape, operators.nodes, system.residual.astype(fourier.real))
         coefficients = (fourier.forward(overlap) * inner.layer_stiffness).astype(fourier.complex)
         pressure = fourier.inverse(coefficients, overwrite=True).take(operators.nodes)
         pressure -= pressure.mean() if system.fixed_load else 0
-        error = max(error, float(np.linalg.norm(pressure)))
+        error = max(error, norm(pressure))
     # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
     uncertain = max(operators.nodes.size - system.fixed_load, 0)
     of_level = ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(iterate.largest)))
     rounding = of_level / problem.nodal_compliance * inner.nodal_stiffness * math.sqrt(uncertain)
     error = max(error, rounding)
-    if not norm > 0:
+    if not of_pressure > 0:
         return (0.0 if error == 0 else math.inf), 0.0
-    return error / norm, rounding / norm
+    return error / of_pressure, rounding / of_pressure
 
 
 @compiled

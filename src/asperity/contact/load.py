@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.contact.contact_nodes import dot, norm
 from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.iterate import ContactSystem, Iterate, OverlapOfHeld
 from asperity.contact.problem import Units
@@ -97,7 +98,7 @@ def tangent(moving: Array, grid: Grid, solid: Solids, boundary: str) -> Tangent 
     level = response.displacement(pressure).reshape(-1)[nodes] / response.nodal_compliance
     residual, before, previous = level.mean() - level, np.zeros(nodes.size), math.inf
     for solves in range(MAX_TANGENT_SOLVES + 1):
-        error = float(np.linalg.norm(residual) / np.linalg.norm(own))
+        error = norm(residual) / norm(own)
         if error <= TANGENT_RESIDUAL:
             break
         if solves == MAX_TANGENT_SOLVES:
@@ -108,12 +109,12 @@ def tangent(moving: Array, grid: Grid, solid: Solids, boundary: str) -> Tangent 
         system = System(operators, scaled, operators.precondition(scaled), fixed_load=True)
         correction = inner.solve(system, max_iterations=MAX_TANGENT_ITERATIONS).pressure * scale
         correction -= correction.mean()
-        ratio = max(float(correction @ (residual - before)) / previous, 0.0)
+        ratio = max(dot(correction, residual - before) / previous, 0.0)
         direction.reshape(-1)[nodes] = correction + ratio * direction.reshape(-1)[nodes]
         along = direction.reshape(-1)[nodes]
         level = response.displacement(direction).reshape(-1)[nodes] / response.nodal_compliance
-        length = float(residual @ along) / float(along @ level)
-        before, previous = residual, float(correction @ residual)
+        length = dot(residual, along) / dot(along, level)
+        before, previous = residual, dot(correction, residual)
         own[nodes] += length * along
         residual = residual - length * (level - level.mean())
     own *= grid.size / own.sum()

@@ -31,6 +31,7 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
+from asperity.contact.contact_nodes import dot
 from asperity.contact.solution import Contact
 from asperity.contact.solve import solve_contact
 from asperity.core.arguments import magnitude, number, whole_number
@@ -99,8 +100,9 @@ class PartialSlip:
         contact = self.contact
         normal = contact.displacement - contact.solid.uniform_compliance() * contact.mean_pressure
         along, _ = _displaced(contact, contact.pressure, self.sliding_direction)
-        energy = np.vdot(contact.pressure, normal)
-        return float(np.vdot(contact.pressure, along) / energy) if energy else float("nan")
+        pressure = contact.pressure.ravel()
+        energy = dot(pressure, normal.ravel())
+        return dot(pressure, along.ravel()) / energy if energy else float("nan")
 
     @property
     def _uniform(self) -> float:

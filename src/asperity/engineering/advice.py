@@ -12,7 +12,6 @@ from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.engineering.answer import LIMITS, Answer, limit_of
 from asperity.engineering.body_stress import BodyAnswer
-from asperity.engineering.case import same_material
 from asperity.engineering.press import suggested_hardness
 from asperity.engineering.question import HARDNESS_OVER_YIELD, RESOLUTION_CHANGE, Advice, per_cent
 from asperity.settings.load import Hertz
@@ -99,7 +98,7 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
     of_questions = [each for question in answer.case.questions.values() for each in question.advice(answer)]
     made: dict[str, Advice] = {}
     bodies = list(answer.case.bodies.values())
-    alike = same_material(bodies[0], bodies[-1]) and not bodies[0].coating
+    alike = bodies[0].is_like(bodies[-1]) and not bodies[0].coating
     for warns, key, values in found:
         text, known = texts[key], {"answer": answer, "numbers": answer.numbers, **values}
         words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import groupby
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -18,15 +18,16 @@ from asperity.core.markup import picture, table
 from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
-from asperity.engineering.case import Case
 from asperity.engineering.contact_numbers import ContactNumbers, gap_of
 from asperity.engineering.continuum import HalfGrid
 from asperity.engineering.face import RoughFace
 from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
-from asperity.settings.body import Body
 from asperity.settings.load import UNITS, Hertz
 from asperity.stress.peaks.selection import has_percentile, select_peaks
 from asperity.surface.treatment.treatment import TreatedMap
+
+if TYPE_CHECKING:
+    from asperity.engineering.case import Case
 
 EXTREME_WORDS = {
     "largest_shear": "largest shear stress (Tresca)",
@@ -263,7 +264,7 @@ def case_in_words(case: Case) -> str:
     value = shown_si(load.value, UNITS[load.kind])
     if load.kind == "area_fraction":
         kind, value = "real contact area", f"{100 * load.value:.4g} %"
-    upper = "a rigid body" if case.counter_body is None else _material(case.counter_body)
+    upper = "a rigid body" if case.counter_body is None else case.counter_body.in_words
     direction = case.sliding_direction
     along = direction if isinstance(direction, str) else f"{direction:g}° from x"
     sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""
@@ -272,27 +273,7 @@ def case_in_words(case: Case) -> str:
         if slip.tangential_displacement is not None:
             moved = "tangential displacement " + shown_si(slip.tangential_displacement, "m")
         sliding = f", {moved} along {along} with friction {case.friction:g}"
-    return f"{_material(case.body)} against {upper}, {kind} imposed: {value}{sliding}"
-
-
-def body_title(case: Case, name: str) -> str:
-    """Heading of the numbers of one body."""
-    if case.counter_body is None:
-        return "stress in the elastic body"
-    if len(case.different_bodies) == 1:
-        return "stress in both bodies"
-    return f"stress in the {name} body ({_material(case.bodies[name])})"
-
-
-def _material(body: Body) -> str:
-    layer = ""
-    if body.layer is not None:
-        layer = f", {shown_si(body.layer.height, 'm')} thick, {body.layer.bottom} bottom"
-    if (coating := body.coating) is not None:
-        young, poisson = shown_si(coating.young, "Pa"), coating.poisson
-        layer = f" under {shown_si(coating.thickness, 'm')} of E = {young}, ν = {poisson:g}"
-    name = f"{body.material}: " if body.material else ""
-    return f"{name}E = {shown_si(body.young, 'Pa')}, ν = {body.poisson:g}{layer}"
+    return f"{case.body.in_words} against {upper}, {kind} imposed: {value}{sliding}"
 
 
 def _hertz_rows(case: Case) -> Iterator[Row]:
@@ -338,7 +319,7 @@ def _plastic_rows(contact: Contact, is_given: bool, rms_gradient: float) -> Iter
 
 
 def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
-    group, body = body_title(answer.case, name_of_body), answer.bodies[name_of_body]
+    group, body = answer.case.stress_title(name_of_body), answer.bodies[name_of_body]
     coating = body.body.coating
 
     def row(name: str, value: float, unit: str = "Pa", shown: str = "", error: float = np.nan) -> Row:

@@ -31,15 +31,12 @@ from asperity.engineering.questions.sample import SampleOfMaps
 from asperity.engineering.questions.sliding import Sliding
 from asperity.engineering.questions.yielding import Yielding
 from asperity.settings.body import Body
-from asperity.settings.load import UNITS, Hertz, Load
+from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import own_materials
 from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, setting
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.planes.fields import FIELDS
-
-LARGEST_LOAD = 1e6
-"""Largest mean pressure over the effective modulus, and approach over the edge of the map."""
 
 PRESSED = ("young", "poisson", "hardness", "coating", "layer", "map")
 """Settings of a body on which its contact depends."""
@@ -207,8 +204,16 @@ class Case(Settings):
         Equal bodies have the same stress without friction and without moving faces.
         """
         moves = self.friction or (self.cycles is not None and self.cycles.shifts is not None)
-        alike = self.counter_body is not None and same_material(self.body, self.counter_body)
+        alike = self.counter_body is not None and self.body.is_like(self.counter_body)
         return {"lower": self.body} if alike and not moves else self.bodies
+
+    def stress_title(self, body: str) -> str:
+        """Heading of the stress of one body."""
+        if self.counter_body is None:
+            return "stress in the elastic body"
+        if len(self.different_bodies) == 1:
+            return "stress in both bodies"
+        return f"stress in the {body} body ({self.bodies[body].in_words})"
 
     @property
     def friction(self) -> float:
@@ -313,11 +318,6 @@ def solid_of(body: Body) -> Solid:
     if body.coating is None:
         return base
     return Solid(body.coating.young, body.coating.poisson, body.coating.thickness, base=base)
-
-
-def same_material(body: Body, other: Body) -> bool:
-    """True if two bodies have the same constants, coating and layer."""
-    return body.model_dump(exclude={"map", "material"}) == other.model_dump(exclude={"map", "material"})
 
 
 def is_question(kind: Any) -> bool:

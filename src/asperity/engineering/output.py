@@ -23,8 +23,8 @@ from markupsafe import Markup
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.answer import REPEATS, Answer, body_title, case_in_words, without_repeats
-from asperity.engineering.case import Case, same_material, solid_of
+from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.case import Case, solid_of
 from asperity.engineering.case_file import case_text
 from asperity.engineering.contact_numbers import certificate_in_words
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
@@ -143,7 +143,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
 
     groups: dict[str, list[tuple[Picture, str]]] = {}
     bodies = list(answer.case.different_bodies.values())
-    same = len(bodies) > 1 and same_material(*bodies)
+    same = len(bodies) > 1 and bodies[0].is_like(bodies[1])
     for picture in pictures(answer):
         path = folder / f"{picture.name}.png"
         # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
@@ -151,7 +151,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         canvas.print_png(path, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
         if same and picture.body == "upper" and "cycles" not in picture.name:  # like the lower body's
             continue
-        title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
+        title = answer.case.stress_title(picture.body) if picture.body and len(answer.bodies) > 1 else ""
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
     versions = {"asperity": __version__, "Python": platform.python_version()}
     versions |= {package: version(package) for package in PACKAGES if find_spec(package)}

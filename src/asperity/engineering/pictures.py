@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.units import shown_si
-from asperity.engineering.answer import Answer, body_title
 from asperity.engineering.body_stress import CloseUp
 from asperity.engineering.question import Picture
 from asperity.fourier.grid import Grid
@@ -24,6 +23,8 @@ from asperity.views.style import plain_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from asperity.engineering.answer import Answer
 
 
 MAPS = {
@@ -79,7 +80,7 @@ def map_of_contact(answer: Answer, name: str, values: Any, look: Look, caption: 
 
 def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterator[Picture]:
     """Pictures of one field of the stress in one body."""
-    end = f"; {body_title(answer.case, body)}."
+    end = f"; {answer.case.stress_title(body)}."
     level = answer.case.bodies[body].yield_stress if field == "von_mises" else None
     if level is not None:
         below = "" if answer.case.bodies[body].coating is None else " below the coating"

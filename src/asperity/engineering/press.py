@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,11 +10,13 @@ from asperity.contact import Contact, solve_contact
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
-from asperity.engineering.case import LARGEST_LOAD, Case
 from asperity.engineering.question import HARDNESS_OVER_YIELD
-from asperity.settings.load import Hertz
+from asperity.settings.load import LARGEST_LOAD, Hertz
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
+
+if TYPE_CHECKING:
+    from asperity.engineering.case import Case
 
 SMALLEST_APPROACH = 1e-7
 """Least approach over the range of heights; their rounding is 1e-16 of it."""

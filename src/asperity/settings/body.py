@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from pydantic import PrivateAttr, model_validator
 
+from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
 from asperity.settings.materials import material
 from asperity.settings.model import ContradictionError, Number, Settings, setting
@@ -146,3 +147,19 @@ class Body(OfMaterial):
         if self.residual_stress is not None and self.fatigue_torsion is None:
             raise ContradictionError(("residual_stress", ": needs fatigue_torsion and fatigue_bending"))
         return self
+
+    @property
+    def in_words(self) -> str:
+        """Material, elastic constants, and coating or layer."""
+        layer = ""
+        if self.layer is not None:
+            layer = f", {shown_si(self.layer.height, 'm')} thick, {self.layer.bottom} bottom"
+        if (coating := self.coating) is not None:
+            young, poisson = shown_si(coating.young, "Pa"), coating.poisson
+            layer = f" under {shown_si(coating.thickness, 'm')} of E = {young}, ν = {poisson:g}"
+        name = f"{self.material}: " if self.material else ""
+        return f"{name}E = {shown_si(self.young, 'Pa')}, ν = {self.poisson:g}{layer}"
+
+    def is_like(self, other: "Body") -> bool:
+        """True if another body has the same constants, coating and layer."""
+        return self.model_dump(exclude={"map", "material"}) == other.model_dump(exclude={"map", "material"})

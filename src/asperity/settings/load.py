@@ -30,6 +30,9 @@ from asperity.settings.quantities import Length, Pressure, Radius
 UNITS = {"mean_pressure": "Pa", "hertz_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
 """Quantity that may be imposed → its unit."""
 
+LARGEST_LOAD = 1e6
+"""Largest mean pressure over the effective modulus, and approach over the edge of the map."""
+
 
 class OneLoad(Settings):
     """A load that one quantity imposes."""

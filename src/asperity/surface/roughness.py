@@ -74,15 +74,16 @@ def varying_heights(height: ArrayLike) -> Array:
 
 def moments(values: Array, weights: Array) -> tuple[float, float, float]:
     """Variance, skewness and kurtosis of weighted values; the last two are NaN if all values are equal."""
-    centred = values - weights @ values
+    # Sums, not scalar products, whose rounding depends on the number of threads.
+    centred = values - np.sum(weights * values)
     power = centred * centred
-    variance = weights @ power
+    variance = np.sum(weights * power)
     if variance == 0:
         return 0.0, float("nan"), float("nan")
     power *= centred
-    third = weights @ power
+    third = np.sum(weights * power)
     power *= centred
-    return variance, third / variance**1.5, (weights @ power) / variance**2
+    return variance, third / variance**1.5, np.sum(weights * power) / variance**2
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ STAGES = {
     "plot": ("surface", "contact", "stress"),
     "section": ("contact",),
     "to_vtk": ("surface", "contact"),
-    "peaks": ("stress",),
+    "select_peaks": ("stress",),
 }
 """Method → stages whose results it takes."""
 
@@ -36,9 +36,9 @@ class ResultAccessor:
     >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact)
     >>> stress.asperity
-    <result of stage stress: plot(), peaks()>
+    <result of stage stress: plot(), select_peaks()>
     >>> figure = stress.asperity.plot("von_mises")
-    >>> int(stress.asperity.peaks("von_mises").sizes["peak"]) > 10
+    >>> int(stress.asperity.select_peaks("von_mises").sizes["peak"]) > 10
     True
     >>> contact.to_dataset().asperity.section(depths=[0.0, 0.02]).sizes["depth"]
     2
@@ -137,7 +137,7 @@ class ResultAccessor:
         ValueError
             If the dataset is no result of a stress analysis, or lacks the quantity.
         """
-        self._needed("peaks")
+        self._needed("select_peaks")
         from asperity.stress.peaks.selection import select_peaks
 
         return select_peaks(self._dataset, quantity, poisson, selection)

@@ -365,8 +365,6 @@ def axis_of(cycles: xr.Dataset) -> str:
 
 def _title(case: Case, body: str) -> str:
     """Heading of the cycles of one body."""
-    from asperity.engineering.answer import body_title
-
     asked, along = case.cycles or Cycles(), case.sliding_direction
     along, shifts = along if isinstance(along, str) else f"{along:g}° from x", asked.shifts
     if shifts is not None and case.hertz_contact is not None:
@@ -374,7 +372,7 @@ def _title(case: Case, body: str) -> str:
         return f"cycles of the {body} body on its way along {along} through the Hertz contact, {rolling}"
     if shifts is not None:
         return f"cycles of the {body} body as the faces move along {along}, {shifts} shifts"
-    of = body_title(case, body).removeprefix("stress in ").removeprefix("both bodies")
+    of = case.stress_title(body).removeprefix("stress in ").removeprefix("both bodies")
     place = of or "either body"
     if case.bodies[body].coating is not None:
         place += ", below the coating,"

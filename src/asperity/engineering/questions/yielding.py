@@ -98,11 +98,9 @@ class Yielding(Question):
 
     def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
         """Volume, depths and peaks above yield."""
-        from asperity.engineering.answer import body_title
-
         part, group, limit = (
             answer.bodies[body],
-            body_title(answer.case, body),
+            answer.case.stress_title(body),
             answer.case.bodies[body].yield_stress,
         )
         if limit is None:
@@ -139,10 +137,8 @@ class Yielding(Question):
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Stress above yield, of coating and base of each body."""
-        from asperity.engineering.case import same_material
-
         shown, bodies = answer.case.different_bodies, list(answer.case.bodies.values())
-        alike = same_material(bodies[0], bodies[-1])
+        alike = bodies[0].is_like(bodies[-1])
         for name in [*shown][: 1 if alike else None]:
             where = f" of the {name} body" if len(shown) > 1 else ""
             found: Yielded | None = answer.of(self).get(name)
