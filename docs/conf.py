@@ -124,11 +124,11 @@ def link_names(
     """A name between single backquotes of a docstring links to its page if it is public, and else is code."""
     if node.get("reftype") != "obj" or not node["refdoc"].startswith("api"):
         return None
-    name = str(node["reftarget"]).rpartition(".")[2]
-    if name not in asperity.__all__:
+    name = numpydoc_xref_aliases.get(str(node["reftarget"]).rpartition(".")[2])
+    if name is None:
         return shown
     page, python = node["refdoc"], env.get_domain("py")
-    return python.resolve_xref(env, page, app.builder, "obj", f"asperity.{name}", node, shown)
+    return python.resolve_xref(env, page, app.builder, "obj", name, node, shown)
 
 
 class Commands(Directive):

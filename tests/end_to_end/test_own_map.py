@@ -135,7 +135,7 @@ EFFECTS = {
     "hertz_roller": lambda answer: answer.case.cell_pressure == pytest.approx(1.2e9 * 0.96**0.5),
     "instrument": lambda answer: answer.face.treatment.spikes > 0,
     "layer": lambda answer: answer.bodies["lower"].layer.height == pytest.approx(3e-6),
-    "leak": lambda answer: answer.found["leak"].flow is not None,
+    "leak": None,  # test_interface_answer.py
     "load_curve": lambda answer: len(answer.found["load_curve"].frame()) == 3,
     "moving_faces": lambda answer: {*answer.found["cycles"]} == {"lower", "upper"},
     "partial_slip": question("partial_slip"),
