@@ -39,6 +39,7 @@ CASES = {
             "map": {"file": "b.x3p", "turned_about": "x", "shift": ["10 um", "-4 um"], "detrend": "none"},
         },
     },
+    "rigid": {"counter_body": {"map": {"file": "b.x3p"}}},
     "conduction": {
         "body": STEEL | {"conductivity": 50, "resistivity": 1e-7},
         "counter_body": STEEL | {"conductivity": 200, "resistivity": 3e-8},
@@ -77,6 +78,14 @@ def test_written_case_is_read_as_the_same(name, tmp_path, monkeypatch):
         surface |= {"file": Path(surface["file"]).name} if surface else {}
     assert Case.read(content) == case
     assert again.questions.keys() == case.questions.keys()
+
+
+def test_counter_body_of_which_only_the_map_is_given_is_rigid():
+    case = Case.read(PLAIN | {"counter_body": {"map": {"file": "b.x3p"}}})
+    assert list(case.bodies) == ["lower"]
+    assert isinstance(case.solid, asp.Solid)
+    with pytest.raises(SettingsError, match=r"counter_body\.young: missing"):
+        Case.read(PLAIN | {"counter_body": {"map": {"file": "b.x3p"}, "hardness": "7 GPa"}})
 
 
 def test_numbers_of_python_are_written_with_units(tmp_path):

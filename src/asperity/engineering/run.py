@@ -70,6 +70,7 @@ def run(
     """
     if isinstance(map, Case):
         return answer_of(map, progress=progress)
+    groups = {name: group for name, group in groups.items() if group is not None}
     imposed = {name: groups.pop(name) for name in UNITS if name in groups}
     groups |= {"load": imposed} if imposed or "load" not in groups else {}
     groups |= {"counter_body": counter_body} if counter_body is not None else {}
