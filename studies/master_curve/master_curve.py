@@ -23,13 +23,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity import autocorrelation
 from asperity.core.markup import with_error
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, gradient
 from asperity.reference.hertz import Hertz
 from asperity.results.dataset import grid_of
 from asperity.settings.study import read_study
+from asperity.stress import autocorrelation
 from asperity.stress.statistics.covariance import half_length
 from asperity.study.small_studies import computed_once, rendered
 from asperity.study.stages.contact import press_surface

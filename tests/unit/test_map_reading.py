@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 
 from asperity.cli.main import main
+from asperity.settings.model import SettingsError
 from asperity.surface.description import describe_map, map_warnings, spectrum_summary
 from asperity.surface.reading.formats import formats_table, known_formats
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
@@ -88,16 +89,16 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
 @pytest.mark.parametrize(
     ("argument", "line"),
     [
-        ({"physical_size": ("80 um", "2 s")}, "physical_size = '2 s': a number with a unit of length"),
+        ({"physical_size": ("80 um", "2 s")}, "physical_size.1 = '2 s': a length > 0 with its unit"),
         ({"unit": "kg"}, "unit = 'kg': a unit of length is needed (nm, um, mm, m)"),
-        ({"unit": "m m m"}, "unit = 'm m m': a unit of length is needed"),
-        ({"orientation": "up"}, "orientation = 'up': one of peaks up, lower face is needed"),
+        ({"unit": "m m m"}, "unit = 'm m m': a unit of length such as nm"),
+        ({"orientation": "up"}, "orientation = 'up': peaks up or lower face is needed"),
         ({"format": "jpeg"}, "format = 'jpeg': one of"),
         ({"format": "npy"}, "not a height map that can be read"),
     ],
 )
 def test_a_wrong_option_of_a_file_is_refused(argument, line):
-    with pytest.raises(MapError, match=re.escape(line)):
+    with pytest.raises((MapError, SettingsError), match=re.escape(line)):
         read_map(DATA / "steel.asc", **argument)
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from samples import refuses
 
-from asperity.engineering.face import CounterMap, read_face
+from asperity.engineering.face import read_face
 from asperity.fourier.grid import Fourier, Grid
 from asperity.results.dataset import grid_of, read, write
+from asperity.settings.map import CounterMap, Map
 from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.reading.map_file import read_map
@@ -112,7 +113,7 @@ def test_periodic_maps_face_to_face_keep_their_waves():
     waves = self_affine((32, 32), 0.8, 0.5, 0.1, rms_height=1e-7, seed=1)
     surface = HeightMap(waves, (1e-4, 1e-4), periodic=True, unit="m")
     flat = HeightMap(waves[::-1], (1e-4, 1e-4), periodic=True, unit="m")
-    face = read_face(surface, MapOptions(), CounterMap(flat)).face
+    face = read_face(Map(file=surface), CounterMap(file=flat)).face
     np.testing.assert_allclose(face.height, -waves - waves[::-1, ::-1], atol=1e-20)
 
 
@@ -191,19 +192,19 @@ def treated(**changes):
 
 
 test_wrong_option_is_refused = refuses(
-    (lambda: made(detrend="slope"), "detrend = 'slope': one of none, tilt, curvature is needed"),
+    (lambda: made(detrend="slope"), "detrend = 'slope': none or tilt or curvature is needed"),
     (lambda: made(periodic="none"), "periodic = 'none': one of declared, mirrored, windowed is needed"),
     (lambda: made(periodic=None), ".*set it to declared, mirrored or windowed"),
     (lambda: made(wavelength_short=0.01), r"wavelength_short = 0\.01: a number ≥ 0\.0625"),
     (lambda: made(wavelength_short="8 um"), "unit: the file does not say the unit"),
-    (lambda: made(points=1), "points = 1: a whole number from 2 to 65536"),
+    (lambda: made(points=1), "points = 1: a whole number ≥ 2 and ≤ 65536"),
     (lambda: made(points=65, periodic="mirrored"), "points = 65: an even number ≥ 4 is needed on the cell o"),
     (lambda: made(despike=1.0), r"despike = 1\.0: a number ≥ 3"),
     (
         lambda: treat_map(HeightMap(rough(), (1.0, 1.0), periodic=True), detrend="tilt"),
         "detrend = 'tilt': the file states that the map is one period, which has no trend; leave it out, ",
     ),
-    (lambda: treated(radius="1 kg"), "radius = '1 kg': a number with a unit of length"),
+    (lambda: treated(radius="1 kg"), "radius = '1 kg': a length > 0 with its unit"),
     (lambda: treated(wavelength_short=1e-6), r"wavelength_short = 1 µm: a number ≥ 8 µm \(two nodes\), ≤ 51"),
     (lambda: HeightMap(np.ones((1, 8)), (1.0, 1.0)), r"height has the shape \(1, 8\): at least 2 x 2 points"),
     (lambda: make_periodic(HeightMap(np.ones((8, 8)), (1.0, 1.0)), **PLAIN), ".*a surface that varies is ne"),

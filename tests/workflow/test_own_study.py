@@ -224,7 +224,8 @@ def test_snakemake_alone_plans_the_study(project, tmp_path):
         found = subprocess.run(command, cwd=project, env=given, capture_output=True, text=True)
         return found.returncode, found.stdout + found.stderr
 
-    assert alone("--lint")[0] == 0
+    code, said = alone("--lint")
+    assert code == 0, said
     code, said = alone("--profile", "profiles/slurm", "--dry-run")
     assert (code, said.splitlines()[-1].split("; ")[-1]) == (1, 'install with: pip install "asperity[slurm]"')
     code, said = alone("--dry-run", "--configfile", "config/quick.yaml")

@@ -1,5 +1,9 @@
 """Result files: NetCDF datasets with names, units, descriptions and fingerprints."""
 
-import lazy_loader
+from importlib.util import find_spec
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+# A study is planned where only Snakemake is installed: without lazy_loader there are no public names.
+if find_spec("lazy_loader"):
+    import lazy_loader
+
+    __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

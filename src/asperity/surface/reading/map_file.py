@@ -87,6 +87,8 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
     ------
     ImportError
         If SurfaceTopography is not installed, for files of instruments.
+    SettingsError
+        If an option is unknown or out of range.
     MapError
         If the file is not a rectangular height map, if it does not contain what is needed and no option
         gives it, or if it unpacks to more than `max_memory`. The message names all of this at once.
