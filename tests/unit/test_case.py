@@ -5,6 +5,7 @@ import sys
 from importlib.resources import files
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 import yaml
@@ -119,6 +120,11 @@ def test_template_is_a_case_whose_keys_are_explained(name):
     comments = [line for line in template(name).splitlines() if line.lstrip().startswith("#")]
     assert len(comments) > 10
     assert max(map(len, comments)) <= 110
+
+
+@pytest.mark.parametrize("name", templates())
+def test_template_fulfils_the_json_schema(name):
+    jsonschema.Draft202012Validator(described(Case)).validate(yaml.safe_load(template(name)))
 
 
 def test_every_setting_is_explained():

@@ -1,19 +1,26 @@
 """Settings of an elastic body: its material, and what covers it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
-from pydantic import PrivateAttr, model_validator
+from pydantic import ConfigDict, PrivateAttr, model_validator
 
 from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
 from asperity.settings.materials import material
-from asperity.settings.model import ContradictionError, Number, Settings, setting
+from asperity.settings.model import Number, Settings, setting
 from asperity.settings.quantities import Hardness, Length, Pressure, Stress
+
+
+def _filled_by_material(schema: dict[str, Any]) -> None:
+    """Take the constants of a material from the keys that a file has to have."""
+    schema["required"] = [name for name in schema["required"] if name not in ("young", "poisson")]
 
 
 class OfMaterial(Settings):
     """Settings that a material of the table fills where they are not given."""
+
+    model_config = ConfigDict(json_schema_extra=_filled_by_material)
 
     material: str | None = setting(
         None,
@@ -137,17 +144,16 @@ class Body(OfMaterial):
     """Height map of the counter body, which is rigid if nothing else is given."""
     _is_rigid: bool = PrivateAttr(False)
 
-    @model_validator(mode="after")
-    def _check(self) -> "Body":
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        """Settings of the body that exclude each other, or need others."""
         if self.coating is not None and self.layer is not None:
-            raise ContradictionError(("coating", ": not accepted together with layer"))
+            yield "coating", ": not accepted together with layer"
         if (self.fatigue_torsion is None) != (self.fatigue_bending is None):
             name, other = "fatigue_torsion", "fatigue_bending"
             name, other = (name, other) if self.fatigue_bending is None else (other, name)
-            raise ContradictionError((name, f": needs {other}"))
-        if self.residual_stress is not None and self.fatigue_torsion is None:
-            raise ContradictionError(("residual_stress", ": needs fatigue_torsion and fatigue_bending"))
-        return self
+            yield name, f": needs {other}"
+        elif self.residual_stress is not None and self.fatigue_torsion is None:
+            yield "residual_stress", ": needs fatigue_torsion and fatigue_bending"
 
     @classmethod
     def or_rigid(cls, value: Any, made: Any) -> Any:

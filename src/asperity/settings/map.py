@@ -33,7 +33,12 @@ Source = Annotated[
     Any,
     PlainValidator(_source),
     PlainSerializer(lambda source: source if isinstance(source, str) else source.name or "map"),
-    WithJsonSchema({"type": "string", "format": "path", "accepts": "the name of a file"}),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "string", "format": "path"}, {"type": "array", "items": {"type": "string"}}],
+            "accepts": "the name of a file",  # of several maps a case file has a list
+        }
+    ),
 ]
 """File of a map, or in Python a `asperity.HeightMap`."""
 
