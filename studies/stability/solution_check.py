@@ -221,7 +221,7 @@ class _PeriodicResponse:
             self._compliance[0, 0] = 0
         compliance = self._compliance
         self._stiffness = np.divide(1, compliance, out=np.zeros_like(compliance), where=compliance > 0)
-        self.stiffness_trace = float(np.sum(self._stiffness * grid.multiplicity))
+        self.stiffness_trace = float(np.sum(self._stiffness * grid.multiplicity[1]))
 
     def displacement(self, pressure: Array) -> Array:
         return np.fft.irfft2(self._compliance * np.fft.rfft2(pressure), self._grid.shape)
@@ -237,7 +237,7 @@ class _PeriodicResponse:
         return self._sum(self._compliance > 0, pressure) / self._sum(1.0, pressure)
 
     def _sum(self, factor: Any, field: Array) -> float:
-        power = np.abs(np.fft.rfft2(field)) ** 2 * self._grid.multiplicity
+        power = np.abs(np.fft.rfft2(field)) ** 2 * self._grid.multiplicity[1]
         return float(np.sum(factor * power)) / self._grid.size
 
 

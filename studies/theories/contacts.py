@@ -71,7 +71,7 @@ def elastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
 def rings_of(field: Array) -> tuple[Array, Array]:
     """Wavenumbers of the waves of a field in a cell of edge 1, and the sum of the squares of each."""
     grid = asp.Grid(field.shape)
-    squared = np.abs(Fourier(grid).forward(field)) ** 2 * grid.multiplicity
+    squared = np.abs(Fourier(grid).forward(field)) ** 2 * grid.multiplicity[1]
     power = np.bincount(np.rint((grid.wavenumber() / (2 * np.pi)) ** 2).astype(int).ravel(), squared.ravel())
     power[0] = 0
     held = power > 1e-20 * power.max()

@@ -67,7 +67,7 @@ def faces_of(grid, place, moved, data):
     for kinds, values in zip(moved, data, strict=True):
         face = {}
         for axis, kind, value in zip("xyz", kinds, values, strict=True):
-            modes = np.zeros(grid.half_shape, complex)
+            modes = np.zeros(grid.mode_shape, complex)
             modes[place] = value
             if place[1] == 0:
                 modes[-place[0], 0] = np.conj(value)

@@ -56,7 +56,7 @@ def test_rows_in_place_have_the_same_bits(engine, dtype, nodes):
     rows, columns = nodes
     fourier = fourier_of(engine, nodes, dtype)
     memory = np.zeros((1, rows, 16 * (columns // 16 + 2)), dtype)
-    coefficients = memory.view(fourier.complex)[:, :, : columns // 2 + 1]
+    coefficients = memory.view(fourier.coefficient_type)[:, :, : columns // 2 + 1]
     coefficients.real, coefficients.imag = field((2, *coefficients.shape))
     expected = np.empty((1, rows, columns), dtype)
     fourier.engine.inverse_along_x(coefficients.copy(), expected)

@@ -2,9 +2,18 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from samples import refuses
 
-from asperity.fourier.grid import Fourier, Grid, Work, gradient, mean_square, radial_average, resample
+from asperity.fourier.grid import (
+    Fourier,
+    Grid,
+    Work,
+    gradient,
+    mean_square,
+    radial_average,
+    resample,
+)
 
 pytestmark = pytest.mark.engines
 
@@ -25,7 +34,7 @@ def test_forward_is_the_explicit_sum(shape, dtype, bound):
     values = np.random.default_rng(1).normal(size=shape)
     fourier = Fourier(grid, dtype)
     coefficients = fourier.forward(values)
-    assert coefficients.dtype == fourier.complex
+    assert coefficients.dtype == fourier.coefficient_type
     np.testing.assert_allclose(coefficients, explicit_coefficients(values, grid), atol=bound)
     np.testing.assert_allclose(fourier.inverse(coefficients), values, atol=10 * bound)
     assert mean_square(coefficients, grid) == pytest.approx(np.mean(values**2), rel=bound)  # Parseval
@@ -42,6 +51,78 @@ def test_transforms_do_not_depend_on_threads(shape, dtype, threads):
     coefficients = one.forward(values)
     assert np.array_equal(coefficients, many.forward(values))
     assert np.array_equal(one.inverse(coefficients), many.inverse(coefficients))
+
+
+def cell_of_four(values, odd=(False, False)):
+    """A field and its mirror images, which change their sign along an axis on which it is odd."""
+    for axis, is_odd in enumerate(odd):
+        image = np.flip(values, axis)
+        values = np.concatenate([values, -image if is_odd else image], axis)
+    return values
+
+
+PARITIES = [(False, False), (True, False), (False, True), (True, True)]
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, (1, 1), (2, 3), (130, 257)])
+@pytest.mark.parametrize("odd", PARITIES)
+@pytest.mark.parametrize(("dtype", "bound"), [("float64", 1e-14), ("float32", 1e-6)])
+def test_mirrored_coefficients_are_those_of_the_cell_of_four(shape, odd, dtype, bound):
+    grid = Grid(shape, (2.0, 3.0), mirrored=True)
+    values = np.random.default_rng(1).normal(size=shape).astype(dtype)
+    fourier = Fourier(grid, dtype)
+    coefficients = fourier.forward(values, odd=odd)
+    whole = Grid(tuple(2 * n for n in shape), grid.period)
+    expected = Fourier(whole).forward(cell_of_four(values, odd))[: shape[0], : shape[1]]
+    # In the cell of four the first node is half a spacing from the mirror line.
+    expected = expected * np.exp(-0.5j * whole.qy[: shape[0], None] * whole.spacing[0])
+    expected = expected * np.exp(-0.5j * whole.qx[: shape[1]] * whole.spacing[1]) * 1j ** sum(odd)
+    np.testing.assert_allclose(coefficients, expected, atol=bound)
+    assert np.all(coefficients[0] == 0) or not odd[0]
+    assert np.all(coefficients[:, 0] == 0) or not odd[1]
+    if any(odd):  # the sine of two nodes, which is not stored, is nowhere 0
+        smooth = fourier.inverse(coefficients, odd=odd)
+        np.testing.assert_allclose(fourier.forward(smooth, odd=odd), coefficients, atol=bound)
+        return
+    np.testing.assert_allclose(fourier.inverse(coefficients), values, atol=10 * bound)
+    assert mean_square(coefficients, grid) == pytest.approx(np.mean(values.astype(float) ** 2), rel=bound)
+
+
+@pytest.mark.parametrize("odd", PARITIES)
+@pytest.mark.parametrize(("shape", "dtype"), [((300, 1024), "float32"), ((625, 350), "float64")])
+def test_mirrored_transforms_do_not_depend_on_threads(shape, dtype, odd):
+    grid = Grid(shape, mirrored=True)
+    values = np.random.default_rng(3).normal(size=shape)
+    one, many = Fourier(grid, dtype), Fourier(grid, dtype, threads=3)
+    coefficients = one.forward(values, odd=odd)
+    assert np.array_equal(coefficients, many.forward(values, odd=odd))
+    assert np.array_equal(one.inverse(coefficients, odd=odd), many.inverse(coefficients, odd=odd))
+
+
+@pytest.mark.parametrize("shape", [(12, 16), (7, 9), (5, 1)])
+def test_mirrored_gradient_and_spectra_are_those_of_the_cell_of_four(shape):
+    grid = Grid(shape, (1.0, 2.0), mirrored=True)
+    values = np.random.default_rng(2).normal(size=shape)
+    whole, fourier = Fourier(Grid(tuple(2 * n for n in shape), grid.period)), Fourier(grid)
+    modes, of_whole = fourier.forward(values), whole.forward(cell_of_four(values))
+    for found, expected in zip(gradient(modes, fourier), gradient(of_whole, whole), strict=True):
+        np.testing.assert_allclose(found, expected[: shape[0], : shape[1]], atol=1e-11)
+    rings, power = radial_average(np.abs(modes) ** 2, grid)
+    of_cell = dict(zip(*radial_average(np.abs(of_whole) ** 2, whole.grid), strict=True))
+    np.testing.assert_allclose(power, [of_cell[ring] for ring in rings], atol=1e-15)
+    finer = Grid((2 * shape[0] + 1, 3 * shape[1]), grid.length, mirrored=True)
+    there = resample(modes, grid, finer)
+    np.testing.assert_array_equal(resample(there, finer, grid), modes)
+    np.testing.assert_allclose(mean_square(there, finer), np.mean(values**2))
+    with pytest.raises(ValueError, match="that of the source"):
+        resample(modes, grid, Grid(shape, grid.length))
+
+
+def test_mirrored_grid_in_a_dataset_and_as_a_length():
+    grid = Grid((4, 6), (1.0, 2.0), mirrored=True)
+    assert Grid((4, 6), grid) == grid != Grid((4, 6), grid.length)
+    dataset = xr.Dataset(coords=grid.dataset_coordinates())
+    assert grid_of(dataset) == grid
 
 
 def test_gradient_of_a_wave_and_nyquist_mode():

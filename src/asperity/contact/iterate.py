@@ -486,7 +486,7 @@ def _error(
     if inner.layer_stiffness is not None:
         fourier = problem.fourier
         overlap = field_of(problem.grid.shape, operators.nodes, system.residual.astype(fourier.real))
-        coefficients = (fourier.forward(overlap) * inner.layer_stiffness).astype(fourier.complex)
+        coefficients = (fourier.forward(overlap) * inner.layer_stiffness).astype(fourier.coefficient_type)
         pressure = fourier.inverse(coefficients, overwrite=True).take(operators.nodes)
         pressure -= pressure.mean() if system.fixed_load else 0
         error = max(error, norm(pressure))

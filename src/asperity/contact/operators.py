@@ -234,7 +234,7 @@ class FarField:
 
         in_strips(fill, half.shape, response.fourier.threads)
         self._padded = np.zeros((grid.shape[0] + 1, grid.shape[1] + 1), self._fourier.real)
-        self._coefficients = np.empty(grid.half_shape, self._fourier.complex)
+        self._coefficients = np.empty(grid.mode_shape, self._fourier.coefficient_type)
 
     def indices(self, nodes: Array) -> Array:
         """Indices of nodes of the map among the coarse-grid nodes."""
@@ -455,7 +455,7 @@ class NodePreconditioner:
         residual = whole.on_coarse_grid(cell_sums * (whole.cells.size / whole.grid.size))
         y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
         fields = [field.reshape(-1) for field in (residual, z, self._sigma, direction, image, response)]
-        coefficients = np.empty(fourier.grid.half_shape, fourier.complex)
+        coefficients = np.empty(fourier.grid.mode_shape, fourier.coefficient_type)
         drop = min(whole.coarse_drop, 6.0 / max(residual.shape))
         first = previous = 0.0
         for iteration in range(MAX_COARSE_ITERATIONS):

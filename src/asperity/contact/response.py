@@ -128,7 +128,7 @@ class Response:
     def own_compliance(self) -> float:
         """Displacement of a node per unit of a pressure on it alone: none moves further under that load."""
         rows = np.bincount(np.abs(self.grid.ky))
-        return float(rows @ (self.half_compliance @ self.grid.multiplicity)) / self.grid.size
+        return float(rows @ (self.half_compliance @ self.grid.multiplicity[1])) / self.grid.size
 
     @property
     def uniform_compliance(self) -> float:
@@ -142,7 +142,7 @@ class Response:
 
     @cached_property
     def _coefficients(self) -> Array:
-        return np.empty(self.mode_grid.half_shape, self.fourier.complex)
+        return np.empty(self.mode_grid.mode_shape, self.fourier.coefficient_type)
 
     def release(self) -> None:
         """Free the working space, which the next displacement makes again."""

@@ -256,7 +256,7 @@ def _prescribed(face: str, given: Any, grid: Grid) -> tuple[Array, Array]:
     """
     if not isinstance(given, Mapping):
         raise TypeError(f"{face} = {shown(given)}: a mapping from {', '.join(PRESCRIBED)} is needed")
-    displaced, modes = np.zeros(3, bool), np.zeros((3, *grid.half_shape), complex)
+    displaced, modes = np.zeros(3, bool), np.zeros((3, *grid.mode_shape), complex)
     keys: dict[int, str] = {}
     for key, value in given.items():
         choice(f"a key of {face}", key, PRESCRIBED)
@@ -274,14 +274,14 @@ def _coefficients(name: str, value: Any, grid: Grid) -> Array:
     """Coefficients, (ny, nx // 2 + 1), of a number, a field, or the coefficients of a field."""
     fourier = Fourier(grid)
     if np.ndim(value) == 0:
-        uniform = np.zeros(grid.half_shape, complex)
+        uniform = np.zeros(grid.mode_shape, complex)
         uniform[0, 0] = number(name, value, "a finite number or a field", lambda _: True)
         return uniform
     if not np.iscomplexobj(value):
         return fourier.forward(grid.field(name, value))
     modes = np.asarray(value, complex)
-    if modes.shape != grid.half_shape:
-        raise ValueError(f"{name} has the shape {modes.shape}: {grid.half_shape} is needed for coefficients")
+    if modes.shape != grid.mode_shape:
+        raise ValueError(f"{name} has the shape {modes.shape}: {grid.mode_shape} is needed for coefficients")
     finite_array(name, np.abs(modes))
     if np.abs(fourier.forward(fourier.inverse(modes)) - modes).max() > BALANCE * np.abs(modes).max():
         raise ValueError(f"{name}: the coefficients of a real field are needed, see asperity.fourier.grid")

@@ -152,18 +152,20 @@ class PaddedFourier(Fourier):
         ny, nx = self.grid.shape[0], self.padded_grid.shape[1]
         self._rows = np.zeros((ny, nx + _UNUSED_COLUMNS), self.real)[:, :nx]
 
-    def forward(self, values: Array, out: Array | None = None) -> Array:
-        """Coefficients on the padded grid, of its `half_shape`, of a field on the grid."""
+    def forward(self, values: Array, out: Array | None = None) -> Array:  # type: ignore[override]
+        """Coefficients on the padded grid, of its `mode_shape`, of a field on the grid."""
         self.work.nodes += self._work_nodes
         nx = self.grid.shape[1]
         self._rows[:, :nx] = values
         self._rows[:, nx:] = 0
         if out is None:
-            out = np.empty(self.padded_grid.half_shape, self.complex)
+            out = np.empty(self.padded_grid.mode_shape, self.coefficient_type)
         self.engine.forward(self._rows, out, self.threads)
         return out
 
-    def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
+    def inverse(  # type: ignore[override]
+        self, coefficients: Array, out: Array | None = None, overwrite: bool = False
+    ) -> Array:
         """The part on the grid of the field with these coefficients on the padded grid."""
         self.work.nodes += self._work_nodes
         work = coefficients if overwrite else np.empty_like(coefficients)
@@ -185,7 +187,7 @@ def padded_grid(grid: Grid) -> Grid:
 def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
     """Real factors that turn the padded coefficients of a pressure into those of its displacement.
 
-    Of the `half_shape` of `padded_grid`.
+    Of the `mode_shape` of `padded_grid`.
     """
     y, x = _distances(grid)
     # The compliance is even in y and in x: a quarter of the distances is enough.

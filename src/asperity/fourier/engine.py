@@ -18,6 +18,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -179,6 +180,40 @@ class Ducc0Engine:
 
         in_parts(transform, out.shape[-2], threads, multiple=self.LINES, smallest=self.LINES)
 
+    def cosines(
+        self, values: Array, out: Array, axis: int, odd: bool, forward: bool, threads: int = 1
+    ) -> None:
+        """Transform along an axis of a mirrored field, (ny, nx), to coefficients of cosines, or back.
+
+        The coefficients of an odd field are those of sines. That of the wave k has the index k, and is 0 for
+        a sine at k = 0. `out` may be `values`.
+        """
+        import ducc0
+
+        transform = partial(
+            ducc0.fft.dst if odd else ducc0.fft.dct,
+            axes=(axis,),
+            type=2 if forward else 3,
+            inorm=2 if forward else 0,
+        )
+        is_direct = not odd and not (axis == 1 and self._is_slow(values))
+
+        def transform_some(part: slice) -> None:
+            for first in range(part.start, part.stop, self.LINES):
+                lines = slice(first, min(first + self.LINES, part.stop))
+                source, target = (field[lines] if axis == 1 else field[:, lines] for field in (values, out))
+                if is_direct:
+                    transform(source, out=target)
+                    continue
+                rows, columns = source.shape
+                room = np.empty((rows, columns + self.PADDING), source.dtype)[:, :columns]
+                lines_of = np.asarray if axis == 1 else np.transpose
+                _copy(lines_of(source), lines_of(room), left=odd and not forward)
+                transform(room, out=room)
+                _copy(lines_of(room), lines_of(target), right=odd and forward)
+
+        in_parts(transform_some, values.shape[1 - axis], threads, multiple=self.LINES, smallest=self.LINES)
+
     def _is_slow(self, field: Array) -> bool:
         """True if the distance of the rows of a field makes its transforms slow."""
         return field.dtype == np.float32 and field.strides[-2] % self.CRITICAL_STRIDE == 0
@@ -229,10 +264,27 @@ class PyfftwEngine:
         for source, target in zip(_planes(coefficients), _planes(out), strict=True):
             self._transform("c2r", source, target, target.shape[1], threads)
 
-    def _transform(
-        self, kind: str, source: Array, target: Array, length: int, threads: int, factor: Any = None
+    def cosines(
+        self, values: Array, out: Array, axis: int, odd: bool, forward: bool, threads: int = 1
     ) -> None:
-        """Transform the lines of an array, (lines, ...), after multiplication by a factor."""
+        source, target = (values, out) if axis == 1 else (values.T, out.T)
+        length = source.shape[1]
+        kind = f"FFTW_R{'O' if odd else 'E'}DFT{'10' if forward else '01'}"
+        factor = values.dtype.type(0.5 / length) if forward else None
+        self._transform(kind, source, target, length, threads, factor, odd and not forward, odd and forward)
+
+    def _transform(
+        self,
+        kind: str,
+        source: Array,
+        target: Array,
+        length: int,
+        threads: int,
+        factor: Any = None,
+        left: bool = False,
+        right: bool = False,
+    ) -> None:
+        """Transform the lines of an array, (lines, ...), after multiplication by a factor; as `_copy`."""
         precision = source.real.dtype.name
         key = f"{kind} {length} {precision}"
 
@@ -244,11 +296,11 @@ class PyfftwEngine:
             for start in range(part.start, part.stop, self.LINES):
                 lines = slice(start, min(start + self.LINES, part.stop))
                 count = lines.stop - start
-                before[:count] = source[lines]
+                _copy(source[lines], before[:count], left=left)
                 if factor is not None:
                     before[:count] *= factor
                 execute()
-                target[lines] = after[:count]
+                _copy(after[:count], target[lines], right=right)
 
         in_parts(transform, len(source), threads, multiple=self.LINES, smallest=4 * self.LINES)
 
@@ -266,6 +318,8 @@ class PyfftwEngine:
         whole = pyfftw.zeros_aligned((self.LINES, length), complex_type, n=64)
         before, after = {"r2c": (real, half), "c2r": (half, real)}.get(kind, (whole, whole))
         direction = "FFTW_FORWARD" if kind in ("r2c", "forward") else "FFTW_BACKWARD"
+        if kind.startswith("FFTW"):
+            before, after, direction = real, real, kind
         flags = "FFTW_MEASURE", "FFTW_DESTROY_INPUT"
         folder = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "asperity"
         path = folder / f"fftw_wisdom_{version('pyfftw')}.json"
@@ -310,6 +364,21 @@ class ScipyEngine:
         for source, target in zip(_planes(coefficients), _planes(out), strict=True):
             self._transform(scipy.fft.irfft, source, target, threads, n=target.shape[1])
 
+    def cosines(
+        self, values: Array, out: Array, axis: int, odd: bool, forward: bool, threads: int = 1
+    ) -> None:
+        source, target = (values, out) if axis == 1 else (values.T, out.T)
+        kind = ("dst" if odd else "dct") if forward else ("idst" if odd else "idct")
+        function: Callable[..., Array] = getattr(scipy.fft, kind)
+
+        def transform(lines: Array, norm: str) -> Array:
+            ready, found = np.empty_like(lines), np.empty_like(lines)
+            _copy(lines, ready, left=odd and not forward)
+            _copy(function(ready, norm=norm), found, right=odd and forward)
+            return found
+
+        self._transform(transform, source, target, threads)
+
     def _transform(
         self, function: Callable[..., Array], source: Array, target: Array, threads: int, **settings: Any
     ) -> None:
@@ -334,6 +403,16 @@ def _rows_back(coefficients: Array, out: Array, threads: int) -> None:
         nthreads=threads,
         allow_overwriting_input=True,
     )
+
+
+def _copy(source: Array, target: Array, left: bool = False, right: bool = False) -> None:
+    """Copy lines, (lines, numbers); sines without a wave k = 0 become those with one, `right`, or back."""
+    if left:
+        target[:, :-1], target[:, -1] = source[:, 1:], 0
+    elif right:
+        target[:, 1:], target[:, 0] = source[:, :-1], 0
+    else:
+        target[...] = source
 
 
 def _planes(values: Array) -> Array:

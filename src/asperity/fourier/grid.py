@@ -11,8 +11,20 @@ A periodic field ``f[y, x]`` on a grid of ``shape = (ny, nx)`` nodes over a cell
 
 so that ``f̂(0)`` is the mean of f and ``Σ_q |f̂(q)|²`` its mean square. Pairs (shape, length, spacing) are in
 array order, y before x. Fields are real, and only the coefficients with ``kx ≥ 0`` are stored, in arrays of
-shape ``(ny, nx // 2 + 1)``. A sum over all q is a sum over the stored columns weighted with
-`Grid.multiplicity`.
+shape ``(ny, nx // 2 + 1)``. A sum over all q is a sum over the stored modes weighted with
+`Grid.multiplicity`, which `Grid.sum_over_modes` computes.
+
+Mirrored maps
+-------------
+A map that is continued by its mirror images repeats after twice its edges. Its `Grid` has the nodes and the
+edges of the map alone; the mirror lines lie half a spacing beyond the outermost nodes. With distances from
+these lines a field that is even along both axes is
+
+    f(r) = Σ_q f̂(q) cos(qx x) cos(qy y),     q = π (kx / Lx, ky / Ly),     kx, ky of both signs,
+
+with real coefficients, stored for kx, ky ≥ 0 in arrays of shape ``(ny, nx)``: cosine transforms of type 2 and
+3. A derivative along an axis is odd along it, with a sine in place of the cosine and f̂ = 0 at k = 0. The wave
+of two nodes is zero at all nodes, so that there is no Nyquist mode.
 
 Nyquist rule
 ------------
@@ -46,14 +58,18 @@ if TYPE_CHECKING:
 MOST_NODES = 2**31 - 1
 """Largest number of nodes on an axis."""
 
-CELL_EDGE, CELL_NODES = "cell_edge", "cell_nodes"
-"""Attributes of a coordinate of a dataset: length of the cell along it, and number of its nodes."""
+CELL_EDGE, CELL_NODES, CELL_MIRRORED = "cell_edge", "cell_nodes", "cell_mirrored"
+"""Attributes of a coordinate of a dataset: length of the cell along it, number of its nodes, and 1 if it is
+mirrored."""
 
 OFF_NODE = 1e-3
 """Largest distance of a coordinate from its node, in spacings: coordinates may be in single precision."""
 
 ALL = slice(None)
 """All rows of an array."""
+
+EVEN = False, False
+"""Not odd along either axis."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +82,11 @@ class Grid:
         Number of nodes on each axis, even or odd, from 1 to `MOST_NODES`.
     length : float or (length_y, length_x)
         Edges of the cell, any unit of length; one number for a square cell. A grid of the same shape is
-        also accepted and gives its edges, here and in every function that takes a `length`.
+        also accepted and gives its edges and whether it is mirrored, here and in every function that takes a
+        `length`.
+    mirrored : bool
+        True for a map that is continued by its mirror images, about lines half a spacing beyond its outermost
+        nodes. `shape` and `length` are those of the map.
 
     Raises
     ------
@@ -85,6 +105,7 @@ class Grid:
 
     shape: tuple[int, int]
     length: tuple[float, float] = (1.0, 1.0)
+    mirrored: bool = False
 
     def __post_init__(self) -> None:
         accepted = f"a pair (ny, nx) of whole numbers from 1 to {MOST_NODES}"
@@ -99,6 +120,7 @@ class Grid:
         if isinstance(length, Grid):
             if length.shape != self.shape:
                 raise ValueError(f"length = {length}: a grid of shape {self.shape} is needed")
+            object.__setattr__(self, "mirrored", length.mirrored)
             length = length.length
         edges = real_array("length", length)
         if edges.shape not in ((), (1,), (2,)):
@@ -122,54 +144,77 @@ class Grid:
         return self.length[0] / self.shape[0], self.length[1] / self.shape[1]
 
     @property
+    def period(self) -> tuple[float, float]:
+        """Distances along y and x after which fields repeat: the edges, or twice those of a mirrored map."""
+        images = 2 if self.mirrored else 1
+        return images * self.length[0], images * self.length[1]
+
+    @property
+    def mode_shape(self) -> tuple[int, int]:
+        """Shape of the stored coefficients: (ny, nx // 2 + 1), or (ny, nx) of a mirrored map."""
+        return self.shape[0], self.shape[1] if self.mirrored else self.shape[1] // 2 + 1
+
+    @property
     def half_shape(self) -> tuple[int, int]:
-        """Shape of the stored coefficients, (ny, nx // 2 + 1)."""
-        return self.shape[0], self.shape[1] // 2 + 1
+        """Shape of the stored coefficients with ky ≥ 0: (ny // 2 + 1, nx // 2 + 1), or (ny, nx)."""
+        return self.shape[0] if self.mirrored else self.shape[0] // 2 + 1, self.mode_shape[1]
 
     @cached_property
     def kx(self) -> Array:
-        """Integer wavenumbers of the columns, (nx // 2 + 1,)."""
-        return np.arange(self.shape[1] // 2 + 1)
+        """Integer wavenumbers of the columns of coefficients."""
+        return np.arange(self.mode_shape[1])
 
     @cached_property
     def ky(self) -> Array:
         """Integer wavenumbers of the rows, (ny,): zero, then the positive, then the negative ones."""
-        ny = self.shape[0]
-        rows = np.arange(ny)
-        return np.where(rows <= ny // 2, rows, rows - ny)
+        rows = np.arange(self.shape[0])
+        return np.where(rows < self.half_shape[0], rows, rows - self.shape[0])
 
     @cached_property
     def qx(self) -> Array:
-        """Wavevector component along x of the columns, (nx // 2 + 1,), in radians per length."""
-        return 2 * np.pi / self.length[1] * self.kx
+        """Wavevector component along x of the columns, in radians per length."""
+        return 2 * np.pi / self.period[1] * self.kx
 
     @cached_property
     def qy(self) -> Array:
         """Wavevector component along y of the rows, (ny,), in radians per length."""
-        return 2 * np.pi / self.length[0] * self.ky
+        return 2 * np.pi / self.period[0] * self.ky
 
     @cached_property
     def odd_qx(self) -> Array:
         """`qx` with zero in the Nyquist column: for factors that are odd in qx."""
-        return np.where(2 * self.kx == self.shape[1], 0.0, self.qx)
+        return np.where(self._is_nyquist(self.kx, 1), 0.0, self.qx)
 
     @cached_property
     def odd_qy(self) -> Array:
         """`qy` with zero in the Nyquist row: for factors that are odd in qy."""
-        return np.where(2 * self.ky == self.shape[0], 0.0, self.qy)
+        return np.where(self._is_nyquist(self.ky, 0), 0.0, self.qy)
+
+    def _is_nyquist(self, wavenumbers: Array, axis: int) -> Array:
+        return (2 * wavenumbers == self.shape[axis]) & (not self.mirrored)
 
     @cached_property
-    def multiplicity(self) -> Array:
-        """Number of modes that each stored column represents, (nx // 2 + 1,): one or two."""
-        return np.where((self.kx == 0) | (2 * self.kx == self.shape[1]), 1.0, 2.0)
+    def multiplicity(self) -> tuple[Array, Array]:
+        """Numbers of modes that each stored row and each stored column represents: one or two.
+
+        A stored mode represents the product of both.
+        """
+        columns = np.where((self.kx == 0) | self._is_nyquist(self.kx, 1), 1.0, 2.0)
+        rows = np.where((self.ky == 0) | (not self.mirrored), 1.0, 2.0)
+        return rows, columns
+
+    def sum_over_modes(self, values: Array) -> float:
+        """Sum over all modes of a number of each stored mode."""
+        rows, columns = self.multiplicity
+        return float(np.sum((values @ columns) * rows))
 
     def wavenumber(self) -> Array:
-        """|q| of every stored mode, (ny, nx // 2 + 1)."""
+        """|q| of every stored mode, of `mode_shape`."""
         return self.half_wavenumber()[np.abs(self.ky)]
 
     def half_wavenumber(self, rows: slice = ALL, columns: slice = ALL) -> Array:
-        """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some rows and columns."""
-        qy, qx = self.qy[: self.shape[0] // 2 + 1, None], self.qx[None, columns]
+        """|q| of the stored modes with ky ≥ 0, of `half_shape`, or of some rows and columns."""
+        qy, qx = self.qy[: self.half_shape[0], None], self.qx[None, columns]
         out = qy[rows] ** 2 + qx**2  # neither overflows nor vanishes, see `magnitude`; faster than `np.hypot`
         return np.sqrt(out, out=out)
 
@@ -179,9 +224,12 @@ class Grid:
         return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
 
     def dataset_coordinates(self) -> dict[str, tuple[str, Array, dict[str, float]]]:
-        """Coordinates y and x of a dataset, with edge and nodes of the cell as attributes, for `grid_of`."""
+        """Coordinates y and x of a dataset, with the cell as attributes, for `grid_of`."""
         found = zip("yx", self.coordinates(), self.length, strict=True)
-        return {axis: (axis, at, {CELL_EDGE: edge, CELL_NODES: at.size}) for axis, at, edge in found}
+        symmetry: dict[str, float] = {CELL_MIRRORED: 1} if self.mirrored else {}
+        return {
+            axis: (axis, at, {CELL_EDGE: edge, CELL_NODES: at.size} | symmetry) for axis, at, edge in found
+        }
 
     def field(self, name: str, values: Any) -> Array:
         """Values of a field at the nodes as an array of finite real numbers; `name` is used in the message.
@@ -238,41 +286,61 @@ class Fourier:
 
     def __post_init__(self) -> None:
         self.real: np.dtype[Any] = real_type(self.dtype)
-        self.complex: np.dtype[Any] = np.result_type(self.real, np.complex64)
+        complex_type: np.dtype[Any] = np.result_type(self.real, np.complex64)
+        self.coefficient_type = self.real if self.grid.mirrored else complex_type
 
-    def forward(self, values: Array, out: Array | None = None) -> Array:
-        """Coefficients f̂, (ny, nx // 2 + 1), of the field ``values[y, x]``.
+    def forward(self, values: Array, out: Array | None = None, odd: tuple[bool, bool] = EVEN) -> Array:
+        """Coefficients f̂ of the field ``values[y, x]``.
 
         Parameters
         ----------
         values : (ny, nx) array
-        out : (ny, nx // 2 + 1) complex array, optional
-            Array for the result.
+        out : array, optional
+            Array for the result, of the grid's `mode_shape` and of the type `coefficient_type`.
+        odd : (bool, bool)
+            On a mirrored grid: whether the field is odd along y and along x.
         """
         self.work.nodes += self.grid.size
         values = np.asarray(values, dtype=self.real)
         _require_shape("values", values, self.grid.shape)
         if out is None:
-            out = np.empty(self.grid.half_shape, self.complex)
-        self.engine.forward(values, out, self.threads)
+            out = np.empty(self.grid.mode_shape, self.coefficient_type)
+        if self.grid.mirrored:
+            for axis, source in (1, values), (0, out):
+                self.engine.cosines(source, out, axis, odd[axis], True, self.threads)
+        else:
+            self.engine.forward(values, out, self.threads)
         return out
 
-    def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
+    def inverse(
+        self,
+        coefficients: Array,
+        out: Array | None = None,
+        overwrite: bool = False,
+        odd: tuple[bool, bool] = EVEN,
+    ) -> Array:
         """Field ``f[y, x]``, (ny, nx), of its coefficients.
 
         Parameters
         ----------
-        coefficients : (ny, nx // 2 + 1) complex array
+        coefficients : array
+            Of the grid's `mode_shape`.
         out : (ny, nx) array, optional
             Array for the result.
         overwrite : bool
             True if `coefficients` may be overwritten, which saves memory.
+        odd : (bool, bool)
+            On a mirrored grid: whether the field is odd along y and along x.
         """
         self.work.nodes += self.grid.size
         if out is None:
             out = np.empty(self.grid.shape, self.real)
-        coefficients = np.asarray(coefficients, dtype=self.complex)
-        _require_shape("coefficients", coefficients, self.grid.half_shape)
+        coefficients = np.asarray(coefficients, dtype=self.coefficient_type)
+        _require_shape("coefficients", coefficients, self.grid.mode_shape)
+        if self.grid.mirrored:
+            for axis, source in (0, coefficients), (1, out):
+                self.engine.cosines(source, out, axis, odd[axis], False, self.threads)
+            return out
         work = coefficients if overwrite else np.empty_like(coefficients)
         self.engine.inverse_along_y(coefficients, work, self.threads)
         self.engine.inverse_along_x(work, out, self.threads)
@@ -303,20 +371,27 @@ def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
 
     Parameters
     ----------
-    coefficients : (ny, nx // 2 + 1) complex array
-        Coefficients on the grid `source`.
+    coefficients : array
+        Coefficients on the grid `source`, of its `mode_shape`.
     source, target : Grid
+        On another mirrored grid the outermost nodes have another distance from the mirror lines.
 
     Raises
     ------
     ValueError
         If the grids are of different cells.
     """
-    if source.length != target.length:
+    if source.length != target.length or source.mirrored != target.mirrored:
         raise ValueError(f"target of length {target.length}: that of the source, {source.length}, is needed")
     if source.shape == target.shape:
         return coefficients.copy()
-    out = np.empty(target.half_shape, coefficients.dtype)
+    out = np.empty(target.mode_shape, coefficients.dtype)
+    if source.mirrored:
+        kept = tuple(slice(min(pair)) for pair in zip(source.shape, target.shape, strict=True))
+        out[kept[0].stop :] = 0
+        out[:, kept[1].stop :] = 0
+        out[kept] = coefficients[kept]
+        return out
     rows = (min(source.shape[0], target.shape[0]) - 1) // 2
     columns = (min(source.shape[1], target.shape[1]) - 1) // 2 + 1
     out[: rows + 1, :columns] = coefficients[: rows + 1, :columns]
@@ -332,12 +407,15 @@ def mean_square(coefficients: Array, grid: Grid, weight: ArrayLike = 1.0) -> flo
     An optional `weight` multiplies the power of each stored mode: with |q|² the result is ⟨|∇f|²⟩.
     """
     power = (coefficients.real.astype(float) ** 2 + coefficients.imag.astype(float) ** 2) * weight
-    return float(np.sum(power @ grid.multiplicity))
+    return grid.sum_over_modes(power)
 
 
 def gradient(coefficients: Array, fourier: Fourier) -> tuple[Array, Array]:
     """Fields ∂f/∂y and ∂f/∂x, (ny, nx) each, by spectral differentiation with the Nyquist rule."""
     grid = fourier.grid
+    if grid.mirrored:
+        along_y, along_x = -grid.qy[:, None] * coefficients, -grid.qx * coefficients
+        return fourier.inverse(along_y, odd=(True, False)), fourier.inverse(along_x, odd=(False, True))
     slope_y = fourier.inverse(1j * grid.odd_qy[:, None] * coefficients, overwrite=True)
     slope_x = fourier.inverse(1j * grid.odd_qx[None, :] * coefficients, overwrite=True)
     return slope_y, slope_x
@@ -348,21 +426,21 @@ def radial_average(values: Array, grid: Grid) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    values : (ny, nx // 2 + 1) array
-        One real number for each stored mode.
+    values : array
+        One real number for each stored mode, of the grid's `mode_shape`.
     grid : Grid
 
     Returns
     -------
     wavenumber, average : (rings,) arrays
         Centre |q| of each ring, and the average over the modes in it. Rings are centred on the multiples of
-        the fundamental wavenumber of the longer edge and one such wavenumber wide, from the first multiple to
-        the largest |q| that the grid holds in every direction. Rings without modes are left out.
+        the fundamental wavenumber of the longer period and one such wavenumber wide, from the first multiple
+        to the largest |q| that the grid holds in every direction. Rings without modes are left out.
     """
-    width = 2 * np.pi / max(grid.length)
+    width = 2 * np.pi / max(grid.period)
     rings = int(min(grid.qx[-1], np.abs(grid.qy).max()) / width + 1e-9)
     ring = np.rint(grid.wavenumber() / width).astype(np.int64)
-    weight = np.broadcast_to(grid.multiplicity, grid.half_shape)
+    weight = np.outer(*grid.multiplicity)
     kept = ring <= rings
     count = np.bincount(ring[kept], weight[kept], minlength=rings + 1)
     total = np.bincount(ring[kept], (weight * values)[kept], minlength=rings + 1)
@@ -392,4 +470,5 @@ def grid_of(dataset: xr.Dataset) -> Grid:
                 "result cannot be analysed alone, but drawn and exported by its positions y and x"
             )
         edges.append(edge)
-    return Grid((dataset.sizes["y"], dataset.sizes["x"]), (edges[0], edges[1]))
+    mirrored = bool(dataset["y"].attrs.get(CELL_MIRRORED, 0))
+    return Grid((dataset.sizes["y"], dataset.sizes["x"]), (edges[0], edges[1]), mirrored)

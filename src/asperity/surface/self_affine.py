@@ -89,7 +89,7 @@ def self_affine(
             f"no wave of this band fits the cell {grid.length} on {grid.shape} nodes"
         )
     ky, kx, mode = ky[in_band], kx[in_band], (amplitude * deviate)[in_band]
-    coefficients = np.zeros(grid.half_shape, complex)
+    coefficients = np.zeros(grid.mode_shape, complex)
     coefficients[ky, kx] = mode
     axis = kx == 0
     coefficients[-ky[axis], 0] = mode[axis].conj()
@@ -148,5 +148,5 @@ def target_spectrum(
     """
     _require_band(grid, hurst, wavelength_long, wavelength_short)
     power = _power_law(grid.wavenumber(), hurst, wavelength_long, wavelength_short)
-    power *= rms_height**2 / np.sum(power @ grid.multiplicity)
+    power *= rms_height**2 / grid.sum_over_modes(power)
     return radial_average(grid.area * power, grid)

@@ -104,7 +104,7 @@ class Histories(CycleMaps):
         super().__init__(moving.grid, criteria)
         self._moving, self._threads = moving, threads
         fourier = Fourier(moving.grid, threads=threads)
-        largest = np.zeros(moving.grid.half_shape)
+        largest = np.zeros(moving.grid.mode_shape)
         for pressure in moving.pressures:
             if pressure is not None:
                 np.maximum(largest, np.abs(fourier.forward(pressure)), out=largest)

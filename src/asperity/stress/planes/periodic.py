@@ -114,7 +114,7 @@ class PeriodicPlanes:
 
         An odd multiple of 16: rows that are a multiple of 4096 bytes apart share the same lines of the cache.
         """
-        return 16 * (-(-grid.half_shape[1] // 8) | 1)
+        return 16 * (-(-grid.mode_shape[1] // 8) | 1)
 
     def compute(
         self,
@@ -141,7 +141,7 @@ class PeriodicPlanes:
         if grid != self._fourier.grid:
             self._use(grid)
         engine, (ny, nx) = self._fourier.engine, grid.shape
-        spectra = values.view(self._fourier.complex)[:, :, : grid.half_shape[1]]
+        spectra = values.view(self._fourier.coefficient_type)[:, :, : grid.mode_shape[1]]
         along_x = list(range(len(fields)))
         first = {field.component: number for number, field in reversed(list(enumerate(fields)))}
         is_surface = is_xz_derived = False
@@ -195,7 +195,7 @@ class PeriodicPlanes:
         starts, bands = range(0, own.columns, together), bands_of(ny)
         run_tasks([partial(transform_columns, start) for start in starts], self._threads)
         run_tasks([partial(transform_rows, band) for band in range(len(bands))], self._threads)
-        columns = len(along_y) * own.columns / grid.half_shape[1]
+        columns = len(along_y) * own.columns / grid.mode_shape[1]
         self._work.nodes += round(grid.size * (len(along_x) + columns) / 2)
 
     def _coefficients(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:

@@ -104,9 +104,9 @@ class Truncation:
         largest = magnitude
         if sliding is not None and sliding is not pressure:
             largest = np.maximum(magnitude, np.abs(sliding))
-        amplitude = _folded(largest, grid.multiplicity)
+        amplitude = _folded(largest, grid)
         magnitude *= magnitude
-        power = _folded(magnitude, grid.multiplicity)
+        power = _folded(magnitude, grid)
         self._qx, self._of_columns = grid.qx, amplitude.sum(axis=0)
         self._power = np.bincount(ring.ravel(), power.ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
@@ -139,15 +139,15 @@ class Truncation:
         """The coarsest sufficient grid at `depth`, and its bound."""
         scale, grid, bound = self.scale(depth), self._grids[0], 0.0
         if self._tolerance == 0:
-            return PlaneGrid(grid, bound, scale, grid.half_shape[1])
+            return PlaneGrid(grid, bound, scale, grid.mode_shape[1])
         allowed = self._tolerance * scale
         bounds = self.bounds(depth)
         coarsest = np.flatnonzero(bounds <= allowed)[-1]
         grid, bound = self._grids[coarsest], float(bounds[coarsest])
         if all_columns:
-            return PlaneGrid(grid, bound, scale, grid.half_shape[1])
+            return PlaneGrid(grid, bound, scale, grid.mode_shape[1])
         # The tolerance less the error of the grid allows columns to be left out of the transforms along y.
-        count = grid.half_shape[1]
+        count = grid.mode_shape[1]
         dropped = self._of_columns[:count] * _decayed(self._qx[:count] * depth)
         dropped *= self._envelope(depth)
         beyond = np.append(np.cumsum(dropped[::-1])[::-1], 0.0)
@@ -223,11 +223,14 @@ def _decayed(decay: Array) -> Array:
     return (1 + decay) * np.exp(-decay)
 
 
-def _folded(values: Array, multiplicity: Array) -> Array:
-    """Weighted sum over the modes ±ky of values of the stored modes, (ny // 2 + 1, nx // 2 + 1)."""
-    half = values.shape[0] // 2
-    out = values[: half + 1] * multiplicity
-    out[1 : values.shape[0] - half] += values[:half:-1] * multiplicity
+def _folded(values: Array, grid: Grid) -> Array:
+    """Weighted sum over the modes ±ky of values of the stored modes, of the `half_shape` of the grid."""
+    rows, columns = grid.multiplicity
+    half = grid.half_shape[0]
+    out = values[:half] * columns
+    if grid.mirrored:
+        out *= rows[:, None]
+    out[1 : values.shape[0] - half + 1] += values[: half - 1 : -1] * columns
     return out
 
 

@@ -197,10 +197,10 @@ class References:
         fourier = Fourier(grid, self._real, self._threads, self._work)
         out = field = None
         if memory is not None:
-            start = 2 * grid.half_shape[0] * grid.half_shape[1]
+            start = 2 * grid.mode_shape[0] * grid.mode_shape[1]
             field = memory[start : start + grid.size].reshape(grid.shape)
             if not self._keeps:
-                out = memory[:start].view(fourier.complex).reshape(grid.half_shape)
+                out = memory[:start].view(fourier.coefficient_type).reshape(grid.mode_shape)
         field = np.multiply(packed, self._real.type(step), out=field)
         found = grid, fourier.forward(field, out)
         if self._keeps:

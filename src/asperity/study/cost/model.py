@@ -116,7 +116,7 @@ def transform_seconds(points: int = TRANSFORM_POINTS, repetitions: int = 7) -> f
     from asperity.fourier.grid import Fourier, Grid
 
     fourier = Fourier(Grid((points, points)))
-    values, spectrum = np.ones((points, points)), np.empty(fourier.grid.half_shape, complex)
+    values, spectrum = np.ones((points, points)), np.empty(fourier.grid.mode_shape, complex)
     times = []
     for _ in range(repetitions):
         start = time.process_time()

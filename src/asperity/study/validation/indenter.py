@@ -94,7 +94,7 @@ def displacement_and_stress(
         reach = [LARGEST_DECAY * edge / (2 * np.pi * depth) if depth > 0 else np.inf for edge in grid.length]
         ny, nx = (int(min(n + 1, 2 * np.ceil(most) + 1)) for n, most in zip(grid.shape, reach, strict=True))
         modes = Grid((ny, nx), grid.length)
-        coefficients = resample(spectrum, grid, modes) * modes.multiplicity
+        coefficients = resample(spectrum, grid, modes) * modes.multiplicity[1]
         wave_y = np.exp(1j * np.outer(rows, modes.qy))
         wave_x = np.exp(1j * np.outer(x, modes.qx))
         qx, qy = modes.qx[None, :], modes.qy[:, None]
