@@ -10,6 +10,7 @@ from asperity.fourier.grid import (
     Grid,
     Work,
     gradient,
+    grid_of,
     mean_square,
     radial_average,
     resample,
