@@ -14,6 +14,7 @@ from asperity.fourier.grid import (
     mean_square,
     radial_average,
     resample,
+    with_mirror_images,
 )
 
 pytestmark = pytest.mark.engines
@@ -117,6 +118,15 @@ def test_mirrored_gradient_and_spectra_are_those_of_the_cell_of_four(shape):
     np.testing.assert_allclose(mean_square(there, finer), np.mean(values**2))
     with pytest.raises(ValueError, match="that of the source"):
         resample(modes, grid, Grid(shape, grid.length))
+
+
+def test_whole_cell_of_a_mirrored_map():
+    grid, values = Grid((2, 3), (1.0, 2.0), mirrored=True), np.arange(6.0).reshape(2, 3)
+    assert grid.whole_cell == Grid((4, 6), (2.0, 4.0))
+    np.testing.assert_array_equal(with_mirror_images(values, grid), cell_of_four(values))
+    periodic = Grid((2, 3), (1.0, 2.0))
+    assert periodic.whole_cell == periodic
+    assert with_mirror_images(values, periodic) is values
 
 
 def test_mirrored_grid_in_a_dataset_and_as_a_length():

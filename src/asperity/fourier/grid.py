@@ -150,6 +150,12 @@ class Grid:
         return images * self.length[0], images * self.length[1]
 
     @property
+    def whole_cell(self) -> Grid:
+        """Grid of a whole period: of a mirrored map and its three mirror images, as `with_mirror_images`."""
+        images = 2 if self.mirrored else 1
+        return Grid((images * self.shape[0], images * self.shape[1]), self.period)
+
+    @property
     def mode_shape(self) -> tuple[int, int]:
         """Shape of the stored coefficients: (ny, nx // 2 + 1), or (ny, nx) of a mirrored map."""
         return self.shape[0], self.shape[1] if self.mirrored else self.shape[1] // 2 + 1
@@ -399,6 +405,11 @@ def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
     out[target.shape[0] - rows :, :columns] = coefficients[source.shape[0] - rows :, :columns]
     out[:, columns:] = 0
     return out
+
+
+def with_mirror_images(values: Array, grid: Grid) -> Array:
+    """An even field on the `whole_cell` of its grid; on a grid that is not mirrored the field itself."""
+    return np.pad(values, [(0, nodes) for nodes in grid.shape], "symmetric") if grid.mirrored else values
 
 
 def mean_square(coefficients: Array, grid: Grid, weight: ArrayLike = 1.0) -> float:
