@@ -36,8 +36,8 @@ def test_numbers_are_those_of_partial_slip(fretting):
     slip = asp.contact.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
     assert found["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-5)
     assert found["tangential displacement"] == pytest.approx(slip.displacement, rel=1e-5)
-    assert found["energy lost in a cycle ± force"] == pytest.approx(slip.lost_energy / 4, rel=1e-4)
-    assert fretting.face.is_mirrored  # the cell holds four images of the map
+    assert found["energy lost in a cycle ± force"] == pytest.approx(slip.lost_energy, rel=1e-4)
+    assert fretting.face.grid.mirrored
     on_half = fretting.found["partial_slip"].on_half
     assert found["tangential displacement"] == pytest.approx(on_half.displacement, rel=0.1)
     assert any("by a factor of" in advice.text for advice in fretting.advice)
@@ -77,13 +77,10 @@ LEAK = {"leak": {"direction": "x", "viscosity": 1e-3, "pressure_difference": 1e5
 def test_percolation_is_that_of_the_map():
     """A mirrored map, whose cell repeats, has the constrictions of one image without surroundings."""
     answer = run(a_rough_map(), SOFT, mean_pressure=2e6, leak={"direction": "y"})
-    found, contact, part = values(answer, "gap"), answer.contact, answer.face.part
-    assert answer.face.is_mirrored
+    found, contact = values(answer, "gap"), answer.contact
+    assert answer.face.grid.mirrored
     assert (found["contact percolates along x"], found["gap percolates along y"]) == (0.0, 1.0)
-    grid = asp.Grid(answer.face.map_shape, answer.face.map_length)
-    alone = replace(
-        contact, gap=part(contact.gap), pressure=part(contact.pressure), grid=grid, boundary="free"
-    )
+    alone = replace(contact, grid=answer.face.map_alone().grid, boundary="free")
     for axis, width in zip("yx", asp.contact.percolation(alone).constriction, strict=True):
         assert found[f"narrowest constriction along {axis}"] == pytest.approx(width, rel=1e-12)
     assert "leakage along y" not in found
@@ -93,11 +90,8 @@ def test_percolation_is_that_of_the_map():
 def test_leak_through_a_mirrored_map(tmp_path):
     """Its edges across the flow are reservoirs, the others are sealed: as without surroundings; solver."""
     answer = run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
-    found, contact, part = values(answer, "gap"), answer.contact, answer.face.part
-    grid = asp.Grid(answer.face.map_shape, answer.face.map_length)
-    alone = replace(
-        contact, gap=part(contact.gap), pressure=part(contact.pressure), grid=grid, boundary="free"
-    )
+    found, contact = values(answer, "gap"), answer.contact
+    alone = replace(contact, grid=answer.face.map_alone().grid, boundary="free")
     flow = asp.contact.film_flow(alone, 1e-3, 1e5, "x")
     assert found["leakage along x"] == pytest.approx(flow.flow_rate, rel=1e-6)
     assert found["leakage along x"] == pytest.approx(answer.found["leak"].on_half, rel=0.5)

@@ -5,7 +5,7 @@ import pytest
 from samples import refuses
 
 from asperity.engineering.face import read_face
-from asperity.fourier.grid import Fourier, Grid
+from asperity.fourier.grid import Fourier, Grid, with_mirror_images
 from asperity.results.dataset import grid_of, read, write
 from asperity.settings.map import CounterMap, Map
 from asperity.study.stages.surface import read_surface
@@ -239,15 +239,12 @@ def test_detrending_removes_its_polynomial_and_nothing_else(ny, nx, slope, bend)
         np.testing.assert_allclose(found, detrended(own, detrend), atol=1e-12)  # rounding
 
 
-def test_a_mirrored_map_is_symmetric_and_continuous():
+def test_a_mirrored_map_has_the_grid_of_the_map():
     surface = make_periodic(HeightMap(rough(), (24.0, 32.0)), detrend="none", periodic="mirrored")
-    assert (surface.grid.shape, surface.grid.length) == ((48, 64), (0.75, 1.0))
-    whole = surface.height
-    np.testing.assert_allclose(whole, whole[::-1], atol=1e-14)  # rounding
-    np.testing.assert_allclose(whole, whole[:, ::-1], atol=1e-14)  # rounding
-    assert levelling.edge_step(whole) < 1e-10
+    assert surface.grid == Grid((24, 32), (0.375, 0.5), mirrored=True)
+    assert surface.treatment.edge_step == 0
     smooth = HeightMap(waves((24, 32)), (24.0, 32.0))
-    inside = make_periodic(smooth, detrend="none", periodic="mirrored").height[:24, :32]
+    inside = make_periodic(smooth, detrend="none", periodic="mirrored").height
     np.testing.assert_allclose(inside, (waves((24, 32)).mean() - waves((24, 32))) / 64, atol=1e-14)
 
 
@@ -255,15 +252,12 @@ def test_a_mirrored_map_is_symmetric_and_continuous():
 def test_mirror_images_have_places_on_the_map(points):
     """Also on other nodes than those of the map, to which the mirrors stand half a spacing away, too."""
     treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored", points=points)
-    y, x = np.meshgrid(*treated.grid.coordinates(), indexing="ij")
-    ny, nx = treated.map_shape
-    assert nx == (points or 64) // 2
-    spacing = np.array(treated.grid.spacing)[:, None, None]
-    rows, columns = np.rint(treated.on_map(y, x) / spacing).astype(int)
-    assert (rows.max(), columns.max()) == (ny - 1, nx - 1)
-    np.testing.assert_allclose(treated.height[rows, columns], treated.height, atol=1e-14)
-    assert treated.is_on_map(y[:ny, :nx], x[:ny, :nx]).all()
-    assert not treated.is_on_map(y[ny + 1 : -1, nx + 1 : -1], x[ny + 1 : -1, nx + 1 : -1]).any()
+    grid = treated.grid
+    assert grid.shape[1] == (points or 64) // 2
+    y, x = np.meshgrid(*grid.whole_cell.coordinates(), indexing="ij")
+    rows, columns = np.rint(grid.on_map(y, x) / np.array(grid.spacing)[:, None, None]).astype(int)
+    whole = with_mirror_images(treated.height, grid)
+    np.testing.assert_allclose(treated.height[rows, columns], whole, atol=1e-14)
 
 
 def test_short_waves_are_removed_on_any_grid():
@@ -284,7 +278,8 @@ def test_a_surface_file_keeps_its_map_record(tmp_path):
     path.write_text(header + "\n".join(" ".join(f"{v:.9f}" for v in row) for row in waves((6, 8))) + "\n")
     parameters = {"file": str(path), "detrend": "tilt", "periodic": "mirrored"}
     data = read_surface(parameters)
-    assert (grid_of(data).shape, grid_of(data).length) == ((12, 16), pytest.approx((0.75, 1.0)))
+    grid = grid_of(data)
+    assert (grid.shape, grid.length, grid.mirrored) == ((6, 8), pytest.approx((0.375, 0.5)), True)
     assert float(data["height"].std()) == pytest.approx(float(data["rms_height"]))
     assert data.attrs["wavelength_short"] == pytest.approx(2 / 12 * 0.75)
     assert data.attrs["map_cell_length"] == pytest.approx(8e-6)
@@ -292,5 +287,5 @@ def test_a_surface_file_keeps_its_map_record(tmp_path):
     write(data, tmp_path / "s.nc", "Surface", {"name": "s", "seed": 0, "surface": parameters})
     assert read(tmp_path / "s.nc").attrs["map_tilt"] == data.attrs["map_tilt"]
     found = read_map(tmp_path / "s.nc")
-    assert (found.orientation, found.unit, found.periodic) == ("lower face", None, True)
+    assert (found.orientation, found.unit, found.periodic) == ("lower face", None, False)
     np.testing.assert_array_equal(found.as_indenter(), data["height"])

@@ -133,13 +133,13 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
     if answer.pressed.hardness and answer.plastic is not None and answer.plastic.plastic_area:
         yield False, "clipped_pressure", {"size": 0.0, "meaning": PLASTIC_CONTACT}
-    edge = (max if case.map.format == PROFILE else min)(face.grid.length)
+    edge = (max if case.map.format == PROFILE else min)(face.grid.period)
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}
     if (smooth := case.hertz_contact) is not None and isinstance(case.load, Hertz):
         ends = []
         for middle, width, edge_of_map in zip(
-            case.load.at, (smooth.half_width_y, smooth.half_width_x), face.map_length, strict=True
+            case.load.at, (smooth.half_width_y, smooth.half_width_x), face.grid.length, strict=True
         ):
             if width < math.inf:
                 ends.append(middle * width + np.linspace(-0.5, 0.5, 21) * edge_of_map)
@@ -147,7 +147,7 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
                 ends.append(np.zeros(1))
         pressure = smooth.pressure(ends[0][:, None], ends[1]) / (smooth.largest_pressure * case.load.share)
         size = float(np.abs(pressure - 1).max())
-        values = {"size": size, "ratio": smooth.narrow / max(face.map_length), "width": 2 * smooth.narrow}
+        values = {"size": size, "ratio": smooth.narrow / max(face.grid.length), "width": 2 * smooth.narrow}
         yield size > NOT_SEPARATE, "scales", values
     wanted, area = case.load.value, numbers.area_fraction
     if case.load.kind == "area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
@@ -245,8 +245,7 @@ def _on_map(answer: Answer) -> Iterator[Found]:
         if share > ALTERED_SHARE:
             yield False, key, {"size": share}
     if answer.case.map.radius is None:
-        # A mirrored map has a quarter of the independent waves of its cell.
-        yield False, "sample", {"size": face.images * sampling_error(face.height, face.grid)}
+        yield False, "sample", {"size": sampling_error(face.height, face.grid)}
 
 
 def _on_neighbours(answer: Answer) -> Iterator[Found]:

@@ -192,15 +192,13 @@ class Answer:
 
     def gaps(self) -> pd.DataFrame:
         """Gap below which a share of the area of the map lies: share, gap_m."""
-        gaps = np.quantile(gap_of(self.face, self.contact), GAP_SHARES)
+        gaps = np.quantile(gap_of(self.contact), GAP_SHARES)
         return pd.DataFrame({"share": GAP_SHARES, "gap_m": gaps})
 
     def peaks(self) -> pd.DataFrame:
         """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
 
-        Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact. Positions are those on
-        the map; the peaks of its mirror images are left out. A peak on the edge of a mirrored map, between
-        two equal nodes, is listed once.
+        Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact.
         """
         tables = []
         for body in self.case.different_bodies:
@@ -208,11 +206,9 @@ class Answer:
             names = [str(name) for name in stress.variables if stress[name].dims == ("peak",)]
             table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
             table = table.rename(columns=PEAK_COLUMNS)
-            own = self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
-            table = table[own & table["quantity"].isin(("pressure", *self.case.fields))]
+            table = table[table["quantity"].isin(("pressure", *self.case.fields))]
             more = [question.peaks(self, body) for question in self.case.questions.values()]
             table = pd.concat([table, *(rows for rows in more if rows is not None)], ignore_index=True)
-            table["y_m"], table["x_m"] = self.face.on_map(table["y_m"], table["x_m"])
             tables.append(table.assign(body=body, size=table["value_Pa"].abs()))
         found = pd.concat(tables, ignore_index=True)
         order = {"body": True, "quantity": False, "size": False}

@@ -115,15 +115,15 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
         Typical width of a patch of contact, in pixels.
     """
     found: list[CloseUp] = []
-    weight = face.part(contact.pressure) / max(contact.max_pressure, 1e-300)
+    weight = contact.pressure / max(contact.max_pressure, 1e-300)
     depth = contact.plastic_depth
     if depth is not None and depth.any():  # ranks nodes at the hardness by their plastic depth
-        weight = weight + face.part(depth) / depth.max()
+        weight = weight + depth / depth.max()
     left = weight.copy()
     half = round(min(max(WIDTHS * width, FEWEST_PIXELS), MOST_PIXELS))
     while len(found) < BOXES and left.any():
         middle = np.unravel_index(left.argmax(), left.shape)
-        ends = zip(map(int, middle), face.map_shape, strict=True)
+        ends = zip(map(int, middle), face.grid.shape, strict=True)
         rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
         # The section follows the larger pressure gradient: across the lay, also of several ridges.
         y, x = (
@@ -306,9 +306,7 @@ def body_answer(
     limits = continuum_on_grids(answer.contact, answer.half, main, name, on_half)
     largest = {}
     for name_of_field, at_nodes in extremes.found.items():
-        found = _between_nodes(name_of_field, at_nodes, stress)
-        y, x = map(float, face.on_map(found.y, found.x))
-        largest[name_of_field] = found._replace(y=y, x=x)
+        largest[name_of_field] = _between_nodes(name_of_field, at_nodes, stress)
     progress(1.0, 1.0)
     body, interface = case.bodies[name], extremes.interface or None
     return BodyAnswer(body, layer, stress, limits, largest, extremes.planes, near, interface)

@@ -13,7 +13,6 @@ from asperity.contact.patches import contact_patches
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import solid_of
 from asperity.engineering.face import RoughFace
-from asperity.fourier.grid import Grid
 from asperity.results.dataset import grid_of, height_of
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
@@ -142,8 +141,8 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
         area of the spot and the ratio of its principal second moments. Numbers of a spot that spans the cell
         are for one period.
     """
-    pressure, grid = face.part(contact.pressure), Grid(face.map_shape, face.map_length)
-    periodic = face.boundary == "periodic" and not face.is_mirrored  # opposite edges of the map meet
+    pressure, grid = contact.pressure, face.grid
+    periodic = face.boundary == "periodic" and not grid.mirrored  # opposite edges of the map meet
     number, _, cells, spans = contact_patches(pressure > 0, periodic)
     node = np.flatnonzero(number)
     spot, carried = number.ravel()[node] - 1, pressure.ravel()[node].astype(float)
@@ -185,12 +184,12 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
 def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> ContactNumbers:
     """Numbers of the contact: areas, pressures, patches."""
     face = rough.face
-    pressure, load = face.part(contact.pressure), spots["load_N"]
-    node = face.grid.area / face.grid.size
+    pressure, load, nominal = contact.pressure, spots["load_N"], face.grid.area
+    node = nominal / face.grid.size
     total, inside = max(float(load.sum()), 1e-300), float(pressure[1:-1, 1:-1].sum(dtype=float)) * node
-    area, force = contact.area_fraction * face.map_area, contact.mean_pressure * face.map_area
+    area, force = contact.area_fraction * nominal, contact.mean_pressure * nominal
     largest = np.array(np.unravel_index(pressure.argmax(), pressure.shape)) * face.grid.spacing
-    roughness = roughness_parameters(face.height, face.grid.length)
+    roughness = roughness_parameters(face.height, face.grid)
     by_width, median = spots.sort_values("width_m"), 0.0
     if len(spots):  # width of a patch such that wider patches carry half of the load
         carried = by_width["load_N"].cumsum().to_numpy()
@@ -203,13 +202,13 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         largest_pressure=float(pressure.max()),
         force=force,
         approach=contact.approach - float(contact.height.min()),
-        mean_gap=float(gap_of(face, contact).mean(dtype=float)),
+        mean_gap=float(gap_of(contact).mean(dtype=float)),
         rms_height=roughness.rms_height,
         rms_gradient=roughness.rms_gradient,
         gradient_rms_contact=contact.gradient_rms_contact,
         patches=len(spots),
         contact_nodes=int(spots["nodes"].sum()),
-        nominal_area=face.map_area,
+        nominal_area=nominal,
         peak_to_valley=float(np.ptp(face.height)),
         typical_patch_width=median / max(face.grid.spacing),
         pressure_on_spike=bool((np.abs(rough.spikes - largest) <= rough.reach).all(axis=1).any()),
@@ -220,6 +219,6 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     )
 
 
-def gap_of(face: TreatedMap, contact: Contact) -> Array:
-    """Gap on the nodes of the map, 0 where there is pressure."""
-    return face.part(np.where(contact.pressure > 0, 0.0, contact.gap))
+def gap_of(contact: Contact) -> Array:
+    """Gap on the nodes, 0 where there is pressure."""
+    return np.where(contact.pressure > 0, 0.0, contact.gap)

@@ -23,7 +23,7 @@ from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import direction_cosines, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Edges, Grid, with_mirror_images
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.histories import MovingPressure
 
@@ -59,8 +59,9 @@ class MovingContact:
         Lower face of the upper body, measured upward as `asperity.solve_contact` takes it; zeros if it is
         smooth.
     solid : Solid or TwoBodies
-    length : float or (length_y, length_x)
-        Edges of the periodic cell.
+    length : float, (length_y, length_x) or Grid
+        Edges of the periodic cell. Mirrored maps, which move against the images of each other, are continued
+        to the `whole_cell` of their grid, on which the cycles are given.
     shifts : int
         Number of positions: over a whole period of the motion, or on the way through the Hertz contact.
     sliding_direction : "x", "y" or float
@@ -113,7 +114,7 @@ class MovingContact:
         lower: ArrayLike,
         upper: ArrayLike,
         solid: Solids,
-        length: float | tuple[float, float] = 1.0,
+        length: Edges = 1.0,
         *,
         shifts: int,
         sliding_direction: str | float = "x",
@@ -128,10 +129,12 @@ class MovingContact:
         rtol: float = 1e-6,
         progress: Progress | None = None,
     ) -> None:
-        self._lower, self._upper = (np.asarray(face, float) for face in (lower, upper))
-        self.grid = Grid(self._lower.shape, length)  # type: ignore[arg-type]
-        self.grid.field("lower", self._lower)
-        self.grid.field("upper", self._upper)
+        grid = Grid(np.shape(lower), length)  # type: ignore[arg-type]
+        self._lower, self._upper = (
+            with_mirror_images(grid.field(name, face), grid).astype(float)
+            for name, face in (("lower", lower), ("upper", upper))
+        )
+        self.grid = grid.whole_cell
         accepted = f"a whole number from 2 to {MAX_SHIFTS}"
         self.shifts = whole_number("shifts", shifts, accepted, lambda count: 2 <= count <= MAX_SHIFTS)
         self._layers = (

@@ -44,8 +44,8 @@ FRAMED = "framed part"
 def pictures(answer: Answer) -> Iterator[Picture]:
     """Pictures of an answer: height, contact pressure, those of the questions, and the stress in each body.
 
-    Mirror images of the map are left out. A close-up of the largest stress is beside each overview. The
-    stress is drawn in a plane and in a section through the extreme value of each field, and as its peaks.
+    A close-up of the largest stress is beside each overview. The stress is drawn in a plane and in a section
+    through the extreme value of each field, and as its peaks.
     """
     source = source_of(answer)
     for name, (look, caption) in MAPS.items():
@@ -67,11 +67,11 @@ def source_of(answer: Answer) -> Source:
 
 
 def map_of_contact(answer: Answer, name: str, values: Any, look: Look, caption: str) -> Picture:
-    """Picture of a field on the nodes of the cell, with a close-up near the largest stress."""
+    """Picture of a field on the nodes of the map, with a close-up near the largest stress."""
     source, field = source_of(answer), answer.case.fields[0]
     source = replace(source, fields=source.fields | {name: values})
     near = _close_up(answer, "lower", field)
-    maps = [map_of(source, name, whole_map(answer, source.grid))]
+    maps = [map_of(source, name, whole_map(source.grid))]
     if near is not None:
         maps.append(map_of(source, name, near.part, FRAMED))
         caption += f"; on the right close to {_shown(answer, 'lower', field, near)}"
@@ -91,7 +91,7 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
     near = _close_up(answer, body, field)
     if near is not None:
         depth, grid, values = answer.bodies[body].planes[field]
-        whole = whole_map(answer, grid)
+        whole = whole_map(grid)
         close = near.planes[int(np.abs(np.subtract(near.depths, depth)).argmin())][field]
         overview = Map(replace(source, grid=grid, fields={}), whole, values[whole])
         figure = _drawn([overview, Map(source, near.part, close, FRAMED)], look, level)
@@ -106,9 +106,8 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
         yield Picture(f"section{suffix}", caption + end, figure, body)
     stress = answer.bodies[body].stress.assign_attrs(unit_system=source.system)
     if (stress["peak_quantity"] == field).any():
-        images = ", with those of the mirror images of the map" if answer.face.is_mirrored else ""
         figure = plot_peaks({source.title: stress}, field, yield_stress=level)
-        yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{images}{end}", figure, body)
+        yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{end}", figure, body)
 
 
 def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:
@@ -128,10 +127,9 @@ def _shown(answer: Answer, body: str, field: str, near: CloseUp) -> str:
     return "one of the highest pressures" if near.node(found.y, found.x) is None else "the largest stress"
 
 
-def whole_map(answer: Answer, grid: Grid) -> Part:
-    """Nodes of the map on a grid of the cell."""
-    rows, columns = (slice(0, count // answer.face.images) for count in grid.shape)
-    return rows, columns
+def whole_map(grid: Grid) -> Part:
+    """All nodes of a grid."""
+    return slice(0, grid.shape[0]), slice(0, grid.shape[1])
 
 
 def _drawn(maps: list[Map], look: Look, level: float | None = None) -> Figure:

@@ -35,7 +35,7 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     return solve_contact(
         face.height,
         case.solid,
-        face.grid.length,
+        face.grid,
         hardness=case.hardness,
         boundary=face.boundary,
         progress=progress,
@@ -49,13 +49,13 @@ def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
     if isinstance(load, Hertz):
         return {"mean_pressure": case.cell_pressure}
     if load.kind == "force":
-        mean_pressure = load.value / face.map_area
+        mean_pressure = load.value / face.grid.area
         if wrong := [*case.problems_of_pressure(mean_pressure)]:
             raise SettingsError("", [Problem(*each) for each in wrong])
         return {"mean_pressure": mean_pressure}
     if load.kind != "approach":
         return {load.kind: load.value}
-    least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.length)
+    least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.period)
     accepted = ""
     if not least < load.value < furthest:
         accepted = (

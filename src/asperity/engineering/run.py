@@ -163,7 +163,7 @@ def _outside_hertz(case: Case, face: TreatedMap) -> Any:
     if (contact := case.hertz_contact) is None:
         return
     widths = 2 * contact.half_width_y, 2 * contact.half_width_x
-    for axis, width, edge in zip("yx", widths, face.map_length, strict=True):
+    for axis, width, edge in zip("yx", widths, face.grid.length, strict=True):
         if width < edge:
             yield (
                 f"load.radius_{axis}",
@@ -191,8 +191,8 @@ def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float
     continue it: its width is taken across the axis, and without images, where it would end, no contact is
     solved.
     """
-    widths = np.ptp(np.argwhere(face.part(contact.pressure) > 0), axis=0) + 1
-    spans = dict(zip("yx", (widths / face.map_shape).tolist(), strict=True))
+    widths = np.ptp(np.argwhere(contact.pressure > 0), axis=0) + 1
+    spans = dict(zip("yx", (widths / face.grid.shape).tolist(), strict=True))
     if case.map.form == "cylinder":
         return spans["x" if case.map.cylinder_axis == "y" else "y"], None
     return max(spans.values()), None if case.solid.height is not None else press(face.map_alone(), case)

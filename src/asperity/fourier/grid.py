@@ -229,6 +229,18 @@ class Grid:
         spacing_y, spacing_x = self.spacing
         return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
 
+    def on_map(self, y: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
+        """Positions in the `whole_cell`, which may lie in a mirror image of the map, as positions on the map.
+
+        Between a mirror line and the first node the map has no node of its own.
+        """
+        found = []
+        for place, edge, spacing in zip((y, x), self.length, self.spacing, strict=True):
+            position = np.asarray(place)
+            image = np.maximum(2 * edge - spacing - position, 0.0) if self.mirrored else position
+            found.append(np.where(position < edge - spacing / 2, position, image))
+        return found[0], found[1]
+
     def dataset_coordinates(self) -> dict[str, tuple[str, Array, dict[str, float]]]:
         """Coordinates y and x of a dataset, with the cell as attributes, for `grid_of`."""
         found = zip("yx", self.coordinates(), self.length, strict=True)
@@ -249,6 +261,10 @@ class Grid:
         if array.shape != self.shape:
             raise ValueError(f"{name} has the shape {array.shape}: that of its grid, {self.shape}, is needed")
         return array
+
+
+Edges = float | tuple[float, float] | Grid
+"""Edges of a cell as arguments of functions: one number, (length_y, length_x), or a grid of the cell."""
 
 
 @dataclass

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from asperity.core.data import packaged_yaml
-from asperity.fourier.grid import CELL_EDGE, CELL_NODES, grid_of
+from asperity.fourier.grid import CELL_EDGE, CELL_MIRRORED, CELL_NODES, grid_of
 
 
 class Variable(NamedTuple):
@@ -108,8 +108,8 @@ def in_cell_lengths(data: xr.Dataset, settings: dict[str, Any]) -> tuple[xr.Data
 
 
 def cell_length(data: xr.Dataset) -> float:
-    """Longer edge of the cell of a result in SI units, in m."""
-    return float(data.attrs["cell_length"]) if "cell_length" in data.attrs else max(grid_of(data).length)
+    """Longer period of the cell of a result in SI units, in m."""
+    return float(data.attrs["cell_length"]) if "cell_length" in data.attrs else max(grid_of(data).period)
 
 
 def _scaled(data: xr.Dataset, length: float, stress: float, system: str) -> xr.Dataset:
@@ -119,7 +119,11 @@ def _scaled(data: xr.Dataset, length: float, stress: float, system: str) -> xr.D
         if dimension.length or dimension.stress:
             values = data[name]
             factor = length**dimension.length * stress**dimension.stress
-            cell = {key: values.attrs[key] for key in (CELL_EDGE, CELL_NODES) if key in values.attrs}
+            cell = {
+                key: values.attrs[key]
+                for key in (CELL_EDGE, CELL_NODES, CELL_MIRRORED)
+                if key in values.attrs
+            }
             if CELL_EDGE in cell:
                 cell[CELL_EDGE] *= factor
             scaled[name] = (values.dims, values.values * factor, cell)

@@ -19,7 +19,7 @@ import numpy as np
 
 from asperity.core.arguments import SMALLEST, finite_array, require_finite
 from asperity.core.types import Array, ArrayLike
-from asperity.fourier.grid import Fourier, Grid, mean_square, radial_average
+from asperity.fourier.grid import Edges, Fourier, Grid, mean_square, radial_average
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,13 +109,13 @@ class RoughnessParameters:
     kurtosis: float
 
 
-def roughness_parameters(height: Array, length: float | tuple[float, float] = 1.0) -> RoughnessParameters:
+def roughness_parameters(height: Array, length: Edges = 1.0) -> RoughnessParameters:
     """Root-mean-square height and gradient, skewness and kurtosis of a periodic surface.
 
     Parameters
     ----------
     height : (ny, nx) array
-    length : float or (length_y, length_x)
+    length : float, (length_y, length_x) or Grid
         Edges of the cell.
 
     Returns
@@ -154,21 +154,21 @@ def sampling_error(height: Array, grid: Grid) -> float:
 
     The power of each wave of a random surface varies independently from place to place; the fewer waves
     contribute most of the height, the more the rms height varies. Heights have mean zero, and are not all
-    equal.
+    equal. Of four waves of a mirrored map that differ by signs, one is independent, not two.
     """
     modes = Fourier(grid).forward(height)
     power = np.abs(modes) ** 2
     squares, total = mean_square(modes, grid, power), mean_square(modes, grid, np.ones_like(power))
-    return float(0.5 * np.sqrt(squares) / total)
+    return float((1.0 if grid.mirrored else 0.5) * np.sqrt(squares) / total)
 
 
-def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[Array, Array]:
+def spectrum(height: Array, length: Edges = 1.0) -> tuple[Array, Array]:
     """Radially averaged power spectral density of a periodic surface.
 
     Parameters
     ----------
     height : (ny, nx) array
-    length : float or (length_y, length_x)
+    length : float, (length_y, length_x) or Grid
         Edges of the cell, in the unit of the heights.
 
     Returns
@@ -176,7 +176,7 @@ def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[
     wavenumber : (rings,) array
         |q| in radians per length, the rings of `asperity.fourier.grid.radial_average`.
     power : (rings,) array
-        Two-dimensional power spectral density C(q) = A |ĥ(q)|², A the area of the cell, in length⁴: the
+        Two-dimensional power spectral density C(q) = A |ĥ(q)|², A the area of a period, in length⁴: the
         convention of Jacobs, Junge and Pastewka (2017), in which ∫ C(q) d²q/(2π)² is the mean square height.
 
     Raises
@@ -198,7 +198,7 @@ def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[
     values = checked_heights(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     power = np.abs(Fourier(grid).forward(values)) ** 2
-    wavenumber, average = radial_average(grid.area * power, grid)
+    wavenumber, average = radial_average(grid.whole_cell.area * power, grid)
     require_finite("spectrum", {"wavenumber": wavenumber, "power": average})
     return wavenumber, average
 
@@ -207,11 +207,11 @@ def surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
     """Heights over y and x as in result files, with their roughness parameters and their spectrum."""
     import xarray as xr
 
-    wavenumber, power = spectrum(height, grid.length)
+    wavenumber, power = spectrum(height, grid)
     return xr.Dataset(
         {
             "height": (("y", "x"), height),
-            **asdict(roughness_parameters(height, grid.length)),
+            **asdict(roughness_parameters(height, grid)),
             "spectrum": ("wavenumber", power),
         },
         coords=grid.dataset_coordinates() | {"wavenumber": wavenumber},
@@ -287,7 +287,9 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
 
     ny, nx = height.shape
     centred = height - height.mean()
-    product = np.fft.irfft2(np.abs(np.fft.rfft2(centred, (2 * ny, 2 * nx))) ** 2, (2 * ny, 2 * nx))
+    fourier = Fourier(Grid((2 * ny, 2 * nx)))
+    power = np.abs(fourier.forward(np.pad(centred, ((0, ny), (0, nx))))) ** 2
+    product = fourier.grid.size * fourier.inverse(power)
     rows, columns = np.arange(ny // 2 + 1), np.arange(-(nx // 2), nx // 2 + 1)
     shared = (ny - rows)[:, None] * (nx - np.abs(columns))
     correlation = product[rows[:, None], columns] / shared

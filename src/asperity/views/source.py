@@ -123,7 +123,8 @@ class Source:
             raise ValueError(
                 f"{axis} = {self.shown(position)}: a position from 0 to {self.shown(edge)} is needed"
             )
-        return round(position / self.grid.spacing[number]) % self.grid.shape[number]
+        node, nodes = round(position / self.grid.spacing[number]), self.grid.shape[number]
+        return min(node, nodes - 1) if self.grid.mirrored else node % nodes
 
     def loaded(
         self,

@@ -179,7 +179,7 @@ def _problems_of_several(
             check_alike(faces)
             for job in jobs.values():
                 if job.case.sample is not None and job.case.sample.area is not None:
-                    check_area(job.case.sample.area, sum(face.map_area for face in faces.values()))
+                    check_area(job.case.sample.area, sum(face.grid.area for face in faces.values()))
         except ValueError as error:
             yield str(error)
 

@@ -55,8 +55,8 @@ def run(options: argparse.Namespace) -> None:
     for name, text in given.items():
         load = _load(name, text, edge if name == "approach" else modulus, bool(edge and modulus))
         if name == "force" and edge:
-            name, images = "mean_pressure", 4 if settings["surface"].get("periodic") == "mirrored" else 1
-            load /= grid_of(surface).area / images * edge**2
+            name = "mean_pressure"
+            load /= grid_of(surface).area * edge**2
         contact[name] = load
     try:
         Contact.read(contact)

@@ -176,7 +176,7 @@ class Cycles(Question):
                 value, depth, *place = cycles.attrs[f"worst_{variable}"]
                 axes = [axis_of(cycles), *("x" for _ in place[1:])]
                 positions = {"y": 0.0, "x": 0.0} | dict(zip(axes, place, strict=True))
-                y, x = answer.face.on_map(positions["y"], positions["x"])
+                y, x = answer.face.grid.on_map(positions["y"], positions["x"])
                 on_map = {"y": shown_si(float(y), "m"), "x": shown_si(float(x), "m")}
                 at = ", ".join(f"{axis} = {on_map[axis]}" for axis in axes)
                 few = cycles.attrs.get("few_shifts_error", 0.0)
@@ -276,19 +276,21 @@ class Cycles(Question):
             return None
         axis, of_row = axis_of(cycles), cycles["dang_van"].max("cycle_depth").values
         above = (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
-        row = np.flatnonzero((of_row > 0) & above)
+        row, nodes = np.flatnonzero((of_row > 0) & above), answer.face.grid.shape["yx".index(axis)]
+        row = row[(row < nodes) | (row == of_row.size - 1)]  # without the mirror images of the map
         deepest = cycles["dang_van"].argmax("cycle_depth").values[row]
         values = {"value_Pa": limit * of_row[row], "depth_m": cycles["cycle_depth"].values[deepest]}
-        places = {"y_m": 0.0, "x_m": 0.0} | {f"{axis}_m": cycles[f"cycle_{axis}"].values[row]}
+        place = cycles[f"cycle_{axis}"].values[np.where(row < nodes, row, 0)]
+        places = {"y_m": 0.0, "x_m": 0.0} | {f"{axis}_m": place}
         rows = pd.DataFrame(values | places | {"quantity": "dang_van", "under_contact": True})
         rows["in_solid"] = rows["depth_m"] > 0
-        return rows[answer.face.is_on_map(rows["y_m"].to_numpy(), rows["x_m"].to_numpy())]
+        return rows
 
     def pictures_of_body(self, answer: Answer, body: str) -> Iterator[Picture]:
         """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
         import numpy as np
 
-        from asperity.engineering.pictures import source_of, whole_map
+        from asperity.engineering.pictures import source_of
         from asperity.views.scales import STRESS, Look
         from asperity.views.stress_plot import draw_sections, until_faded
 
@@ -296,12 +298,12 @@ class Cycles(Question):
         if cycles is None or limit is None:
             return
         axis, source = axis_of(cycles), source_of(answer)
-        rows = whole_map(answer, source.grid)["yx".index(axis)]
+        rows = slice(0, source.grid.shape["yx".index(axis)])
         section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
         touching = (source.field("pressure") > 0).any(axis="xy".index(axis))
-        section = section.assign_coords(contact=(axis, touching)).isel({axis: rows}).rename(source.title)
+        section = section.isel({axis: rows}).assign_coords(contact=(axis, touching)).rename(source.title)
         # Cycles in a Hertz contact go deeper than the picture, which ends at half of the edge of the map.
-        section = section.sel(depth=slice(0, max(answer.face.map_length) / 2))
+        section = section.sel(depth=slice(0, max(answer.face.grid.length) / 2))
         look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
         faded = min(FADED * float(section.max()), limit)
         figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None, limit)
@@ -344,7 +346,7 @@ def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> Moving
         upper - height,
         upper,
         case.solid,
-        rough.face.grid.length,
+        rough.face.grid,
         shifts=case.cycles.shifts,
         sliding_direction=case.sliding_direction,
         mean_pressure=mean_pressure if case.hertz_contact is None else None,

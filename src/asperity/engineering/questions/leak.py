@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from asperity.engineering.question import Advice, Picture, Question, Row, advice_on_pixels
@@ -84,23 +84,13 @@ class Leak(Question):
 
     def _flow(self, contact: Contact, face: TreatedMap) -> FilmFlow | None:
         """Flow of the film through one map of the cell; None where the gap is closed."""
-        import numpy as np
-
         from asperity.contact.gap import film_flow, open_along
 
         if self.viscosity is None or self.pressure_difference is None:
             return None
         if not open_along(contact)["yx".index(self.direction)]:
             return None
-        images, fall = face.images, self.pressure_difference
-        flow = film_flow(contact, self.viscosity, images * fall, self.direction)
-        rows, columns = (nodes // images for nodes in contact.grid.shape)
-        return replace(
-            flow,
-            flow_rate=flow.flow_rate / images,
-            flux=np.stack([along[:rows, :columns] for along in flow.flux]),
-            pressure=flow.pressure[:rows, :columns] - (images - 1) * fall,
-        )
+        return film_flow(contact, self.viscosity, self.pressure_difference, self.direction)
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Percolation, the narrowest constriction, and the leakage."""
@@ -117,7 +107,7 @@ class Leak(Question):
         for axis in (1, 0):
             width, words = paths.constriction[axis], "none, the gap is closed"
             if paths.gap[axis]:
-                y, x = answer.face.on_map(*paths.place[axis])
+                y, x = paths.place[axis]
                 at = f"x = {shown_si(float(x), 'm')}, y = {shown_si(float(y), 'm')}"
                 words = f"{shown_si(width, 'm')} at {at}"
             yield Row(GROUP, f"narrowest constriction along {'yx'[axis]}", width, "m", words)
@@ -169,10 +159,10 @@ def _maps(face: TreatedMap, flow: FilmFlow) -> Any:
     from asperity.core.units import scaled_unit
     from asperity.views.panels import canvas
 
-    (ny, nx), (length, unit) = flow.pressure.shape, scaled_unit(max(face.map_length), "m")
+    (ny, nx), (length, unit) = flow.pressure.shape, scaled_unit(max(face.grid.length), "m")
     factor, symbol = scaled_unit(float(np.nanmax(flow.pressure)), "Pa")
     relative = np.hypot(*flow.flux) / np.hypot(*flow.flux.mean(axis=(1, 2)))
-    edges = [edge / length for edge in face.map_length]
+    edges = [edge / length for edge in face.grid.length]
     panels: list[tuple[str, Any, dict[str, Any]]] = [
         ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max())}),
         (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),

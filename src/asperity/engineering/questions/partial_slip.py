@@ -90,11 +90,10 @@ class PartialSlip(Question):
 
         from asperity.contact.slip import partial_slip
 
-        case, contact, area = answer.case, answer.contact, answer.face.map_area
+        case, contact = answer.case, answer.contact
         imposed = {"tangential_displacement": self.tangential_displacement}
         if self.tangential_force is not None:  # above friction times load the bodies slide
-            force = self.tangential_force * contact.grid.area / area
-            imposed = {"tangential_force": min(force, case.friction * contact.force)}
+            imposed = {"tangential_force": min(self.tangential_force, case.friction * contact.force)}
         slip = partial_slip(contact, case.friction, sliding_direction=case.sliding_direction, **imposed)
         half = answer.half.contact
         force = min(slip.tangential_force, slip.friction * half.force)
@@ -102,9 +101,8 @@ class PartialSlip(Question):
             half, slip.friction, tangential_force=force, sliding_direction=slip.sliding_direction
         )
         cycle = slip.cycle(CYCLE_STEPS)
-        share = area / contact.grid.area
         table = {
-            "tangential_force_N": cycle["tangential_force"].values * share,
+            "tangential_force_N": cycle["tangential_force"].values,
             "tangential_displacement_m": cycle["tangential_displacement"].values,
         }
         return SlipResult(slip, on_half, pd.DataFrame(table))
@@ -116,7 +114,7 @@ class PartialSlip(Question):
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Force, displacement, sticking part, stiffness, slip and lost energy."""
-        return _rows(answer.of(self).slip, answer.face.map_area)
+        return _rows(answer.of(self).slip)
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Errors of the superposition and of the pixels."""
@@ -141,7 +139,7 @@ class PartialSlip(Question):
                 size,
             )
         both = [
-            {row.name: row.value for row in _rows(slip, answer.face.map_area) if row.name in COMPARED}
+            {row.name: row.value for row in _rows(slip) if row.name in COMPARED}
             for slip in (found.slip, found.on_half)
         ]
         yield advice_on_pixels("slip", *both)
@@ -179,15 +177,14 @@ class PartialSlip(Question):
         yield Picture("cycle", CYCLE_CAPTION, _loop(answer.of(self).cycle))
 
 
-def _rows(slip: Slip, map_area: float) -> Iterator[Row]:
+def _rows(slip: Slip) -> Iterator[Row]:
     """Numbers of partial slip on a map."""
     import numpy as np
 
     def row(name: str, value: float, unit: str, shown: str = "") -> Row:
         return Row(GROUP, name, value, unit, shown or shown_si(value, unit))
 
-    on_map = map_area / slip.contact.grid.area
-    force, limit = slip.tangential_force * on_map, slip.friction * slip.contact.force * on_map
+    force, limit = slip.tangential_force, slip.friction * slip.contact.force
     share = f"{100 * force / limit:.4g} % of friction times load"
     yield row("tangential force", force, "N", f"{shown_si(force, 'N')}, {share}")
     yield row("tangential displacement", slip.displacement, "m")
@@ -197,7 +194,7 @@ def _rows(slip: Slip, map_area: float) -> Iterator[Row]:
         number = f"{shown_si(value * 1e-6, 'Pa')}/µm" if np.isfinite(value) else IN_FULL_CONTACT
         yield row(f"{name} tangential stiffness", value, "Pa/m", number)
     yield row("largest slip", float(slip.slip.max()), "m")
-    yield row(COMPARED[2], slip.lost_energy * on_map, "J")
+    yield row(COMPARED[2], slip.lost_energy, "J")
 
 
 def _loop(cycle: pd.DataFrame) -> Any:

@@ -77,7 +77,7 @@ class Sliding(Question):
         from asperity.engineering.question import per_cent
 
         face = answer.face
-        wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
+        wave = np.geomspace(face.wavelength_short, max(face.grid.period), 100)
         change = self.friction * sliding_coupling(answer.case.solid, 2 * np.pi / wave)
         most = int(change.argmax())
         size, where = float(change[most]), shown_si(wave[most], "m", 3)

@@ -78,7 +78,7 @@ class Yielding(Question):
         from asperity.engineering.body_stress import largest_von_mises_between
         from asperity.stress.peaks.selection import select_peaks
 
-        limit, part, area = answer.case.bodies[body].yield_stress, answer.bodies[body], answer.face.map_area
+        limit, part, area = answer.case.bodies[body].yield_stress, answer.bodies[body], answer.face.grid.area
         if limit is None:
             return
         found = answer.of(self)[body]
@@ -111,7 +111,7 @@ class Yielding(Question):
             return Row(group, name, value, unit, shown or shown_si(value, unit))
 
         yield row("yield stress", limit, "Pa")
-        source, map_area = "the pixels and planes", answer.face.map_area
+        source, map_area = "the pixels and planes", answer.face.grid.area
         per_area = row("volume above yield per area", found.volume / map_area, "m").by(
             found.error / map_area, source
         )

@@ -107,7 +107,7 @@ def press_surface(
         solve_load_path,
         height,
         layer,
-        grid_of(surface).length,
+        grid_of(surface),
         method=contact_settings["method"],
         rtol=contact_settings["tolerance"],
         dtype=contact_settings["precision"],

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from asperity.core.arguments import plane_axes, rising
-from asperity.fourier.grid import grid_of
+from asperity.fourier.grid import CELL_MIRRORED, grid_of
 from asperity.surface.reading.agreement import SAME, FileContent, metres, require_size
 from asperity.surface.reading.formats import Channel, choose_channel
 from asperity.surface.reading.height_map import LOWER_FACE, ORIENTATIONS, MapOptions
@@ -95,7 +95,7 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
         length=length,
         length_unit=length_unit,
         unit=_unit(values),
-        periodic=is_own,
+        periodic=is_own and not any(CELL_MIRRORED in axis.attrs for axis in values.coords.values()),
         orientation=orientation if is_own else None,
     )
 

@@ -181,7 +181,6 @@ def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, index: Array) 
     It sums the Fourier series of a period, or of a map continued by its mirror images, without waves that
     the lower map cannot hold.
     """
-    from scipy.fft import dct
     from scipy.special import diric
 
     nodes = upper.height.shape[axis]
@@ -189,8 +188,8 @@ def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, index: Array) 
         waves = 2 * ((min(nodes, lower.height.shape[axis]) - 1) // 2) + 1
         return waves / nodes * diric(2 * np.pi / nodes * (index[:, None] - np.arange(nodes)), waves)
     order = np.arange(nodes)
-    weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes))
+    weight = np.where(order == 0, 1 / nodes, 2 / nodes)
     # A mode of order k has a wavelength of 2 · length / k.
     weight[order * lower.spacing[axis] > upper.length[axis]] = 0.0
-    basis = weight * np.cos(np.pi / nodes * (index[:, None] + 0.5) * order)
-    return basis @ dct(np.eye(nodes), norm="ortho", axis=0)
+    there, here = (np.cos(np.pi / nodes * np.outer(each + 0.5, order)) for each in (index, np.arange(nodes)))
+    return (weight * there) @ here.T

@@ -1,10 +1,8 @@
 """Operations on the heights of a map: scan lines, spikes, missing points, trends, filters, windows."""
 
-from functools import partial
 from typing import get_args
 
 import numpy as np
-import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, resample
@@ -203,11 +201,6 @@ def subtract_trend(
     return left, (slopes[1, 0] / half[0], slopes[0, 1] / half[1]), float(np.ptp(curved))
 
 
-def mirrored(height: Array) -> Array:
-    """The map and its mirror images at two edges: a cell of twice the edges without steps."""
-    return np.block([[height, height[:, ::-1]], [height[::-1], height[::-1, ::-1]]])
-
-
 def tukey_window(shape: tuple[int, ...]) -> Array:
     """Tukey window, which falls to zero at the points at both ends of an edge, over the fraction `TAPER`.
 
@@ -222,7 +215,7 @@ def tukey_window(shape: tuple[int, ...]) -> Array:
 def edge_step(height: Array) -> float:
     """Rms height step across the edges of a period, relative to the rms step between all neighbouring nodes.
 
-    It is about one for a periodic map, zero for a mirrored one, and larger if opposite edges do not match.
+    It is about one for a periodic map, and larger if opposite edges do not match.
     """
     across = np.concatenate([height[0] - height[-1], height[:, 0] - height[:, -1]])
     along_y, along_x = np.diff(height, axis=0), np.diff(height, axis=1)
@@ -230,30 +223,16 @@ def edge_step(height: Array) -> float:
     return float(np.sqrt(np.mean(across**2) / inside)) if inside > 0 else 0.0
 
 
-def low_pass_periodic(height: Array, grid: Grid, target: Grid, shortest: float | None) -> Array:
-    """A periodic map on another grid, by Fourier series, without waves shorter than `shortest`; mean zero."""
+def low_pass(height: Array, grid: Grid, target: Grid, shortest: float | None) -> Array:
+    """A map on another grid, without waves shorter than `shortest`; mean zero.
+
+    On mirrored grids the points are the centres of pixels, and no step at an edge is smoothed into the map.
+    """
     coefficients = Fourier(grid).forward(height)
     if shortest is not None:
         coefficients[grid.wavenumber() > 2 * np.pi / shortest * (1 + 1e-9)] = 0.0
     coefficients[0, 0] = 0.0
     return Fourier(target).inverse(resample(coefficients, grid, target), overwrite=True)
-
-
-def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | None) -> Array:
-    """A map with edges on another grid, by cosine series, without waves shorter than `shortest`; mean zero.
-
-    Points are the centres of pixels on both grids. The series is the Fourier series of the map continued by
-    its mirror images, so no step at an edge is smoothed into the map.
-    """
-    coefficients = scipy.fft.dctn(height, norm="ortho")
-    if shortest is not None:
-        half = [np.pi * np.arange(n) / edge for n, edge in zip(grid.shape, grid.length, strict=True)]
-        coefficients[np.hypot(half[0][:, None], half[1][None, :]) > 2 * np.pi / shortest * (1 + 1e-9)] = 0.0
-    coefficients[0, 0] = 0.0
-    kept = np.zeros(target.shape)
-    rows, columns = (min(a, b) for a, b in zip(grid.shape, target.shape, strict=True))
-    kept[:rows, :columns] = coefficients[:rows, :columns]
-    return scipy.fft.idctn(kept, norm="ortho") * np.sqrt(kept.size / height.size)
 
 
 def level_lines(height: Array, how: str) -> tuple[Array, Array]:
@@ -285,25 +264,16 @@ def level_lines(height: Array, how: str) -> tuple[Array, Array]:
     return height - offsets[:, None], offsets
 
 
-def gaussian_filter(
-    height: Array, grid: Grid, periodic: bool, s_filter: float | None, l_filter: float | None
-) -> Array:
+def gaussian_filter(height: Array, grid: Grid, s_filter: float | None, l_filter: float | None) -> Array:
     """Heights after an areal Gaussian S-filter, L-filter, or both.
 
     An S-filter transmits the share ``2^-(λ_s/λ)²`` of a wave of length λ, one half at its nesting index λ_s;
-    an L-filter transmits ``1 - 2^-(λ_l/λ)²`` (ISO 16610-61). A map with edges is continued by its mirror
-    images.
+    an L-filter transmits ``1 - 2^-(λ_l/λ)²`` (ISO 16610-61).
     """
-    forward = Fourier(grid).forward if periodic else partial(scipy.fft.dctn, norm="ortho")
-    steps = [np.arange(n) / (2 * edge) for n, edge in zip(grid.shape, grid.length, strict=True)]
-    waves = grid.wavenumber() / (2 * np.pi) if periodic else np.hypot(steps[0][:, None], steps[1][None, :])
-    coefficients = forward(height)
+    waves = grid.wavenumber() / (2 * np.pi)
+    coefficients = Fourier(grid).forward(height)
     if s_filter is not None:
         coefficients *= np.exp2(-np.square(s_filter * waves))
     if l_filter is not None:
         coefficients *= -np.expm1(-np.log(2) * np.square(l_filter * waves))
-    return (
-        Fourier(grid).inverse(coefficients, overwrite=True)
-        if periodic
-        else scipy.fft.idctn(coefficients, norm="ortho")
-    )
+    return Fourier(grid).inverse(coefficients, overwrite=True)

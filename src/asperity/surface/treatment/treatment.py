@@ -42,7 +42,7 @@ DESPIKE = 8.0
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
 
 BYTES_PER_NODE = {"none": 410.0}
-"""Memory of a contact and its stress for each node of the cell, 136 with a periodic boundary; measured by
+"""Memory of a contact and its stress for each node of the grid, 136 with a periodic boundary; measured by
 `asperity run --points 1024`."""
 
 FLAT_VARIATION = 1e-13
@@ -93,7 +93,7 @@ class TreatedMap:
     height : (ny, nx) array
         Heights measured upward, with mean zero before a form is added.
     grid : Grid
-        Grid of the heights, in their unit.
+        Grid of the heights, in their unit; mirrored if the map is continued by its mirror images.
     wavelength_short : float
         Shortest wavelength that was kept.
     treatment : MapTreatment
@@ -101,8 +101,6 @@ class TreatedMap:
         What was done to the map, one sentence for each step.
     name : str
         Name of the map.
-    images : int
-        Number of images of the map along each edge of the cell: 2 if it is mirrored.
     boundary : "periodic" | "free"
         Boundary of the contact, "free" if the map was not made periodic.
     """
@@ -113,66 +111,15 @@ class TreatedMap:
     treatment: MapTreatment
     done: tuple[str, ...] = ()
     name: str = ""
-    images: int = 1
     boundary: str = "periodic"
 
     def __repr__(self) -> str:
         ny, nx = self.height.shape
         return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
 
-    @property
-    def is_mirrored(self) -> bool:
-        """True if the cell holds the map and its mirror images."""
-        return self.images > 1
-
-    @property
-    def map_length(self) -> tuple[float, float]:
-        """Edges of the map; those of the cell of a mirrored map are twice as long."""
-        return self.grid.length[0] / self.images, self.grid.length[1] / self.images
-
-    @property
-    def map_shape(self) -> tuple[int, int]:
-        """Nodes (y, x) of the map in the cell."""
-        return self.grid.shape[0] // self.images, self.grid.shape[1] // self.images
-
-    @property
-    def map_area(self) -> float:
-        """Area of the map."""
-        return self.map_length[0] * self.map_length[1]
-
-    def part(self, field: Array) -> Array:
-        """The part of a field over the cell that lies on the map."""
-        return field[: self.map_shape[0], : self.map_shape[1]]
-
-    def is_on_map(self, y: Array, x: Array) -> Array:
-        """True for positions in the cell that belong to the map, and not to one of its mirror images.
-
-        A peak on the mirror line is found between a node of the map and its image, up to rounding:
-        positions up to the nearest nodes of the images belong to the map. There is no second peak so near
-        to the mirror.
-        """
-        own = np.ones(np.shape(y), bool)
-        if self.is_mirrored:
-            for position, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
-                own &= (position < length) | (position >= 2 * length - spacing)
-        return own
-
-    def on_map(self, y: Array | float, x: Array | float) -> tuple[Array, Array]:
-        """Positions on the map of positions in the cell, which may lie in a mirror image of the map.
-
-        Mirror images repeat the outermost row and column: the mirror line lies half a spacing beyond the
-        last node. Between the mirror line and the first node the map has no node of its own.
-        """
-        found = []
-        for position, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
-            image = np.maximum(2 * length - spacing - np.asarray(position), 0.0)
-            found.append(np.where(np.asarray(position) < length - spacing / 2, position, image))
-        return found[0], found[1]
-
     def map_alone(self) -> TreatedMap:
         """The surface without its periodic images and mirror images: nothing surrounds it."""
-        grid = Grid(self.map_shape, self.map_length)
-        return replace(self, height=self.part(self.height), grid=grid, images=1, boundary="free")
+        return replace(self, grid=Grid(self.grid.shape, self.grid.length), boundary="free")
 
 
 def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
@@ -247,14 +194,13 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     >>> surface = asp.HeightMap(heights, length=(80e-6, 80e-6))
     >>> made = asp.prepare_map(surface, periodic="mirrored", undefined="harmonic")
     >>> made.height.shape, bool(np.isfinite(made.height).all())
-    ((80, 80), True)
+    ((40, 40), True)
     """
     options = (options or MapOptions()).replaced(**given)
     if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
-    images = 2 if options.periodic == "mirrored" else 1
-    grid, target = _grids(surface, options, images)
-    shortest, radius = _lengths(surface, options, grid, target, images)
+    grid, target = _grids(surface, options)
+    shortest, radius = _lengths(surface, options, grid, target)
     levelled = _levelled(surface, options)
     if levelled.is_flat and radius is None:
         raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
@@ -265,20 +211,15 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         level, altered = level * window, float(np.mean(window < 1))
 
     lower = level - np.mean(level) if surface.orientation == LOWER_FACE else np.mean(level) - level
-    has_edges = options.periodic in ("mirrored", "none")
-    low_pass = levelling.low_pass_bounded if has_edges else levelling.low_pass_periodic
-    height = low_pass(lower, grid, target, shortest)
-    if images > 1:
-        height = levelling.mirrored(height)
+    height = levelling.low_pass(lower, grid, target, shortest)
     if not levelled.is_flat and np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
-    cell = images * grid.length[0], images * grid.length[1]
     done = [
         *_words_on_heights(surface, options),
         *_words_on_levelling(surface, options, levelled),
         *words,
-        _words_on_period(surface, options, cell, step, altered),
+        _words_on_period(surface, options, grid, step, altered),
     ]
     if shortest is not None:
         done.append(f"waves shorter than {surface.shown_length(shortest)} removed")
@@ -294,17 +235,16 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         filtered_height=filtered[0],
         filtered_gradient=filtered[1],
         edge_step_before=step,
-        edge_step=levelling.edge_step(height),
+        edge_step=0.0 if options.periodic == "mirrored" else levelling.edge_step(height),
     )
     require_finite("treat_map", {"height": height})
     treated = TreatedMap(
         height,
-        Grid(height.shape, cell),
+        Grid(target.shape, target.length, options.periodic == "mirrored"),
         shortest or _two_nodes(grid, target),
         treatment,
         tuple(done),
         surface.name,
-        images,
         "free" if options.periodic == "none" else "periodic",
     )
     return treated if radius is None else _with_form(treated, options, radius, surface)
@@ -375,15 +315,13 @@ def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelle
         yield f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function"
 
 
-def _words_on_period(
-    surface: HeightMap, options: MapOptions, cell: tuple[float, float], step: float, altered: float
-) -> str:
+def _words_on_period(surface: HeightMap, options: MapOptions, grid: Grid, step: float, altered: float) -> str:
     """How the map became a period, its step at the edges before that, and the share that a window altered."""
     stepped = f"edge step {step:.3g} times that between neighbouring points"
     ways = {
         None: f"taken as one period, as the file states: {stepped}",
         "declared": f"taken as one period, as declared: {stepped}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*cell)}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}",
         "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
         "none": "not made periodic: for a free boundary",
     }
@@ -399,14 +337,15 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     options : MapOptions, optional
         ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, `radius`, `s_filter` and
         `l_filter` are in units of the longer edge of the cell, which has twice the edges of the map if it is
-        mirrored.
+        mirrored, and `points` are the nodes on that edge.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 
     Returns
     -------
     TreatedMap
-        Its lengths, and those of its record, are in units of the longer edge of the cell.
+        Its lengths, and those of its record, are in units of the longer edge of the cell. The grid of a
+        mirrored map has the nodes and the edges of the map alone.
 
     Raises
     ------
@@ -419,8 +358,8 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     >>> heights = asp.self_affine((40, 60), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=edges)
     >>> surface = asp.HeightMap(heights, edges)
     >>> made = make_periodic(surface, periodic="mirrored")
-    >>> made.height.shape, made.grid.length  # four mirror images; the longer edge is 1
-    ((80, 120), (0.6666666666666667, 1.0))
+    >>> made.height.shape, made.grid.length, made.grid.period  # the longer edge of the cell is 1
+    ((40, 60), (0.33333333333333337, 0.5), (0.6666666666666667, 1.0))
     """
     options = (options or MapOptions()).replaced(**given)
     if options.periodic == "none":
@@ -470,14 +409,16 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
 
 
 def _lengths(
-    surface: HeightMap, options: MapOptions, grid: Grid, target: Grid, images: int
+    surface: HeightMap, options: MapOptions, grid: Grid, target: Grid
 ) -> tuple[float | None, float | None]:
     """Shortest wavelength and radius of the form in the unit of the map, checked; None if not given."""
     given = ("wavelength_short", options.wavelength_short), ("radius", options.radius)
     wavelength, radius = (
         None if length is None else surface.in_map_unit(name, length) for name, length in given
     )
-    shortest, longest = _two_nodes(grid, target), images * max(grid.length)
+    shortest, longest = _two_nodes(grid, target), max(grid.length)
+    if options.periodic == "mirrored":
+        longest = max(grid.period)
     if wavelength is not None and not shortest * (1 - 1e-9) <= wavelength <= longest * (1 + 1e-9):
         low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, wavelength))
         problem = f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"
@@ -497,9 +438,8 @@ def _filtered(
         shown = [surface.shown_length(value, digits=6) for value in index.values()]
         raise MapError(surface.name, [f"s_filter = {shown[0]}: less than l_filter = {shown[1]} is needed"])
     has_edges = options.periodic in ("mirrored", "windowed", "none")
-    found = levelling.gaussian_filter(
-        level, grid, not has_edges, index.get("s_filter"), index.get("l_filter")
-    )
+    continued = Grid(grid.shape, grid.length, has_edges)
+    found = levelling.gaussian_filter(level, continued, index.get("s_filter"), index.get("l_filter"))
     sizes = [(float(np.std(height)), rms_step(height, grid.spacing)) for height in (level, found)]
     shares = sizes[1][0] / sizes[0][0], sizes[1][1] / sizes[0][1]
     if shares[0] <= FLAT_VARIATION:
@@ -515,9 +455,13 @@ def _filtered(
     return found, shares, [text]
 
 
-def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, Grid]:
-    """Grid of the map before it is resampled, and after it, with about square pixels."""
-    grid = Grid(surface.height.shape, surface.length)
+def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
+    """Grid of the map before it is resampled, and after it, with about square pixels.
+
+    Both are mirrored if the map has edges that do not match, so that no step there enters its spectrum.
+    """
+    grid = Grid(surface.height.shape, surface.length, options.periodic in ("mirrored", "none"))
+    images = 2 if options.periodic == "mirrored" else 1
     if options.points is None:
         return grid, grid
     points, odd = divmod(options.points, images)
@@ -532,12 +476,11 @@ def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, 
     if min(ny, nx) < 2 // images:
         problem = f"points = {options.points}: more are needed for two on the shorter edge of the cell"
         raise MapError(surface.name, [problem])
-    target = Grid((ny, nx), grid.length)
-    ny, nx = (images * count for count in target.shape)
+    target = Grid((ny, nx), grid.length, grid.mirrored)
     need = 1e-6 * BYTES_PER_NODE.get(options.periodic or "", 136.0) * ny * nx
     if need > (available := available_memory()):
         problem = (
-            f"points: a cell of {ny} × {nx} nodes needs about {need / 1e3:.3g} GB of memory, this machine "
+            f"points: a grid of {ny} × {nx} nodes needs about {need / 1e3:.3g} GB of memory, this machine "
             f"has {available / 1e3:.3g} GB; fewer points are needed"
         )
         raise MapError(surface.name, [problem])
@@ -549,15 +492,12 @@ def _two_nodes(grid: Grid, target: Grid) -> float:
 
 
 def _with_form(treated: TreatedMap, options: MapOptions, radius: float, surface: HeightMap) -> TreatedMap:
-    """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
-    part = treated.map_alone().grid
-    flat, word = np.zeros(part.shape), "a sphere"
+    """The surface with the form of a sphere or cylinder."""
+    flat, part, word = np.zeros(treated.grid.shape), treated.map_alone().grid, "a sphere"
     if options.form == "sphere":
         form = add_sphere(flat, part, radius)
     else:
         form = add_cylinder(flat, part, radius, axis=options.cylinder_axis)
         word = f"a cylinder along {options.cylinder_axis}"
-    if treated.is_mirrored:
-        form = levelling.mirrored(form)
     line = f"form of {word} of radius {surface.shown_length(radius, digits=4)} added"
     return replace(treated, height=treated.height + form, done=(*treated.done, line))
