@@ -127,52 +127,49 @@ def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
         out[k] = of_row[row] + of_column[node - start]
 
 
-@compiled_with_arrays
-def restrict(nodes: Any, values: Any, columns: int, field: Any) -> None:
-    """Write values on nodes to the coarse-grid nodes, by transposed interpolation.
+def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
+    """For each node, 4 × index of a coarse-grid node + 2 × parity of its row + parity of its column.
 
-    The nodes are those of a map with so many columns; `field` has its margin.
+    Parameters
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
+    shape : (ny, nx)
+        Nodes of the map.
+    width : int
+        Columns of the field on the coarse-grid nodes with its margin. The index is that of the coarse-grid
+        node in the row and the column before, in this field, flattened.
     """
+    rows, columns = (np.arange(count, dtype=np.uint32) for count in shape)
+    of_row = 4 * ((rows + 1) // 2 * np.uint32(width)) + 2 * (rows % 2)
+    return row_plus_column(nodes, of_row, 4 * ((columns + 1) // 2) + columns % 2)
+
+
+@compiled
+def restrict(indices: Any, values: Any, width: int, field: Any) -> None:
+    """Write values on nodes to a flattened field on the coarse-grid nodes, by transposed interpolation."""
     field[:] = 0
-    line = np.zeros(field.shape[1], field.dtype)
-    first = 0
-    while first < nodes.size:
-        row = int(nodes[first]) // columns
-        last = first
-        while last < nodes.size and int(nodes[last]) < (row + 1) * columns:
-            last += 1
-        for k in range(first, last):
-            column = int(nodes[k]) - row * columns
-            after, j = _weight_after(column) * values[k], (column + 1) >> 1
-            line[j] += values[k] - after
-            line[j + 1] += after
-        above, below, down = field[(row + 1) >> 1], field[((row + 1) >> 1) + 1], _weight_after(row)
-        for j in range(line.size):
-            part = down * line[j]
-            above[j] += line[j] - part
-            below[j] += part
-            line[j] = 0
-        first = last
+    for k in range(indices.size):
+        index, value = int(indices[k]), values[k]
+        i = index >> 2
+        below = _weight_after(index >> 1) * value
+        above, after = value - below, _weight_after(index)
+        field[i] += above - after * above
+        field[i + 1] += after * above
+        field[i + width] += below - after * below
+        field[i + width + 1] += after * below
 
 
-@compiled_with_arrays
-def add_prolongated(field: Any, nodes: Any, columns: int, out: Any) -> None:
-    """Add the interpolant of a field on the coarse-grid nodes to values on nodes, as of `restrict`."""
-    line = np.empty(field.shape[1], field.dtype)
-    first = 0
-    while first < nodes.size:
-        row = int(nodes[first]) // columns
-        last = first
-        while last < nodes.size and int(nodes[last]) < (row + 1) * columns:
-            last += 1
-        above, below, down = field[(row + 1) >> 1], field[((row + 1) >> 1) + 1], _weight_after(row)
-        for j in range(line.size):
-            line[j] = above[j] + down * (below[j] - above[j])
-        for k in range(first, last):
-            column = int(nodes[k]) - row * columns
-            j = (column + 1) >> 1
-            out[k] += line[j] + _weight_after(column) * (line[j + 1] - line[j])
-        first = last
+@compiled
+def add_prolongated(field: Any, indices: Any, width: int, out: Any) -> None:
+    """Add the interpolant of a flattened field on the coarse-grid nodes to values on nodes."""
+    for k in range(indices.size):
+        index = int(indices[k])
+        i = index >> 2
+        down, after = _weight_after(index >> 1), _weight_after(index)
+        above = field[i] + after * (field[i + 1] - field[i])
+        below = field[i + width] + after * (field[i + width + 1] - field[i + width])
+        out[k] += above + down * (below - above)
 
 
 @inlined

@@ -50,6 +50,7 @@ from asperity.contact.contact_nodes import (
     add_multiple,
     add_prolongated,
     added,
+    coarse_indices,
     dot,
     field_of,
     restrict,
@@ -128,13 +129,14 @@ class Operators:
 
     def __init__(self, nodes: Array, response: "InnerResponse", whole: "Preconditioner") -> None:
         self.nodes, self.response = nodes, response
+        self._indices = response.indices(nodes)
         self.precondition = NodePreconditioner(whole, nodes)
         self.uniform = self.precondition.uniform
         self.uniform_sum = sum_parts(added, whole.threads, self.uniform)
 
     def displacement(self, pressure: Array, at: Array | None = None) -> Array:
         """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
-        return self.response.displacement(pressure, self.nodes, at)
+        return self.response.displacement(pressure, self.nodes, self._indices, at)
 
 
 class InnerResponse:
@@ -166,7 +168,17 @@ class InnerResponse:
             single = response.fourier.real == np.float32
             self._response = response if single else response.in_precision("float32")
 
-    def displacement(self, pressure: Array, nodes: Array, at: Array | None = None) -> Array:
+    def indices(self, nodes: Array) -> Array | None:
+        """Indices of nodes among the coarse-grid nodes, which `displacement` needs."""
+        return None if self._far is None else self._far.indices(nodes)
+
+    def displacement(
+        self,
+        pressure: Array,
+        nodes: Array,
+        indices: Array | None,
+        at: Array | None = None,
+    ) -> Array:
         """Displacements under pressures on nodes, at these nodes or at others.
 
         Parameters
@@ -174,6 +186,8 @@ class InnerResponse:
         pressure : (count,) array
         nodes : (count,) array of unsigned integers
             Sorted indices in the flattened map.
+        indices : array or None
+            From `indices`.
         at : array, optional
         """
         if self._far is None:
@@ -183,10 +197,10 @@ class InnerResponse:
             return field.reshape(-1)[nodes if at is None else at] * np.float32(1 / self._unit)
         far = self._far
         out = self._products(
-            self._stencil, nodes, pressure, at, meanwhile=lambda: far.restrict(pressure, nodes)
+            self._stencil, nodes, pressure, at, meanwhile=lambda: far.restrict(pressure, indices)
         )
         far.convolve()
-        far.add(out, nodes if at is None else at)
+        far.add(out, indices if at is None else far.indices(at))
         return out
 
 
@@ -204,7 +218,7 @@ class FarField:
     def __init__(self, response: Response, scale: float, dtype: str = "float32") -> None:
         modes = response.mode_grid
         ny, nx = modes.shape
-        self._columns = response.grid.shape[1]
+        self._shape = response.grid.shape
         grid = replace(modes, shape=(ny // 2, nx // 2))
         self._fourier = Fourier(grid, dtype, response.fourier.threads, response.fourier.work)
         half = response.half_compliance[: grid.half_shape[0], : grid.half_shape[1]]
@@ -223,9 +237,13 @@ class FarField:
         self._padded = np.zeros((grid.shape[0] + 2, grid.shape[1] + 2), self._fourier.real)
         self._coefficients = np.empty(grid.mode_shape, self._fourier.coefficient_type)
 
-    def restrict(self, pressure: Array, nodes: Array) -> None:
-        """Write the sums of pressures on nodes of the map over the coarse-grid nodes."""
-        restrict(nodes, pressure, self._columns, self._padded)
+    def indices(self, nodes: Array) -> Array:
+        """Indices of nodes of the map among the coarse-grid nodes."""
+        return coarse_indices(nodes, self._shape, self._padded.shape[1])
+
+    def restrict(self, pressure: Array, indices: Any) -> None:
+        """Write the sums of pressures on nodes over the coarse-grid nodes."""
+        restrict(indices, pressure, self._padded.shape[1], self._padded.reshape(-1))
 
     def convolve(self) -> None:
         """Replace sums over the coarse-grid nodes by displacements there, and in the margin."""
@@ -240,11 +258,12 @@ class FarField:
         for lines in (padded, padded.T):
             lines[0], lines[-1] = lines[first], lines[last]
 
-    def add(self, out: Array, nodes: Array) -> None:
-        """Add the displacements at nodes of the map to values."""
+    def add(self, out: Array, indices: Any) -> None:
+        """Add the displacements at nodes, given by their indices, to values."""
+        field, width = self._padded.reshape(-1), self._padded.shape[1]
 
         def add(part: slice) -> None:
-            add_prolongated(self._padded, nodes[part], self._columns, out[part])
+            add_prolongated(field, indices[part], width, out[part])
 
         in_parts(add, out.size, self._fourier.threads)
 
@@ -279,10 +298,10 @@ def near_stencil(kind: type[Response], solid: Solids, spacing: tuple[float, floa
     unit = np.zeros(tile.shape)
     unit[place, place] = 1
     missing = of_tile.displacement(unit)
-    far.restrict(np.ones(1), np.array([place * _TILE + place], np.uint32))
+    far.restrict(np.ones(1), far.indices(np.array([place * _TILE + place], np.uint32)))
     far.convolve()
     far_field = np.zeros(tile.size)
-    far.add(far_field, np.arange(tile.size, dtype=np.uint32))
+    far.add(far_field, far.indices(np.arange(tile.size, dtype=np.uint32)))
     missing -= far_field.reshape(tile.shape)
     around = slice(place - radius, place + radius + 1)
     weights = np.where(inside, missing[around, around], 0)

@@ -246,10 +246,10 @@ def reach(
 
     A node is displaced by at most the whole load times the largest displacement of a node per unit of a
     force on it alone: the compliance is positive semidefinite, so that no element exceeds those on its
-    diagonal. At a given load the approach then lies within that bound of the height of a certain node: the lowest one, or
-    under a hardness the highest of the lowest nodes that together can bear the load. At a given approach
-    the energy bounds the displacement. The proofs are in ``docs/contact.md``. Under an imposed area no
-    bound is known.
+    diagonal. At a given load the approach then lies within that bound of the height of a certain node: the
+    lowest one, or under a hardness the highest of the lowest nodes that together can bear the load. At a
+    given approach the energy bounds the displacement. The proofs are in ``docs/contact.md``. Under an imposed
+    area no bound is known.
 
     Parameters
     ----------
