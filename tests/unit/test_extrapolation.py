@@ -5,10 +5,10 @@ import pytest
 from samples import refuses, rough
 
 import asperity as asp
-from asperity.contact.half_grid import on_half_the_nodes
+from asperity.contact.half_grid import on_half_the_nodes, solve_on_half
 from asperity.fourier.grid import Grid
 from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE
-from asperity.surface.treatment.levelling import low_pass_bounded, mirrored
+from asperity.surface.treatment.levelling import low_pass_bounded
 
 LAYER = asp.Solid(young=1.0, poisson=0.33)
 
@@ -157,23 +157,21 @@ def test_waves_below_four_nodes_are_estimated_too():
 def test_half_of_a_mirrored_map_is_mirrored(shape):
     """Against cosine series, whose points are the centres of pixels on both grids."""
     part = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=5)[: shape[0], : shape[1]]
-    grid = Grid((2 * shape[0], 2 * shape[1]), (1.0, 1.2))
-    found, half, _ = on_half_the_nodes(mirrored(part), grid)
-    assert half.shape == shape
-    np.testing.assert_allclose(found, found[::-1, ::-1], atol=1e-15)
-    if shape[0] % 2 == shape[1] % 2 == 0:
-        own, coarse = (Grid((one[0], one[1]), (0.5, 0.6)) for one in (shape, np.array(shape) // 2))
-        expected = low_pass_bounded(part, own, coarse, None) + part.mean()
-        np.testing.assert_allclose(found[: shape[0] // 2, : shape[1] // 2], expected, atol=1e-15)
+    grid = Grid(shape, (0.5, 0.6), mirrored=True)
+    found, half, _ = on_half_the_nodes(part, grid)
+    assert half == Grid((shape[0] // 2, shape[1] // 2), (0.5, 0.6), mirrored=True)
+    expected = low_pass_bounded(part, Grid(shape, grid.length), Grid(half.shape, grid.length), None)
+    np.testing.assert_allclose(found, expected + part.mean(), atol=1e-15)
 
 
 def test_one_mirrored_node_grows_with_its_pixel():
     """A quarter of the pressure on four times the area."""
     height = np.random.default_rng(1).normal(size=(16, 16))
     height[5, 7] = -50.0
-    contact = asp.solve_contact(mirrored(1e-3 * height), LAYER, mean_pressure=1e-6)
-    area = asp.continuum_limit(contact)["area_fraction"]
-    assert float(area.sel(kind="on_half") / area.sel(kind="on_grid")) == pytest.approx(4)
+    grid = Grid(height.shape, mirrored=True)
+    contact = asp.solve_contact(1e-3 * height, LAYER, grid, mean_pressure=1e-6)
+    half, _ = solve_on_half(contact.height, LAYER, grid, mean_pressure=1e-6)
+    assert half.area_fraction == pytest.approx(4 * contact.area_fraction)
 
 
 CONTACT = asp.solve_contact(rough(), LAYER, area_fraction=0.1)

@@ -199,7 +199,7 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
     """
     height, hardness = problem.height, problem.hardness
-    solid, longest = problem.response.solid, 2 * np.pi / max(problem.grid.length)
+    solid, longest = problem.response.solid, 2 * np.pi / max(problem.grid.period)
     stiffness = solid.effective_modulus * longest
     if solid.interface is not None:
         stiffness = 2 / float(solid.surface_compliance(longest))

@@ -229,7 +229,7 @@ def checked_certificate(
         pressure, gap, rms_height, problem.nodal_compliance, load, problem.fourier.threads, problem.hardness
     )
     norm = math.sqrt(sum_parts(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
-    caused = norm * math.sqrt(response.own_compliance * float(response.half_compliance.max()))
+    caused = norm * math.sqrt(response.largest_own_compliance * float(response.half_compliance.max()))
     scale = rms_height or float(pressure.max()) * problem.nodal_compliance or 1.0
     lengths = (MAX_UNDERESTIMATE * rtol * caused + rounding * largest) / scale
     allowed = {"tension": rounding, "load_imbalance": rtol + rounding}

@@ -3,13 +3,13 @@
 Fields are flattened. `nodes` holds the sorted indices of the contact nodes in the flattened field; arrays of
 that size hold one element for each contact node. Sums accumulate in double precision.
 
-The coarse-grid nodes are those in every second row and column. A field on them has a row and a column more
-than there are even rows and columns.
+A coarse-grid node lies in the middle of four nodes, two in each row and column. A field on them has a margin
+of one row or column at each edge.
 
 A stencil is a kernel of short range. The map is taken in strips of rows, which stay in the processor's cache.
-The values of a strip and of the rows around it are written to an array with a margin that repeats the map, or
-is zero if nothing surrounds the map. The weights of a stencil are symmetric, and may differ between even and
-odd rows and columns.
+The values of a strip and of the rows around it are written to an array with a margin that repeats the map,
+mirrors it, or is zero if nothing surrounds the map. The weights of a stencil for odd rows and columns are the
+mirror image of those for even ones.
 """
 
 import math
@@ -21,7 +21,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from asperity.core.compiled import compiled, compiled_with_arrays, vectorised_sums
+from asperity.core.compiled import compiled, compiled_with_arrays, inlined, vectorised_sums
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
@@ -137,43 +137,45 @@ def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
     shape : (ny, nx)
         Nodes of the map.
     width : int
-        Columns of the field on the coarse-grid nodes. The index is that of the coarse-grid node in the same
-        row and column or in those before, in this field, flattened.
+        Columns of the field on the coarse-grid nodes with its margin. The index is that of the coarse-grid
+        node in the row and the column before, in this field, flattened.
     """
     rows, columns = (np.arange(count, dtype=np.uint32) for count in shape)
-    of_row = 4 * (rows // 2 * np.uint32(width)) + 2 * (rows % 2)
-    return row_plus_column(nodes, of_row, 4 * (columns // 2) + columns % 2)
+    of_row = 4 * ((rows + 1) // 2 * np.uint32(width)) + 2 * (rows % 2)
+    return row_plus_column(nodes, of_row, 4 * ((columns + 1) // 2) + columns % 2)
 
 
 @compiled
 def restrict(indices: Any, values: Any, width: int, field: Any) -> None:
     """Write values on nodes to a flattened field on the coarse-grid nodes, by transposed interpolation."""
     field[:] = 0
-    half = np.float32(0.5)
     for k in range(indices.size):
-        index, value = np.int64(indices[k]), values[k]
+        index, value = int(indices[k]), values[k]
         i = index >> 2
-        # Nothing is added to the next column if the node is in an even one: a branch would be slower.
-        after = half * np.float32(index & 1) * value
-        before = value - after
-        if index & 2:
-            before, after = half * before, half * after
-            field[i + width] += before
-            field[i + width + 1] += after
-        field[i] += before
-        field[i + 1] += after
+        below = _weight_after(index >> 1) * value
+        above, after = value - below, _weight_after(index)
+        field[i] += above - after * above
+        field[i + 1] += after * above
+        field[i + width] += below - after * below
+        field[i + width + 1] += after * below
 
 
 @compiled
 def add_prolongated(field: Any, indices: Any, width: int, out: Any) -> None:
     """Add the interpolant of a flattened field on the coarse-grid nodes to values on nodes."""
-    quarter = np.float32(0.25)
     for k in range(indices.size):
-        index = np.int64(indices[k])
+        index = int(indices[k])
         i = index >> 2
-        below = i + ((index >> 1) & 1) * width
-        after = index & 1
-        out[k] += quarter * ((field[i] + field[i + after]) + (field[below] + field[below + after]))
+        down, after = _weight_after(index >> 1), _weight_after(index)
+        above = field[i] + after * (field[i + 1] - field[i])
+        below = field[i + width] + after * (field[i + width + 1] - field[i + width])
+        out[k] += above + down * (below - above)
+
+
+@inlined
+def _weight_after(place: int) -> Any:
+    """Weight of the coarse-grid node after a row or column: 3/4 if it is even, else 1/4."""
+    return np.float32(0.75) - np.float32(0.5) * np.float32(place & 1)
 
 
 class StencilProduct:
@@ -183,12 +185,13 @@ class StencilProduct:
     ----------
     grid : Grid
     repeats : bool
-        True if nodes at opposite edges of the map are neighbours.
+        False if nothing surrounds the map.
     threads : int
     """
 
     def __init__(self, grid: Grid, repeats: bool, threads: int = 1) -> None:
-        self._shape, self._repeats, self._threads = grid.shape, repeats, threads
+        self._shape, self._threads = grid.shape, threads
+        self._period = grid.whole_cell.shape if repeats else (0, 0)
         ny, nx = grid.shape
         width = nx + 2 * RADIUS
         self._strip_shape = min(ny, max(_LEAST_ROWS, _STRIP // width)) + 2 * RADIUS, width
@@ -233,7 +236,7 @@ class StencilProduct:
             except IndexError:
                 # The last row of a stencil reads one number beyond it.
                 strip = np.zeros(math.prod(self._strip_shape) + 1, np.float32)[:-1].reshape(self._strip_shape)
-            known = strip, nodes, first, values, self._shape, self._repeats, stencil
+            known = strip, nodes, first, values, self._shape, self._period, stencil
             _apply_in_strips(*known, begin, end, others, first_other, out)
             self._strips.append(strip)
 
@@ -241,17 +244,16 @@ class StencilProduct:
         return out
 
 
-def whole_stencil(quadrants: Array) -> Array:
-    """All weights of a symmetric stencil, from those of a quadrant for each parity of row and column.
+def whole_stencil(weights: Array) -> Array:
+    """Weights of a stencil for each parity of row and column, from those for even rows and columns.
 
     Parameters
     ----------
-    quadrants : (2, 2, RADIUS + 1, RADIUS + 1) array
-        Weights [parity of the row, parity of the column, rows off, columns off].
+    weights : (2 RADIUS + 1, 2 RADIUS + 1) array
+        For an even row and column. Those for an odd row or column are the mirror image.
     """
-    off = np.abs(np.arange(-RADIUS, RADIUS + 1))
     out = np.zeros((4, _ROWS, _LANES), np.float32)
-    out[:, :, :_ROWS] = quadrants.reshape(4, RADIUS + 1, RADIUS + 1)[:, off[:, None], off]
+    out[:, :, :_ROWS] = weights, weights[:, ::-1], weights[::-1], weights[::-1, ::-1]
     return out
 
 
@@ -298,7 +300,7 @@ def _apply_in_strips(
     first: Any,
     values: Any,
     shape: tuple[int, int],
-    repeats: bool,
+    period: tuple[int, int],
     weights: Any,
     begin: int,
     end: int,
@@ -314,8 +316,9 @@ def _apply_in_strips(
         Memory for the values of some rows, of zeros; the loop leaves zeros there.
     nodes, first, values
         The nodes that bear values, and the index of the first one in each row.
-    shape, repeats
-        Of the map.
+    shape, period
+        Numbers of nodes of the map, and those after which the values repeat: twice as many if they are
+        mirrored, 0 if nothing surrounds the map.
     weights : array
         The stencil.
     begin, end : int
@@ -330,36 +333,39 @@ def _apply_in_strips(
         if first_other[top] == first_other[bottom]:
             continue
         for line in range(bottom - top + 2 * RADIUS):
-            row = _row_of(top + line - RADIUS, shape[0], repeats)
+            row = _place_of(top + line - RADIUS, shape[0], period[0])
             if row >= 0:
                 some = slice(first[row], first[row + 1])
-                _write_row(nodes[some], values[some], row * shape[1], strip[line], repeats)
+                _write_row(nodes[some], values[some], row * shape[1], strip[line], period[1])
         for row in range(top, bottom):
             some = slice(first_other[row], first_other[row + 1])
             start, parity = row * shape[1], 2 * (row % 2)
             _multiply(flat[(row - top) * width :], width, others[some], start, weights, parity, out[some])
         for line in range(bottom - top + 2 * RADIUS):
-            row = _row_of(top + line - RADIUS, shape[0], repeats)
+            row = _place_of(top + line - RADIUS, shape[0], period[0])
             if row >= 0:
                 _erase(nodes[first[row] : first[row + 1]], row * shape[1], strip[line])
 
 
 @compiled
-def _row_of(row: int, rows: int, repeats: bool) -> int:
-    """The row of the map that is repeated beyond its edges; −1 if nothing is there."""
-    return row % rows if repeats else row if 0 <= row < rows else -1
+def _place_of(place: int, count: int, period: int) -> int:
+    """The row or column of the map that is repeated or mirrored beyond its edges; −1 if nothing is there."""
+    if period == 0:
+        return place if 0 <= place < count else -1
+    place %= period
+    return place if place < count else period - 1 - place
 
 
 @compiled
-def _write_row(nodes: Any, values: Any, start: int, line: Any, repeats: bool) -> None:
+def _write_row(nodes: Any, values: Any, start: int, line: Any, period: int) -> None:
     """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
     columns = line.size - 2 * RADIUS
     for k in range(nodes.size):
         line[np.int64(nodes[k]) - start + RADIUS] = values[k]
-    if repeats:
-        for step in range(1, RADIUS + 1):
-            line[RADIUS - step] = line[RADIUS + (columns - step) % columns]
-            line[RADIUS + columns + step - 1] = line[RADIUS + (step - 1) % columns]
+    if period:
+        for step in range(RADIUS):
+            line[RADIUS - 1 - step] = line[RADIUS + _place_of(-1 - step, columns, period)]
+            line[RADIUS + columns + step] = line[RADIUS + _place_of(columns + step, columns, period)]
 
 
 @compiled

@@ -108,7 +108,7 @@ def percolation(contact: Contact) -> Percolation:
     >>> bool(0 < found.constriction[1] < contact.gap.max())
     True
     """
-    gap, periodic = open_gap(contact), contact.boundary == "periodic"
+    gap, periodic = open_gap(contact), contact.edges_meet
     levels = np.sort(gap[gap > 0])
 
     @cache
@@ -147,8 +147,8 @@ def film_flow(
 ) -> FilmFlow:
     """Flow of a thin film through the gap of a contact; needs ``pip install "asperity[flow]"``.
 
-    The flow through a periodic map is periodic. With a free boundary the film enters and leaves at the two
-    edges across the flow, and the other two are sealed.
+    The flow through a periodic map is periodic. With a free boundary, and through a mirrored map, the film
+    enters and leaves at the two edges across the flow, and the other two are sealed.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def film_flow(
     mean, (ny, nx) = float(gap.mean(dtype=float)), gap.shape
     length, width = contact.grid.length[:: 1 - 2 * axis]
     cell = np.where(gap < CLOSED * mean, 0.0, gap / mean).astype(float)
-    if contact.boundary == "free":  # mirror images make reservoirs of two edges and walls of the others
+    if not contact.edges_meet:  # mirror images make reservoirs of two edges and walls of the others
         cell = np.pad(cell, [(0, ny), (0, nx)], "symmetric")
     longest = math.lcm(*cell.shape)
     cell = np.tile(cell, (longest // cell.shape[0], longest // cell.shape[1]))
@@ -231,7 +231,7 @@ def check_film_grid(grid: Grid) -> None:
 
 def open_along(contact: Contact) -> tuple[bool, bool]:
     """True for y, and for x, if the gap percolates."""
-    return spanned(open_gap(contact) > 0, contact.boundary == "periodic", diagonals=False)
+    return spanned(open_gap(contact) > 0, contact.edges_meet, diagonals=False)
 
 
 def require_path(contact: Contact, flow_direction: str) -> None:

@@ -1,8 +1,7 @@
 """The same contact on half of the nodes along both edges, from which the error of the grid is estimated."""
 
+from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from asperity.contact.solution import Contact
 from asperity.contact.solve import solve_contact
@@ -12,9 +11,6 @@ from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 
 HALF_TOLERANCE = 1e-4
 """Tolerance of the second solution and of the planes of its stress, far below the error of the grid."""
-
-MIRRORED = 1e-9
-"""Largest difference of heights from their mirror images, over their range, that counts as rounding."""
 
 
 def solve_on_half(
@@ -32,23 +28,25 @@ def solve_on_half(
         grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
     else:
         height, grid, lost = on_half_the_nodes(height, grid)
-    return solve_contact(height, solid, grid.length, boundary=boundary, rtol=HALF_TOLERANCE, **settings), lost
+    contact = solve_contact(
+        height,
+        solid,
+        grid,  # type: ignore[arg-type]
+        boundary=boundary,
+        rtol=HALF_TOLERANCE,
+        **settings,
+    )
+    return contact, lost
 
 
 def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
     """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
 
     The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
-    The mirror lines of a mirrored map lie between two nodes. The nodes of the coarser grid are shifted by
-    half of the finer spacing, so that they are mirror images of each other, too.
     """
-    half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
+    half = replace(grid, shape=(max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)))
     modes = Fourier(grid).forward(height)
     whole = mean_square(modes, grid, grid.wavenumber() ** 2)
     modes = resample(modes, grid, half)
     kept = mean_square(modes, half, half.wavenumber() ** 2)
-    along = (half.qy[:, None], half.odd_qy[:, None]), (half.qx[None, :], half.odd_qx[None, :])
-    for axis, (q, odd_q) in enumerate(along):
-        if np.abs(height - np.flip(height, axis)).max() <= MIRRORED * np.ptp(height):
-            modes *= np.where(odd_q == q, np.exp(0.5j * grid.spacing[axis] * odd_q), 0)
     return Fourier(half).inverse(modes), half, 1 - kept / whole if whole else 0.0

@@ -38,7 +38,8 @@ def contact_patches(contact: Array, periodic: bool = True, diagonals: bool = Tru
     ----------
     contact : (ny, nx) boolean array
     periodic : bool
-        True if opposite edges of the cell are neighbours.
+        True if opposite edges of the cell are neighbours. Those of a mirrored map are not: a patch at its
+        edge touches its own mirror image.
     diagonals : bool
         True if nodes are neighbours along diagonals, too, not along edges only.
     """

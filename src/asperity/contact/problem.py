@@ -197,7 +197,7 @@ class Units:
         return Units(self.length, height_unit, stress, datum, below, above)
 
     def grid(self, grid: Grid) -> Grid:
-        return Grid(grid.shape, (grid.length[0] / self.length, grid.length[1] / self.length))
+        return replace(grid, length=(grid.length[0] / self.length, grid.length[1] / self.length))
 
     def solid(self, solid: Solids) -> Solids:
         """The solid in these units: the ratio of a stress to a slope is its modulus."""
@@ -244,12 +244,12 @@ def reach(
 ) -> tuple[float, float, float]:
     """Datum, and the distances below and above it beyond which every node, or none, touches.
 
-    A node is displaced by at most the whole load times the displacement of a node per unit of a force on it
-    alone: the compliance is positive semidefinite, so that no element exceeds those on its diagonal. At a
-    given load the approach then lies within that bound of the height of a certain node: the lowest one, or
-    under a hardness the highest of the lowest nodes that together can bear the load. At a given approach
-    the energy bounds the displacement. The proofs are in ``docs/contact.md``. Under an imposed area no
-    bound is known.
+    A node is displaced by at most the whole load times the largest displacement of a node per unit of a
+    force on it alone: the compliance is positive semidefinite, so that no element exceeds those on its
+    diagonal. At a given load the approach then lies within that bound of the height of a certain node: the
+    lowest one, or under a hardness the highest of the lowest nodes that together can bear the load. At a
+    given approach the energy bounds the displacement. The proofs are in ``docs/contact.md``. Under an imposed
+    area no bound is known.
 
     Parameters
     ----------
@@ -274,7 +274,7 @@ def reach(
     if control.kind == "mean_pressure":
         load, datum = control.value / units.stress * nodes, lowest
         # Twice the bound: a clipped node keeps a gap.
-        above = 4 * load * response.own_compliance * units.length
+        above = 4 * load * response.largest_own_compliance * units.length
         if (full := math.ceil(load / hardness) - 1 if hardness < math.inf else 0) > 0:
             first = float(np.partition(height, full, axis=None)[full])
             if first - lowest > above:
@@ -284,7 +284,7 @@ def reach(
         datum = control.value
         # Without surroundings all displacements are downward: higher nodes than the approach never touch.
         above = _largest_displacement(height, datum, response) if response.repeats else datum - lowest
-        above = 2 * min(above, nodes * hardness * response.own_compliance * units.length)
+        above = 2 * min(above, nodes * hardness * response.largest_own_compliance * units.length)
         below = above if hardness < math.inf and response.repeats else math.inf
     return datum, below, above
 
@@ -307,7 +307,7 @@ def _largest_displacement(height: Array, approach: float, response: Response) ->
         if room < 0.5 or not softest < math.inf:
             return math.inf
         energy = height.size * overlapping * (1 + 2 * overlapping) / softest
-    return depth * math.sqrt(response.own_compliance * energy)
+    return depth * math.sqrt(response.largest_own_compliance * energy)
 
 
 class ConvergenceProgress:

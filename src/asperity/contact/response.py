@@ -39,15 +39,16 @@ class Response:
     omits_mean : bool
         True if the mean displacement is left out: at a given load it is known, and for a tall layer far
         larger than all others.
-    half_compliance : (ny // 2 + 1, nx // 2 + 1) array, optional
-        Factors of the coefficients with ky ≥ 0, to which those of −ky are equal; by default the solid's.
+    half_compliance : array, optional
+        Factors of the coefficients with ky ≥ 0, to which those of −ky are equal, of the grid's `half_shape`;
+        by default the solid's.
 
     Attributes
     ----------
     boundary : str
         Name of the condition at the edge of the map.
     repeats : bool
-        True if nodes at opposite edges are neighbours.
+        True if the map, or the map with its mirror images, repeats.
     transforms : type
         Transforms of the fields.
     """
@@ -90,7 +91,7 @@ class Response:
             1 if m == n or self.repeats else 2 * m / n for m, n in zip(shape, self.grid.shape, strict=True)
         )
         length = tuple(edge * factor for edge, factor in zip(self.grid.length, growth, strict=True))
-        return self.on_grid(Grid(shape, length))  # type: ignore[arg-type]
+        return self.on_grid(Grid(shape, length, self.grid.mirrored))  # type: ignore[arg-type]
 
     @property
     def nodal_compliance(self) -> float:
@@ -108,7 +109,7 @@ class Response:
     @cached_property
     def half_compliance(self) -> Array:
         """Real factors that turn coefficients of a pressure, ky ≥ 0, into those of its displacement."""
-        modes = np.empty((self.grid.shape[0] // 2 + 1, self.grid.shape[1] // 2 + 1), self.fourier.real)
+        modes = np.empty(self.grid.half_shape, self.fourier.real)
 
         def fill(strip: slice) -> None:
             wavenumber = self.grid.half_wavenumber(strip).astype(modes.dtype, copy=False)
@@ -126,9 +127,15 @@ class Response:
 
     @cached_property
     def own_compliance(self) -> float:
-        """Displacement of a node per unit of a pressure on it alone: none moves further under that load."""
-        rows = np.bincount(np.abs(self.grid.ky))
-        return float(rows @ (self.half_compliance @ self.grid.multiplicity[1])) / self.grid.size
+        """Displacement of a node per unit of a pressure on it alone, also on a mirrored map."""
+        rows, columns = self.grid.multiplicity
+        rows = np.bincount(np.abs(self.grid.ky), rows)
+        return float(rows @ (self.half_compliance @ columns)) / self.grid.whole_cell.size
+
+    @property
+    def largest_own_compliance(self) -> float:
+        """Largest displacement of any node per unit of a pressure on one node and on its mirror images."""
+        return self.own_compliance * (self.grid.whole_cell.size / self.grid.size)
 
     @property
     def uniform_compliance(self) -> float:
@@ -150,9 +157,12 @@ class Response:
 
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
         """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
-        self.fourier.forward(pressure, self._coefficients)
-        multiply(self._coefficients, self.half_compliance, self.fourier.threads)
-        return self.fourier.inverse(self._coefficients, out, overwrite=True)
+        if self.grid.mirrored:  # as many coefficients as nodes
+            out = np.empty(self.grid.shape, self.fourier.real) if out is None else out
+        coefficients = self._coefficients if out is None or not self.grid.mirrored else out
+        self.fourier.forward(pressure, coefficients)
+        multiply(coefficients, self.half_compliance, self.fourier.threads)
+        return self.fourier.inverse(coefficients, out, overwrite=True)
 
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
         """Transforms on one thread, and factors in double precision, for fields on coarse cells of the map.
@@ -174,7 +184,7 @@ class Response:
             position = (np.arange(to.shape[axis]) + 0.5) * ratio - 0.5
             before = np.floor(position).astype(np.intp)
             ends = [before % nodes, (before + 1) % nodes]
-            if not self.repeats:
+            if self.grid.mirrored or not self.repeats:
                 ends = [np.clip(end, 0, nodes - 1) for end in (before, before + 1)]
             places.append((*ends, (position - before).astype(field.dtype)))
         (above, below, down), across = places
@@ -260,6 +270,8 @@ def response_on(
             f"boundary = 'free': half-spaces are needed, because the displacement of a layer, here of height "
             f"{solid.height:g}, under an isolated load has no closed form"
         )
+    if boundary == "free" and grid.mirrored:
+        raise ValueError("boundary = 'free': a grid without mirror images is needed")
     kind = RESPONSES[boundary]
     return kind(solid, kind.transforms(grid, dtype, threads), omits_mean)
 
@@ -279,7 +291,10 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
 
 def multiply_rows(coefficients: Array, factors: Array) -> None:
     """Multiply coefficients by real factors of the same shape."""
-    _multiply(coefficients.view(coefficients.real.dtype), factors)
+    if coefficients.dtype.kind == "c":
+        _multiply(coefficients.view(coefficients.real.dtype), factors)
+    else:
+        coefficients *= factors
 
 
 @compiled_with_arrays

@@ -21,6 +21,12 @@ pressure distribution applied as a shear traction, over the energy of the pressu
 is Mindlin's (2 − ν)/(2 − 2ν). In other contacts the displacements of the nodes that stick should be equal
 but are not, and `PartialSlip.deviation` measures by how much. The change of the pressure by the shear
 traction is neglected as in full sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
+
+Mirrored maps
+-------------
+The traction has the same direction on a mirrored map and on its mirror images, so that displacements along
+it and across it are not even. They are computed on the whole cell of four images, and averaged over it.
+Pressure, traction, slip and energy are even, and given on the map.
 """
 
 from __future__ import annotations
@@ -40,7 +46,7 @@ from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import PaddedFourier, shear_modes
 from asperity.elasticity.loaded_solid import LoadedSolid, degrees_of
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.fourier.grid import Fourier
+from asperity.fourier.grid import Fourier, with_mirror_images
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,10 +105,10 @@ class PartialSlip:
         """Ratio r of the tangential to the normal compliance of the contact, without its uniform part."""
         contact = self.contact
         normal = contact.displacement - contact.solid.uniform_compliance() * contact.mean_pressure
-        along, _ = _displaced(contact, contact.pressure, self.sliding_direction)
-        pressure = contact.pressure.ravel()
-        energy = dot(pressure, normal.ravel())
-        return dot(pressure, along.ravel()) / energy if energy else float("nan")
+        pressure, normal = (with_mirror_images(field, contact.grid) for field in (contact.pressure, normal))
+        along, _ = _displaced(contact, pressure, self.sliding_direction)
+        energy = dot(pressure.ravel(), normal.ravel())
+        return dot(pressure.ravel(), along.ravel()) / energy if energy else float("nan")
 
     @property
     def _uniform(self) -> float:
@@ -149,12 +155,14 @@ class PartialSlip:
 
         It is relative to the tangential displacement: the error of the superposition. NaN if none sticks.
         """
-        sticks, displacement = self.sticking.pressure > 0, self.displacement
+        grid, displacement = self.contact.grid, self.displacement
+        sticks = with_mirror_images(self.sticking.pressure > 0, grid)
         if not sticks.any() or not displacement > 0:
             return float("nan")
-        along, across = _displaced(self.contact, self.traction, self.sliding_direction)
+        traction = with_mirror_images(self.traction, grid)
+        along, across = _displaced(self.contact, traction, self.sliding_direction)
         uniform = sum(float(body.tangential_compliance(0.0)[0]) for body in _bodies(self.contact))
-        along = along + uniform * self.traction.mean(dtype=float) - displacement
+        along = along + uniform * traction.mean(dtype=float) - displacement
         return float(np.sqrt(np.mean(along[sticks] ** 2 + across[sticks] ** 2, dtype=float))) / displacement
 
     def cycle(self, steps: int = 8) -> xr.Dataset:
@@ -315,8 +323,11 @@ def _bodies(contact: Contact) -> tuple:
 
 
 def _displaced(contact: Contact, traction: Array, sliding_direction: str | float) -> tuple[Array, Array]:
-    """Tangential displacement of the bodies by a shear traction, along it and across, without its mean."""
-    degrees, grid, traction = degrees_of(sliding_direction), contact.grid, traction.astype(float)
+    """Tangential displacement of the bodies by a shear traction, along it and across, without its mean.
+
+    Traction and displacements are fields on the whole cell.
+    """
+    degrees, grid, traction = degrees_of(sliding_direction), contact.grid.whole_cell, traction.astype(float)
     if contact.boundary == "free":
         padded = PaddedFourier(grid)
         modes = padded.forward(traction)

@@ -40,9 +40,10 @@ class Contact:
         Lower face of the indenter, contact pressure, downward displacement of the solid's surface, and gap.
         For two bodies, the displacement is the sum of those of both surfaces.
     grid : Grid
+        Of the map; fields are those of the map alone, also if its mirror images continue it.
     solid : Solid or TwoBodies
     boundary : "periodic" | "free"
-        Condition at the edge of the map.
+        Condition at the edge of the map; "periodic" of a mirrored one.
     area_fraction : float
         Number of nodes under pressure over the number of all nodes of the map.
     mean_pressure : float
@@ -212,6 +213,11 @@ class Contact:
                 "layer: this contact has two bodies; in_body('lower') or in_body('upper') is needed"
             )
         return self.solid
+
+    @property
+    def edges_meet(self) -> bool:
+        """True if opposite edges of the map are neighbours: it repeats, and not by its mirror images."""
+        return self.boundary == "periodic" and not self.grid.mirrored
 
     @property
     def force(self) -> float:

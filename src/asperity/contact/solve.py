@@ -89,7 +89,9 @@ def solve_contact(
     solid : Solid or TwoBodies
         One elastic solid under a rigid indenter, or two elastic bodies.
     length : float or (length_y, length_x)
-        Edges of the map, number of nodes × spacing: those of the cell if it repeats.
+        Edges of the map, number of nodes × spacing: those of the cell if it repeats. A map that its mirror
+        images continue needs ``asp.Grid(shape, length, mirrored=True)``: the contact is that of the map and
+        its three images.
     area_fraction : float
         Contact nodes over all nodes, met to a relative error of 1e-4, or to the nearest number of nodes
         that the surface allows.
@@ -108,8 +110,9 @@ def solve_contact(
         that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact
         is elastic everywhere. Needs method "active_set".
     boundary : "periodic" | "free"
-        "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
-        half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
+        "periodic": the map, or the map with its mirror images, repeats in both directions. "free": nothing
+        surrounds the map, whose solid is a half-space, or each of two bodies is one; each node is a rectangle
+        under uniform pressure.
     method : "active_set" | "gfmd"
         The fast solver, or the damped dynamics of the paper; both converge to the same solution.
     rtol : float

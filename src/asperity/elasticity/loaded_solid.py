@@ -59,7 +59,8 @@ class LoadedSolid:
     grid : Grid
     layer : Solid
     boundary : "periodic" | "free"
-        The cell repeats sideways, or lies alone on a half-space, with a uniform pressure on every pixel.
+        The cell, or a mirrored map with its images, repeats sideways, or the cell lies alone on a half-space,
+        with a uniform pressure on every pixel.
     hardness : float
         That of the contact. A pressure that reaches it has plateaus: peaks of the stress are then those at
         the nodes, because quadratics through the nodes overshoot.
@@ -103,6 +104,8 @@ class LoadedSolid:
         choice("boundary", self.boundary, BOUNDARIES)
         if self.boundary == "free" and self.layer.height is not None:
             raise ValueError("boundary = 'free': a half-space is needed, the solid is a layer")
+        if self.boundary == "free" and self.grid.mirrored:
+            raise ValueError("boundary = 'free': a grid without mirror images is needed")
         if self.background is not None and self.boundary == "free":
             raise ValueError("background: a periodic boundary is needed, it is free")
         for edge in self.grid.length:
