@@ -14,7 +14,7 @@ import numpy as np
 import asperity as asp
 
 CONSTANTS = {
-    "CUTOFF": "operators",
+    "CUTOFF_POWER": "operators",
     "CELL_NODES": "operators",
     "COARSE_RESIDUAL_DROP": "operators",
     "RESIDUAL_DROP": "inner_solve",

@@ -34,6 +34,7 @@ from inputs import (
 )
 
 import asperity as asp
+from asperity.fourier.grid import with_mirror_images
 from asperity.surface.treatment.treatment import make_periodic
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
@@ -185,6 +186,36 @@ def try_bound(case):
     """The error of a pressure against the direct solution of its load is within its certificate's bound."""
     error, bound, rounding = random_pressure.error_and_bound(case)
     require(error <= bound + rounding, "the error exceeds its bound")
+
+
+mirrored_maps = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(1, 40), st.integers(1, 40)),
+        "seed": st.integers(0, 100),
+        "relief": power_of_ten(-4, -1),
+        "length": st.tuples(st.floats(0.5, 2), st.floats(0.5, 2)),
+        "solid": st.sampled_from([solid for solid in families.SOLIDS if solid != "sheet"]),
+        "load": power_of_ten(-5, 0),
+        "hardness": st.none() | st.floats(1.01, 30),
+        "precision": st.sampled_from(families.FAMILY_LEVELS["precision"]),
+    }
+)
+
+
+def try_mirrored(case):
+    """The contact on a mirrored map is that on the cell of the map and its three mirror images."""
+    grid = asp.Grid(case["shape"], case["length"], mirrored=True)
+    height = case["relief"] * np.random.default_rng(case["seed"]).random(case["shape"])
+    solid, (dtype, rtol) = families.SOLIDS[case["solid"]], case["precision"]
+    load = case["load"] * solid.effective_modulus
+    settings = {"mean_pressure": load, "dtype": dtype, "rtol": rtol}
+    if case["hardness"]:
+        settings["hardness"] = case["hardness"] * load
+    found = asp.solve_contact(height, solid, grid, **settings)
+    whole = asp.solve_contact(with_mirror_images(height, grid), solid, grid.whole_cell, **settings)
+    expected = whole.pressure[: grid.shape[0], : grid.shape[1]]
+    error = np.linalg.norm(found.pressure - expected) / np.linalg.norm(expected)
+    require(error <= WORST_NODE * rtol, "the pressure is another than on the cell")
 
 
 # Stress
@@ -472,6 +503,7 @@ Without an entry every refusal counts as one."""
 PROPERTIES = {
     "family": (engineered, try_family),
     "contact": (contacts, try_contact),
+    "mirrored": (mirrored_maps, try_mirrored),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
     "surface": (surfaces, try_surface),

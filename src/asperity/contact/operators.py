@@ -68,7 +68,7 @@ from asperity.fourier.grid import Fourier, Grid
 # The far field is multiplied by exp(−(|q_y| / q_c)^n − (|q_x| / q_c)^n) with this n and the shortest wave q_c
 # of the coarser grid. The displacement under random pressures on the contact of a rough surface of 256² nodes
 # is then wrong by 0.9 %, with n = 2.5 or 4 by 1.4 and 1.5 %.
-CUTOFF_POWER = 3
+CUTOFF_POWER = 3.0
 
 # Grids with fewer nodes on an axis are not divided: their transforms take hardly any time.
 MIN_POINTS = 128
@@ -323,7 +323,7 @@ def _spacing_of_stencils(response: Response) -> tuple[float, float]:
 
 
 def _can_be_divided(response: Response) -> bool:
-    """True if the grid is large enough, every second node of it is a grid of its own, and G is smooth."""
+    """True if the grid is large enough, half of its nodes are a grid of its own, and G is smooth."""
     grid, solid = response.grid, response.solid
     if solid.interface is not None:
         q = np.pi / min(grid.spacing) * np.array([0.25, 1.0])
