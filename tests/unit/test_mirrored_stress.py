@@ -52,7 +52,7 @@ def test_planes_are_those_of_the_cell_of_four(shape, solid, tolerance, bound):
             if found.grid.shape == shape:
                 np.testing.assert_allclose(own, cell[:, :ny, :nx], atol=bound * scale)
             elif name in (*EVEN_FIELDS[:3], "hydrostatic"):
-                # Nodes of a coarser grid have other positions. The mean of a component does not depend on them.
+                # Nodes of a coarser grid have other positions, of which means do not depend.
                 np.testing.assert_allclose(own.mean(), cell.mean(), atol=1e-6 * scale)
                 rms = [np.sqrt(np.mean(np.square(field))) for field in (own, cell)]
                 np.testing.assert_allclose(*rms, atol=max(10 * tolerance, 1e-6) * scale)
@@ -65,8 +65,8 @@ def peak_table(stress, name, grid, scale):
     for axis, edge, step in zip("yx", grid.length, grid.spacing, strict=True):
         distance = (peaks[f"peak_{axis}"].values + step / 2) % (2 * edge)
         distance = np.minimum(distance, 2 * edge - distance)
-        distance[distance < 0.7 * step] = 0.0
-        distance[distance > edge - 0.7 * step] = edge
+        distance[distance < 1.6 * step] = 0.0
+        distance[distance > edge - 1.6 * step] = edge
         places.append(distance - step / 2)
     return np.column_stack([peaks["peak_depth"], *places, np.abs(peaks["peak_value"]) / scale])
 
