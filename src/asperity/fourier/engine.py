@@ -196,21 +196,21 @@ class Ducc0Engine:
             type=2 if forward else 3,
             inorm=2 if forward else 0,
         )
-        is_direct = axis == 0 or not self._is_slow(values)
+        if axis == 0 or not self._is_slow(values):
+            for part, workers in self._shares(values.shape[1 - axis], threads):
+                lines = (part, slice(None)) if axis == 1 else (slice(None), part)
+                transform(values[lines], out=out[lines], nthreads=workers)
+            return
 
-        def transform_some(part: slice) -> None:
+        def transform_copied(part: slice) -> None:
             for first in range(part.start, part.stop, self.LINES):
-                lines = slice(first, min(first + self.LINES, part.stop))
-                source, target = (field[lines] if axis == 1 else field[:, lines] for field in (values, out))
-                if is_direct:
-                    transform(source, out=target)
-                    continue
-                room = self._room(values)[: len(source)]
-                room[...] = source
+                rows = slice(first, min(first + self.LINES, part.stop))
+                room = self._room(values)[: rows.stop - first]
+                room[...] = values[rows]
                 transform(room, out=room)
-                target[...] = room
+                out[rows] = room
 
-        in_parts(transform_some, values.shape[1 - axis], threads, multiple=self.LINES, smallest=self.LINES)
+        in_parts(transform_copied, len(values), threads, multiple=self.LINES, smallest=self.LINES)
 
     def _is_slow(self, field: Array) -> bool:
         """True if the distance of the rows of a field makes its transforms slow."""
