@@ -128,10 +128,6 @@ def test_straight_ridges_are_within_the_error(points, phase):
     assert abs(estimate - 0.03) <= estimate * error
     assert "ridges are straight" in found.attrs["reason_of_stress"]
     assert found["p99"].sel(kind="estimate").isnull().all()
-    _, _, largest, error = found["largest"].sel(quantity="pressure", poisson=0.33).values
-    if np.isfinite(largest):  # no peak is found where rounding makes none
-        true = 2 * load / np.sin(np.pi * 0.03 / 2)
-        assert abs(largest - true) <= largest * error
 
 
 @pytest.mark.parametrize("kind", ["gaussian", "lay", "skewed"])
@@ -153,7 +149,7 @@ def test_a_number_whose_error_exceeds_it_has_no_estimate():
     found = asp.continuum_limit(contact, stress_of(contact))
     error, estimate = (found.sel(kind=kind) for kind in ("error", "estimate"))
     assert np.isfinite(error["area_fraction"])
-    assert estimate["mean_depth"].isnull().all()
+    assert estimate[["mean_depth", "mean_depth_highest"]].to_array().isnull().all()
     assert not (error.to_array() > 1).any()
     assert (error.isnull() == estimate.isnull()).to_array().all()
 

@@ -281,8 +281,8 @@ def extrapolated_numbers(
     best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
     if fine.stress is not None:
         best.update(_quantiles(peak_numbers(fine.stress, levels, best["peak_count"])))
-        if found["along_lines"] <= STRAIGHT:  # only the largest of such peaks means something
-            for name in ("p90", "p99", "peak_quantile", *DEPTHS):
+        if found["along_lines"] <= STRAIGHT:
+            for name in (*PERCENTILES, "peak_quantile", "largest_von_mises", *DEPTHS):
                 best[name] = best[name] * np.nan
     error = xr.Dataset()
     of_area, of_gradient = (
@@ -322,6 +322,9 @@ def extrapolated_numbers(
     for name in {*best} & {*error}:
         error[name] = error[name].where(best[name].notnull() & (error[name] <= LARGEST_ERROR))
         best[name] = best[name].where(error[name].notnull())
+    if fine.stress is not None:  # a grid that misses the depths misses that of the highest peaks, too
+        for kind in (best, error):
+            kind["mean_depth_highest"] = kind["mean_depth_highest"].where(best["mean_depth"].notnull())
     return found, best, error
 
 
