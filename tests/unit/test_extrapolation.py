@@ -143,7 +143,7 @@ def test_only_other_surfaces_have_a_least_error(kind):
 
 
 def test_a_number_whose_error_exceeds_it_has_no_estimate():
-    """Narrow tips of squared heights, with two nodes on the shortest wave: areas are estimated, depths not."""
+    """Narrow tips of squared heights, with two nodes on the shortest wave: no depths."""
     height = -(asp.self_affine((96, 96), 0.8, 1 / 4, 1 / 32, rms_height=1.0, seed=1) ** 2)
     contact = asp.solve_contact(1e-3 * height, LAYER, area_fraction=0.1)
     found = asp.continuum_limit(contact, stress_of(contact))
