@@ -94,7 +94,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         As for `run`.
     """
     rough = rough or read_face(case.map, case.counter_map)
-    case = case.replaced(map=rough.options or case.map)
+    case = case.with_maps(rough.options or case.map, rough.counter)
     if wrong := problems_on_map(case, rough):
         raise SettingsError("", wrong)
     asked, found = case, {}
