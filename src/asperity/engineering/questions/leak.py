@@ -177,7 +177,7 @@ def _maps(face: TreatedMap, flow: FilmFlow) -> Any:
         ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max())}),
         (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),
     ]
-    with canvas([ny / nx] * 2, None) as (figure, axes):
+    with canvas([ny / nx] * 2, None) as (figure, axes, _):
         for axis, (label, values, colours) in zip(axes, panels, strict=True):
             axis.set_facecolor("black")
             shown = np.ma.masked_where(np.isnan(flow.pressure), values)
@@ -185,4 +185,5 @@ def _maps(face: TreatedMap, flow: FilmFlow) -> Any:
             image = axis.imshow(shown, **place, **colours)
             axis.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
             figure.colorbar(image, ax=axis, label=label, location="bottom")
+    figure.set_layout_engine("compressed")  # for the colour bars below each panel
     return figure
