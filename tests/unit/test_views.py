@@ -141,8 +141,7 @@ def placed(figure):
     return np.array([box.extents for box in boxes]), figure.bbox.extents
 
 
-@pytest.mark.parametrize("results", [1, 2, 3, 4, 5])
-@pytest.mark.parametrize("si", [False, True])
+@pytest.mark.parametrize(("results", "si"), [(1, False), (2, True), (4, True)])
 def test_labels_are_in_the_figure_and_apart(read, results, si):
     """The places of the panels are chosen without drawing them."""
     contact, stress = ({str(n): read(name, si) for n in range(results)} for name in ("contact", "stress"))

@@ -77,11 +77,13 @@ def canvas(
     tall = np.full((-(-count // across), across), FLATTEST)
     tall.flat[:count] = np.maximum(shapes, FLATTEST)
     with style():
-        figure = Figure(figsize=(SINGLE if count == 1 and columns > 1 else PAGE, PAGE), layout="none")
+        figure = Figure(figsize=(SINGLE if count == 1 and columns > 1 else PAGE, PAGE))
+        figure.set_layout_engine("none")
         panels = [figure.add_axes((0.0, 0.0, 1.0, 1.0), label=f"panel {number}") for number in range(count)]
         bar_axis = figure.add_axes((0.0, 0.0, 1.0, 1.0), label="colour bar") if bar else None
-        _place(figure, tall, panels, bar, bar_axis)  # ticks depend on the size
         yield figure, panels, bar_axis
+    # Outside the style, as it is drawn: ticks depend on its size of letters, and on the size of the panel.
+    for _ in range(3):
         _place(figure, tall, panels, bar, bar_axis)
 
 
