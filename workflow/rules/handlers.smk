@@ -56,9 +56,9 @@ onstart:
     if jobs and not missing:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
-    if workflow.local_exec and not missing and {"contact", "stress"} & {job.rule.name for job in jobs}:
-        if not is_compiled():
-            compile_in_parallel()
+    is_needed = workflow.local_exec and {"contact", "stress"} & {job.rule.name for job in jobs}
+    if is_needed and not missing and not is_compiled():
+        compile_in_parallel()
 
 
 onsuccess:
