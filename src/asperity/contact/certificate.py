@@ -24,7 +24,7 @@ from asperity.core.markup import table
 from asperity.core.parallel import map_parts, sum_parts
 from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solids
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Edges, Grid
 
 # The error estimate of a method may be too small by this factor, and a gap wrong by so many roundings.
 MAX_UNDERESTIMATE = 10.0
@@ -115,7 +115,7 @@ def verify_contact(
     height: Array,
     pressure: Array,
     solid: Solids,
-    length: float | tuple[float, float] = 1.0,
+    length: Edges = 1.0,
     *,
     approach: float | None = None,
     mean_pressure: float | None = None,

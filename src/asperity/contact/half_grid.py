@@ -31,7 +31,7 @@ def solve_on_half(
     contact = solve_contact(
         height,
         solid,
-        grid,  # type: ignore[arg-type]
+        grid,
         boundary=boundary,
         rtol=HALF_TOLERANCE,
         **settings,

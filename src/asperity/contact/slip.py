@@ -307,7 +307,7 @@ def _under(contact: Contact, mean_pressure: float | None = None, approach: float
     return solve_contact(
         contact.height,
         contact.solid,
-        contact.grid,  # type: ignore[arg-type]
+        contact.grid,
         mean_pressure=mean_pressure,
         approach=approach,
         boundary=contact.boundary,

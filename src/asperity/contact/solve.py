@@ -32,7 +32,7 @@ from asperity.core.parallel import in_strips, map_parts
 from asperity.core.types import Array, ArrayLike, DTypeLike, Progress
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
-from asperity.fourier.grid import Grid, real_type
+from asperity.fourier.grid import Edges, Grid, real_type
 
 METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
 
@@ -62,7 +62,7 @@ _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
 def solve_contact(
     height: ArrayLike,
     solid: Solids,
-    length: float | tuple[float, float] = 1.0,
+    length: Edges = 1.0,
     *,
     area_fraction: float | None = None,
     mean_pressure: float | None = None,
@@ -247,7 +247,7 @@ def solve_contact(
 def solve_load_path(
     height: ArrayLike,
     solid: Solids,
-    length: float | tuple[float, float] = 1.0,
+    length: Edges = 1.0,
     *,
     area_fractions: Sequence[float] | None = None,
     mean_pressures: Sequence[float] | None = None,

@@ -22,7 +22,8 @@ from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST
 from asperity.engineering.output import HEADLINE
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table, write_workbook
+from asperity.results.tables import write_table
+from asperity.results.workbook import write_workbook
 
 COMPARED_PICTURES = ("height", "pressure", "plane", "section", "peaks")
 """Pictures that stand beside each other."""
