@@ -16,7 +16,7 @@ from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
-from asperity.fourier.grid import Grid, grid_of
+from asperity.fourier.grid import Grid, grid_of, with_mirror_images
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,6 +103,8 @@ class LoadedSolid:
         choice("boundary", self.boundary, BOUNDARIES)
         if self.boundary == "free" and self.layer.height is not None:
             raise ValueError("boundary = 'free': a half-space is needed, the solid is a layer")
+        if self.boundary == "free" and self.grid.mirrored:
+            raise ValueError("boundary = 'free': a grid that is not mirrored is needed")
         if self.background is not None and self.boundary == "free":
             raise ValueError("background: a periodic boundary is needed, it is free")
         for edge in self.grid.length:
@@ -158,6 +160,18 @@ class LoadedSolid:
             sticking = contact["sticking_pressure"].transpose("y", "x").values.astype(float)
         return cls(
             *(pressure, grid_of(contact), layer_of(contact), boundary, hardness), sticking_pressure=sticking
+        )
+
+    def with_mirror_images(self) -> LoadedSolid:
+        """The solid under the pressure of a whole period: itself, unless its grid is that of a mirrored map."""
+        if not self.grid.mirrored:
+            return self
+        sticking = self.sticking_pressure
+        return replace(
+            self,
+            pressure=with_mirror_images(self.pressure, self.grid),
+            sticking_pressure=None if sticking is None else with_mirror_images(sticking, self.grid),
+            grid=self.grid.whole_cell,
         )
 
     @property

@@ -225,9 +225,17 @@ class Grid:
         return np.sqrt(out, out=out)
 
     def coordinates(self) -> tuple[Array, Array]:
-        """Positions y, (ny,), and x, (nx,), of the nodes."""
+        """Positions y, (ny,), and x, (nx,), of the nodes, with the first one at 0."""
         spacing_y, spacing_x = self.spacing
         return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
+
+    def first_node(self, finest: Grid) -> tuple[float, float]:
+        """Position y, x of the first node, where that of `finest`, a grid of the same cell, is at 0.
+
+        The first nodes of mirrored grids are half a spacing from the mirror lines, those of others the same.
+        """
+        y, x = (0.5 * (own - other) for own, other in zip(self.spacing, finest.spacing, strict=True))
+        return (y, x) if self.mirrored else (0.0, 0.0)
 
     def dataset_coordinates(self) -> dict[str, tuple[str, Array, dict[str, float]]]:
         """Coordinates y and x of a dataset, with the cell as attributes, for `grid_of`."""

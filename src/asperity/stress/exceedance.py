@@ -23,7 +23,7 @@ import xarray as xr
 from asperity.core.compiled import compiled
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
-from asperity.stress.planes.fields import lagrange, lagrange_stencils, neighbour
+from asperity.stress.planes.fields import edges_of, lagrange, lagrange_stencils, neighbour
 from asperity.stress.statistics.extrapolation import resolution
 
 SAMPLES = 4
@@ -70,7 +70,7 @@ class Exceedance:
     """
 
     def __init__(self, limit: float, periodic: bool) -> None:
-        self._limits, self._periodic = limit * SHARES, periodic
+        self._limits, self._boundary = limit * SHARES, "periodic" if periodic else "free"
         self._volumes = np.zeros(SHARES.size)
         self._depths = np.array([np.inf, -np.inf])
         self._planes: list[_Plane] = []
@@ -120,11 +120,11 @@ class Exceedance:
         """Add the boxes of a plane; at the ends of the stream the quadratic is linear along the depth."""
         if not here.values.max() > LEAST_NODE * self._limits[0]:
             return
-        sides, other = [], above or below
+        sides, other, edges = [], above or below, edges_of(self._boundary, here.grid)
         assert other is not None
         for side in (above or other, below or other):
             pairs = zip(here.grid.shape, side.grid.shape, strict=True)
-            sides.append((side.values, tuple(lagrange_stencils(*pair, self._periodic) for pair in pairs)))
+            sides.append((side.values, tuple(lagrange_stencils(*pair, edges) for pair in pairs)))
         up, down = (abs((plane or other).depth - here.depth) for plane in (above, below))
         ends = np.array([-up / 2 if above else 0.0, down / 2 if below else 0.0])
         _add_boxes(
@@ -136,7 +136,7 @@ class Exceedance:
             here.depth,
             ends,
             self._limits,
-            self._periodic,
+            edges,
             np.empty((3, 3, 3)),
             self._volumes,
             self._depths,
@@ -153,7 +153,7 @@ def _add_boxes(
     depth: float,
     ends: Any,
     limits: Any,
-    periodic: bool,
+    edges: int,
     values: Any,
     volume: Any,
     depths: Any,
@@ -168,9 +168,9 @@ def _add_boxes(
                 continue
             least, most = np.inf, -np.inf
             for a in range(3):
-                row = neighbour(j - 1 + a, ny, periodic)
+                row = neighbour(j - 1 + a, ny, edges)
                 for b in range(3):
-                    around[a, b] = here[row, neighbour(i - 1 + b, nx, periodic)]
+                    around[a, b] = here[row, neighbour(i - 1 + b, nx, edges)]
                     least, most = min(least, around[a, b]), max(most, around[a, b])
             for side in (above, below):
                 low, high = _range(side, here.shape, j, i)
@@ -182,8 +182,8 @@ def _add_boxes(
                     volume[n] += share * (last - first)
                 depths[0], depths[1] = min(depths[0], depth + first), max(depths[1], depth + last)
                 continue
-            _fill_cross(above, here.shape, j, i, periodic, over)
-            _fill_cross(below, here.shape, j, i, periodic, under)
+            _fill_cross(above, here.shape, j, i, edges, over)
+            _fill_cross(below, here.shape, j, i, edges, under)
             for a in range(3):
                 for b in range(3):
                     if is_end[0]:
@@ -247,12 +247,12 @@ def _range(side: Any, shape: Any, j: int, i: int) -> tuple[float, float]:
 
 
 @compiled
-def _fill_cross(side: Any, shape: Any, j: int, i: int, periodic: bool, out: Any) -> None:
+def _fill_cross(side: Any, shape: Any, j: int, i: int, edges: int, out: Any) -> None:
     """Fill a node of a grid and its nearest four neighbours with values of a plane."""
     values, ((place_y, weight_y), (place_x, weight_x)) = side
     for a, b in ((1, 1), (0, 1), (2, 1), (1, 0), (1, 2)):
         if values.shape == shape:
-            row, column = neighbour(j - 1 + a, shape[0], periodic), neighbour(i - 1 + b, shape[1], periodic)
+            row, column = neighbour(j - 1 + a, shape[0], edges), neighbour(i - 1 + b, shape[1], edges)
             out[a, b] = values[row, column]
         else:
             out[a, b] = lagrange(values, (place_y[j + a], weight_y[j + a]), (place_x[i + b], weight_x[i + b]))

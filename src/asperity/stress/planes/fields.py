@@ -29,6 +29,7 @@ from asperity.core.compiled import compiled, inlined
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.elasticity.solid import COMPONENTS
+from asperity.fourier.grid import Grid
 
 MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""
@@ -42,6 +43,14 @@ _VON_MISES, _LARGEST_SHEAR, _PRINCIPAL_1, _PRINCIPAL_2, _PRINCIPAL_3, _HYDROSTAT
 
 # Places in `BASIS` of the fields B.
 _SLOPE_XX, _SLOPE_YY, _SLOPE_XY = 6, 7, 8
+
+
+ODD = {"yz": (True, False), "xz": (False, True), "xy": (True, True)}
+"""Shear stress of a mirrored map → whether it is odd along y and along x; the other fields are even."""
+
+PERIODIC, FREE, MIRRORED = range(3)
+"""Neighbour of an outermost node beyond the edge: the node at the opposite edge; over a free boundary, where
+there is none, the neighbour on the other side; on a mirrored map the node itself."""
 
 
 Visit = Callable[[int, int, int], None]
@@ -138,21 +147,21 @@ class PlaneFields:
     ----------
     basis : Basis
     formulas : Formulas
-    periodic : bool
-        Rows and columns beyond an edge are those at the opposite edge, or their mirror images.
+    edges : int
+        `PERIODIC`, `FREE` or `MIRRORED`.
     """
 
     basis: Basis
     formulas: Formulas
-    periodic: bool
+    edges: int
 
     @classmethod
-    def of_array(cls, values: Array, periodic: bool) -> PlaneFields:
+    def of_array(cls, values: Array, edges: int) -> PlaneFields:
         """A plane of one given field, (ny, nx), which takes the place of σ_zz."""
         real = values.dtype.type
         basis = Basis(np.ascontiguousarray(values)[None], values.shape[1], np.zeros(len(BASIS), int), real(0))
         nothing = np.zeros(1, real)
-        return cls(basis, Formulas(np.array([_ZZ]), nothing, nothing), periodic)
+        return cls(basis, Formulas(np.array([_ZZ]), nothing, nothing), edges)
 
     def rows(self, first: int, last: int) -> Array:
         """Fields in consecutive rows with their neighbours beyond the edges.
@@ -170,7 +179,7 @@ class PlaneFields:
         shape = self.formulas.kinds.size, last - first, row_length(self.basis.columns)
         out = np.empty(shape, self.basis.values.dtype)
         shared = np.empty((5, BLOCK), out.dtype)
-        fill_rows(self.basis, self.formulas, first, self.periodic, shared, out, 0, last - first)
+        fill_rows(self.basis, self.formulas, first, self.edges, shared, out, 0, last - first)
         return out
 
     def whole(self) -> Array:
@@ -222,7 +231,7 @@ class PlaneFields:
         precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
         needed = np.array([_needed(int(kind), basis.index) for kind in self.formulas.kinds])
         pairs = zip(shape if shape != own else (1, 1), own, strict=True)
-        stencils = tuple(lagrange_stencils(*pair, self.periodic) for pair in pairs)
+        stencils = tuple(lagrange_stencils(*pair, self.edges) for pair in pairs)
 
         values = [np.empty((0, 3, 3), real)]
         for start in range(0, which.size, COMPARED_AT_ONCE):
@@ -240,7 +249,7 @@ class PlaneFields:
                     needed,
                     tuple(each[part] for each in nodes),  # noqa: B023
                     shape,
-                    self.periodic,
+                    self.edges,
                     level[part],  # noqa: B023
                     stencils,
                     above[part],  # noqa: B023
@@ -285,14 +294,22 @@ def strips_of(band: tuple[int, int], columns: int) -> list[tuple[int, int]]:
     return [(first, min(first + rows, band[1])) for first in range(*band, rows)]
 
 
+def edges_of(boundary: str, grid: Grid) -> int:
+    """`PERIODIC`, `FREE` or `MIRRORED` for the boundary of a contact and its grid."""
+    if boundary == "free":
+        return FREE
+    return MIRRORED if grid.mirrored else PERIODIC
+
+
 @inlined
-def neighbour(node: int, nodes: int, periodic: bool) -> int:
+def neighbour(node: int, nodes: int, edges: int) -> int:
     """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
-    if node < 0:
-        return node % nodes if periodic else -node
-    if node >= nodes:
-        return node % nodes if periodic else 2 * nodes - 2 - node
-    return node
+    if 0 <= node < nodes:
+        return node
+    if edges == PERIODIC:
+        return node % nodes
+    repeated = edges - FREE  # 1 if the outermost node is its own image
+    return -node - repeated if node < 0 else 2 * nodes - 2 + repeated - node
 
 
 @compiled
@@ -483,7 +500,7 @@ def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, li
 
 @compiled
 def fill_rows(
-    basis: Any, fields: Any, first: int, periodic: bool, shared: Any, out: Any, start: int, stop: int
+    basis: Any, fields: Any, first: int, edges: int, shared: Any, out: Any, start: int, stop: int
 ) -> None:
     """Fill the lines from `start` to `stop` − 1 of `out` with rows from `first` on, see `PlaneFields.rows`.
 
@@ -491,15 +508,15 @@ def fill_rows(
     """
     ny, nx = basis.values.shape[1], basis.columns
     for line in range(start, stop):
-        row = neighbour(first + line - start, ny, periodic)
+        row = neighbour(first + line - start, ny, edges)
         if fields.kinds[0] == _VON_MISES:
             _fill_von_mises(basis, fields, row, shared, out, line)
         for m in range(fields.kinds.size):
             here = out[m, line, ROW_MARGIN : ROW_MARGIN + nx]
             if fields.kinds[m] != _VON_MISES:
                 _fill_row(basis, fields.kinds[m], fields.ratios[m], fields.uniforms[m], row, here)
-            out[m, line, ROW_MARGIN - 1] = here[neighbour(-1, nx, periodic)]
-            out[m, line, ROW_MARGIN + nx] = here[neighbour(nx, nx, periodic)]
+            out[m, line, ROW_MARGIN - 1] = here[neighbour(-1, nx, edges)]
+            out[m, line, ROW_MARGIN + nx] = here[neighbour(nx, nx, edges)]
 
 
 @compiled
@@ -563,7 +580,7 @@ def _compare(
     needed: Any,
     nodes: Any,
     shape: tuple[int, int],
-    periodic: bool,
+    edges: int,
     magnitude: Any,
     stencils: Any,
     kept: Any,
@@ -591,7 +608,7 @@ def _compare(
             a, b = _FROM_CENTRE[k]
             j, i = row[n] + a, column[n] + b
             if same:
-                j, i = neighbour(j, ny, periodic), neighbour(i, nx, periodic)
+                j, i = neighbour(j, ny, edges), neighbour(i, nx, edges)
                 value = value_at(basis, kinds[m], ratios[m], uniforms[m], j, i)
             else:
                 for part in range(given.index.size):
@@ -632,19 +649,25 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 
 
 @lru_cache(maxsize=256)
-def lagrange_stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
+def lagrange_stencils(others: int, nodes: int, edges: int) -> tuple[Array, Array]:
     """Places and weights, (others + 2, 6), of the six nodes nearest to nodes −1 to `others` of another grid.
 
-    Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
+    Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map. Of a
+    mirrored map the first nodes of both grids are half a spacing from the mirror line.
     """
     node = np.arange(-1, others + 1)
-    if not periodic:
+    if edges == FREE:
         node[[0, -1]] = 1, others - 2
-    position = node * (nodes / others)
+    first = 0.5 if edges == MIRRORED else 0.0
+    position = (node + first) * (nodes / others) - first
     base = np.floor(position).astype(np.int64)
-    if not periodic:
+    if edges == FREE:
         base = np.clip(base, 2, nodes - 4)
     steps = np.arange(-2, 4)
     apart = (position - base)[:, None] - steps
     weights = np.prod(np.where(np.eye(6, dtype=bool), 1.0, apart[:, None]), axis=2)
-    return (base[:, None] + steps) % nodes, weights * _INVERSE_PRODUCTS
+    place = base[:, None] + steps
+    if edges == MIRRORED:
+        place %= 2 * nodes
+        return np.minimum(place, 2 * nodes - 1 - place), weights * _INVERSE_PRODUCTS
+    return place % nodes, weights * _INVERSE_PRODUCTS

@@ -1,4 +1,9 @@
-"""Basis fields of the stress in planes under a periodic pressure, transformed from its modes."""
+"""Basis fields of the stress in planes under a periodic pressure, transformed from its modes.
+
+On a mirrored map the coefficients are real: those of cosines, and of sines along the axes on which a component
+is odd (`asperity.stress.planes.fields.ODD`). An odd component has a factor i q_x or i q_y in the coefficients
+of exponentials for each such axis; with cosines a derivative turns the coefficient p of a mode to −q_x p.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +20,8 @@ from asperity.core.parallel import KeptArrays, run_tasks
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import COMPONENTS
-from asperity.fourier.grid import Fourier, Grid, Work
-from asperity.stress.planes.fields import NODES_AT_ONCE, BasisField, Visit, bands_of, strips_of
+from asperity.fourier.grid import EVEN, Fourier, Grid, Work
+from asperity.stress.planes.fields import NODES_AT_ONCE, ODD, BasisField, Visit, bands_of, strips_of
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
@@ -78,7 +83,7 @@ class PeriodicPlanes:
         self.mean_pressure, self._mean_sliding = float(modes[0, 0].real), float(sliding[0, 0].real)
         self.dtype = np.dtype(dtype)
         self._pressure, self._kept = solid.pressure, KeptArrays()
-        precision = np.result_type(self.dtype, np.complex64)
+        precision = Fourier(solid.grid, self.dtype).coefficient_type
         self._finest, self._modes = solid.grid, {"modes": modes.astype(precision, copy=False)}
         if sliding is not modes:
             self._modes["sliding"] = sliding.astype(precision, copy=False)
@@ -114,7 +119,8 @@ class PeriodicPlanes:
 
         An odd multiple of 16: rows that are a multiple of 4096 bytes apart share the same lines of the cache.
         """
-        return 16 * (-(-grid.mode_shape[1] // 8) | 1)
+        numbers = grid.mode_shape[1] if grid.mirrored else 2 * grid.mode_shape[1]
+        return 16 * (-(-numbers // 16) | 1)
 
     def compute(
         self,
@@ -140,8 +146,9 @@ class PeriodicPlanes:
         grid = own.grid
         if grid != self._fourier.grid:
             self._use(grid)
-        engine, (ny, nx) = self._fourier.engine, grid.shape
+        ny, nx = grid.shape
         spectra = values.view(self._fourier.coefficient_type)[:, :, : grid.mode_shape[1]]
+        numbers = spectra.itemsize // values.itemsize  # of a coefficient
         along_x = list(range(len(fields)))
         first = {field.component: number for number, field in reversed(list(enumerate(fields)))}
         is_surface = is_xz_derived = False
@@ -156,39 +163,37 @@ class PeriodicPlanes:
             along_x = [first["xx"], first["xy"]]
             own_fields = [BasisField(field.component, 1.0, 0.0) for field in fields]
         along_y = [n for n in along_x if not (is_xz_derived and n == first["xz"])]
-        edges = [0, *(k for k in range(1, len(along_y)) if along_y[k] > along_y[k - 1] + 1), len(along_y)]
-        runs = [slice(along_y[start], along_y[stop - 1] + 1) for start, stop in pairwise(edges)]
+        odd = [ODD.get(field.component, EVEN) for field in fields]
 
         if is_xz_derived:
             constant, slope = fields[first["xx"]][1:]
             factor = self._along_x[1, : own.columns] * self.dtype.type(
                 fields[first["xz"]].constant * 0.5 * depth / (constant + slope)
             )
-            numbers = tuple(first[name] for name in ("xx", "yy", "zz", "xz"))
+            places = tuple(first[name] for name in ("xx", "yy", "zz", "xz"))
         # The spectra of some columns stay in the processor's cache until they are transformed.
         together = max(COLUMNS_AT_ONCE, NODES_AT_ONCE // ny)
 
         def transform_columns(start: int) -> None:
             columns = slice(start, min(start + together, own.columns))
             found = self._coefficients(depth, [own_fields[n] for n in along_y], columns)
-            done = 0
-            for some in runs:
-                count = some.stop - some.start
-                engine.inverse_along_y(found[done : done + count], spectra[some, :, columns])
-                done += count
+            self._back_along_y(found, spectra[:, :, columns], along_y, odd)
 
         def transform_rows(band: int) -> None:
             shared = np.empty((4, nx + 2), self.dtype)
             for start, stop in strips_of(bands[band], nx):
                 if is_xz_derived:
-                    _fill_xz(numbers, factor, start, stop, shared[0, : 2 * own.columns], values)
-                for some in runs if is_surface else [slice(None)]:
-                    _clear_columns(2 * own.columns, 2 * spectra.shape[2], start, stop, values[some])
-                    engine.inverse_along_x(spectra[some, start:stop], values[some, start:stop, :nx])
+                    trace = shared[0, : numbers * own.columns]
+                    _fill_xz(places, factor, numbers == 1, start, stop, trace, values)
+                for some in _runs(along_x):
+                    _clear_columns(
+                        numbers * own.columns, numbers * spectra.shape[2], start, stop, values[some]
+                    )
+                self._back_along_x(spectra[:, start:stop], values[:, start:stop, :nx], along_x, odd)
                 if is_surface:
-                    places = np.array([first["xx"], first["xy"]])
+                    known = np.array([first["xx"], first["xy"]])
                     memory = shared[:, :nx]
-                    _fill_surface(self._pressure, mean, places, combinations, start, stop, memory, values)
+                    _fill_surface(self._pressure, mean, known, combinations, start, stop, memory, values)
                 if visit is not None:
                     visit(band, start, stop)
 
@@ -197,6 +202,32 @@ class PeriodicPlanes:
         run_tasks([partial(transform_rows, band) for band in range(len(bands))], self._threads)
         columns = len(along_y) * own.columns / grid.mode_shape[1]
         self._work.nodes += round(grid.size * (len(along_x) + columns) / 2)
+
+    def _back_along_y(
+        self, found: Array, spectra: Array, fields: Sequence[int], odd: Sequence[tuple[bool, bool]]
+    ) -> None:
+        """Transform coefficients of some fields along y to their places in `spectra`."""
+        engine, done = self._fourier.engine, 0
+        if self._fourier.grid.mirrored:
+            for own, n in zip(found, fields, strict=True):
+                engine.cosines(own, spectra[n], 0, odd[n][0], False)
+            return
+        for some in _runs(fields):
+            count = some.stop - some.start
+            engine.inverse_along_y(found[done : done + count], spectra[some])
+            done += count
+
+    def _back_along_x(
+        self, spectra: Array, values: Array, fields: Sequence[int], odd: Sequence[tuple[bool, bool]]
+    ) -> None:
+        """Transform rows of some fields along x."""
+        engine = self._fourier.engine
+        if self._fourier.grid.mirrored:
+            for n in fields:
+                engine.cosines(spectra[n], values[n], 1, odd[n][1], False)
+            return
+        for some in _runs(fields):
+            engine.inverse_along_x(spectra[some], values[some])
 
     def _coefficients(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
         """Coefficients of basis fields in some columns, (fields, ny, columns)."""
@@ -212,15 +243,11 @@ class PeriodicPlanes:
         numbers = max(1, FACTORS_AT_ONCE // count) * count
         row = kept.array("row", (3, numbers), float)
         memory = row, row[2].view(np.int64), kept.array("shared", (10, numbers), self.dtype)
-        source = modes.view(self.dtype), 2 * columns.start
-        settings = (kinds, factors), real(depth), wavevector, is_layer, kernels
+        source = modes.view(self.dtype), modes.itemsize // self.dtype.itemsize * columns.start
+        settings = (kinds, factors), real(depth), wavevector, grid.half_shape[0], is_layer, kernels
         _fill_spectra(*settings, memory, source, out.view(self.dtype))
-        (ny, nx), is_coarser = grid.shape, grid != self._finest
-        for number, (component, _, _) in enumerate(fields):
-            if ny % 2 == 0 and (is_coarser or component in ("yz", "xy")):
-                out[number, ny // 2] = 0
-            if nx % 2 == 0 and columns.stop > nx // 2 and (is_coarser or component in ("xz", "xy")):
-                out[number, :, nx // 2 - columns.start] = 0
+        if not grid.mirrored:
+            self._clear_nyquist_modes(fields, columns, out)
         if any(self._traction):
             q = self._wavenumber(columns)
             shear_kernels = tuple(self._layer.shear_kernels(q, depth))
@@ -237,6 +264,16 @@ class PeriodicPlanes:
                 out[:, 0, 0] += [field.constant * added[field.component] for field in fields]
         return out
 
+    def _clear_nyquist_modes(self, fields: Sequence[BasisField], columns: slice, out: Array) -> None:
+        """Set the Nyquist modes to zero that a coarser grid or an odd component does not have."""
+        (ny, nx), is_coarser = self._fourier.grid.shape, self._fourier.grid != self._finest
+        for number, (component, _, _) in enumerate(fields):
+            odd_y, odd_x = ODD.get(component, EVEN)
+            if ny % 2 == 0 and (is_coarser or odd_y):
+                out[number, ny // 2] = 0
+            if nx % 2 == 0 and columns.stop > nx // 2 and (is_coarser or odd_x):
+                out[number, :, nx // 2 - columns.start] = 0
+
     def _wavenumber(self, columns: slice) -> Array:
         return self._fourier.grid.half_wavenumber(columns=columns).astype(self.dtype)
 
@@ -245,6 +282,12 @@ class PeriodicPlanes:
         along_x, along_y = (share * self._mean_sliding for share in self._traction)
         means = {"zz": -self.mean_pressure, "xz": along_x, "yz": along_y}
         return field.constant * means.get(field.component, 0.0)
+
+
+def _runs(numbers: Sequence[int]) -> list[slice]:
+    """Slices of consecutive numbers, which rise."""
+    edges = [0, *(k for k in range(1, len(numbers)) if numbers[k] > numbers[k - 1] + 1), len(numbers)]
+    return [slice(numbers[start], numbers[stop - 1] + 1) for start, stop in pairwise(edges)]
 
 
 def _in_surface(field: BasisField) -> tuple[float, float, float, float]:
@@ -301,8 +344,12 @@ def _clear_columns(left: int, right: int, start: int, stop: int, values: Any) ->
 
 
 @compiled
-def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, values: Any) -> None:
+def _fill_xz(
+    numbers: Any, factor: Any, is_real: bool, start: int, stop: int, trace: Any, values: Any
+) -> None:
     """Fill rows of A_xz after the transform along y: i q_x depth/2 times the trace of A, in a half-space.
+
+    On a mirrored map, whose coefficients are real, −q_x depth/2 times it.
 
     Parameters
     ----------
@@ -311,10 +358,10 @@ def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, value
     factor : (columns,) array
         q_x depth/2.
     start, stop : int
-    trace : (2 columns,) array
-        Any values.
-    values : (fields, ny, at least 2 columns) array
-        Real and imaginary parts in turn.
+    trace : array
+        Any values; its size is that of a row of coefficients.
+    values : (fields, ny, at least as many) array
+        Real and imaginary parts in turn, or real coefficients.
     """
     for j in range(start, stop):
         xx, yy = values[numbers[0], j], values[numbers[1], j]
@@ -322,6 +369,10 @@ def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, value
         # The trace first: only loops that read and write few arrays are turned into operations on vectors.
         for i in range(trace.size):
             trace[i] = xx[i] + yy[i] + zz[i]
+        if is_real:
+            for i in range(factor.size):
+                xz[i] = -factor[i] * trace[i]
+            continue
         for i in range(factor.size):
             xz[2 * i] = -factor[i] * trace[2 * i + 1]
             xz[2 * i + 1] = factor[i] * trace[2 * i]
@@ -332,6 +383,7 @@ def _fill_spectra(
     fields: Any,
     depth: float,
     wavevector: Any,
+    rows: int,
     is_layer: bool,
     kernels: Any,
     memory: Any,
@@ -349,91 +401,118 @@ def _fill_spectra(
     depth : float
     wavevector : tuple
         q_x of the columns and q_y of the rows.
+    rows : int
+        Number of rows with q_y ≥ 0, for which factors are computed: all of a mirrored map.
     is_layer : bool
-    kernels : (3, ny // 2 + 1, columns) array
+    kernels : (3, rows, columns) array
         Z, L and T of a layer; those of the half-space are computed here.
     memory : tuple
         Arrays with any values: (3, numbers) in double precision, the memory of its third row as integers, and
         (10, numbers) in that of the planes, where `numbers` is a multiple of the number of columns.
     source : tuple
-        Coefficients of the pressure on this or a finer grid, real and imaginary parts in turn, and the place
-        of the first one in a row.
-    out : (fields, ny, 2 columns) array
+        Coefficients of the pressure on this or a finer grid, real and imaginary parts in turn unless they are
+        real, and the place of the first one in a row.
+    out : (fields, ny, 2 columns or columns) array
         Modes that are zero because they are Nyquist modes are not made so here.
     """
-    (kinds, factors), (row, exponent, shared) = fields, memory
-    (qx, qy), (modes, left) = wavevector, source
-    ny, columns, zero, one = out.shape[1], qx.size, qx.dtype.type(0), qx.dtype.type(1)
-    rows = shared.shape[1] // columns
-    both = shared[8:].reshape(-1)
-    for first in range(0, ny // 2 + 1, rows):
-        last = min(first + rows, ny // 2 + 1)
-        size = (last - first) * columns
-        scaled, over, z, along = shared[0, :size], shared[1, :size], shared[2, :size], shared[3, :size]
-        shear, sum_z, c, s = shared[4, :size], shared[5, :size], shared[6, :size], shared[7, :size]
-        factor = both[: 2 * size]
-        for j in range(first, last):
-            some = slice((j - first) * columns, (j - first + 1) * columns)
-            x, y = c[some], s[some]
-            for i in range(columns):
-                x[i] = qx[i]
-            for i in range(columns):
-                y[i] = qy[j]
-        for i in range(size):
-            q = np.sqrt(c[i] * c[i] + s[i] * s[i])
-            scaled[i] = depth * q
-            over[i] = one / q if q > 0 else zero
-        for i in range(size):
-            c[i] *= over[i]
-        for i in range(size):
-            s[i] *= over[i]
-        if is_layer:
-            for j in range(first, last):
-                for i in range(columns):
-                    n = (j - first) * columns + i
-                    z[n], along[n], shear[n] = kernels[0, j, i], kernels[1, j, i], kernels[2, j, i]
-        else:
-            _fill_decay(scaled, row[0, :size], row[1, :size], row[2, :size], exponent[:size], z)
-            for i in range(size):
-                along[i] = (one - scaled[i]) * z[i]
-            for i in range(size):
-                shear[i] = scaled[i] * z[i]
-            for i in range(size):
-                z[i] = (one + scaled[i]) * z[i]
-        for i in range(size):
-            sum_z[i] = z[i] + along[i]
+    (kinds, factors), (shared, (qx, qy), (modes, left)) = fields, (memory[2], wavevector, source)
+    ny, columns, length, one = out.shape[1], qx.size, out.shape[2], qx.dtype.type(1)
+    at_once, twice = shared.shape[1] // columns, shared[8:].reshape(-1)
+    for first in range(0, rows, at_once):
+        last = min(first + at_once, rows)
+        _fill_kernels(depth, qx, qy[first:last], is_layer, kernels[:, first:last], memory)
         for n in range(kinds.size):
-            kind, a, b = kinds[n], factors[n, 0], factors[n, 1]
-            if kind == _ZZ:
-                for i in range(size):
-                    factor[2 * i] = factor[2 * i + 1] = -a * z[i]
-            elif kind == _YZ:
-                for i in range(size):
-                    factor[2 * i] = factor[2 * i + 1] = a * s[i] * shear[i]
-            elif kind == _XZ:
-                for i in range(size):
-                    factor[2 * i] = factor[2 * i + 1] = a * c[i] * shear[i]
-            elif kind == _XY:
-                for i in range(size):
-                    value = c[i] * s[i] * (b * sum_z[i] - a * along[i])
-                    factor[2 * i] = factor[2 * i + 1] = value
-            elif kind == _XX:
-                for i in range(size):
-                    value = a * c[i] * c[i] * along[i] + b * s[i] * s[i] * sum_z[i]
-                    factor[2 * i] = factor[2 * i + 1] = -value
-            else:
-                for i in range(size):
-                    value = a * s[i] * s[i] * along[i] + b * c[i] * c[i] * sum_z[i]
-                    factor[2 * i] = factor[2 * i + 1] = -value
+            kind, factor = kinds[n], shared[0, : (last - first) * columns]
+            _fill_factors(kind, factors[n, 0], factors[n, 1], shared, factor)
+            if length == columns:  # real coefficients
+                # Two derivatives of an exponential change its sign, those of cosines along x and y do not.
+                sign = -one if kind == _XY else one
+                for j in range(first, last):
+                    own, line = factor[(j - first) * columns :], modes[j, left : left + columns]
+                    for i in range(columns):
+                        out[n, j, i] = sign * own[i] * line[i]
+                continue
+            for i in range(factor.size):
+                twice[2 * i] = twice[2 * i + 1] = factor[i]
             is_turned = kind in (_XZ, _YZ)
             for j in range(first, last):
-                own = factor[2 * (j - first) * columns : 2 * (j - first + 1) * columns]
-                _multiply(own, one, modes[j, left : left + 2 * columns], is_turned, out[n, j])
+                own = twice[(j - first) * length : (j - first + 1) * length]
+                _multiply(own, one, modes[j, left : left + length], is_turned, out[n, j])
                 # The row of −qy has the same factors; those odd in qy change their sign.
                 if 0 < j < ny - j:
                     sign = -one if kind in (_YZ, _XY) else one
-                    opposite = modes[modes.shape[0] - j, left : left + 2 * columns]
+                    opposite = modes[modes.shape[0] - j, left : left + length]
                     _multiply(own, sign, opposite, is_turned, out[n, ny - j])
+
+
+@fused
+def _fill_kernels(depth: float, qx: Any, qy: Any, is_layer: bool, kernels: Any, memory: Any) -> None:
+    """Fill rows of `shared` with Z, L, T, Z + L, q_x/q and q_y/q (its rows 2 to 7) of the modes of some rows.
+
+    Arguments are as of `_fill_spectra`, of these rows.
+    """
+    row, exponent, shared = memory
+    columns, size, zero, one = qx.size, qx.size * qy.size, qx.dtype.type(0), qx.dtype.type(1)
+    scaled, over, z, along = shared[0, :size], shared[1, :size], shared[2, :size], shared[3, :size]
+    shear, sum_z, c, s = shared[4, :size], shared[5, :size], shared[6, :size], shared[7, :size]
+    for j in range(qy.size):
+        x, y = c[j * columns : (j + 1) * columns], s[j * columns : (j + 1) * columns]
+        for i in range(columns):
+            x[i] = qx[i]
+        for i in range(columns):
+            y[i] = qy[j]
+    for i in range(size):
+        q = np.sqrt(c[i] * c[i] + s[i] * s[i])
+        scaled[i] = depth * q
+        over[i] = one / q if q > 0 else zero
+    for i in range(size):
+        c[i] *= over[i]
+    for i in range(size):
+        s[i] *= over[i]
+    if is_layer:
+        for j in range(qy.size):
+            for i in range(columns):
+                n = j * columns + i
+                z[n], along[n], shear[n] = kernels[0, j, i], kernels[1, j, i], kernels[2, j, i]
+    else:
+        _fill_decay(scaled, row[0, :size], row[1, :size], row[2, :size], exponent[:size], z)
+        for i in range(size):
+            along[i] = (one - scaled[i]) * z[i]
+        for i in range(size):
+            shear[i] = scaled[i] * z[i]
+        for i in range(size):
+            z[i] = (one + scaled[i]) * z[i]
+    for i in range(size):
+        sum_z[i] = z[i] + along[i]
+
+
+@fused
+def _fill_factors(kind: int, a: float, b: float, shared: Any, factor: Any) -> None:
+    """Fill `factor` with the factors of a component, but for the −i of σ_xz and σ_yz.
+
+    `shared` is as of `_fill_kernels`.
+    """
+    size = factor.size
+    z, along, shear = shared[2, :size], shared[3, :size], shared[4, :size]
+    sum_z, c, s = shared[5, :size], shared[6, :size], shared[7, :size]
+    if kind == _ZZ:
+        for i in range(size):
+            factor[i] = -a * z[i]
+    elif kind == _YZ:
+        for i in range(size):
+            factor[i] = a * s[i] * shear[i]
+    elif kind == _XZ:
+        for i in range(size):
+            factor[i] = a * c[i] * shear[i]
+    elif kind == _XY:
+        for i in range(size):
+            factor[i] = c[i] * s[i] * (b * sum_z[i] - a * along[i])
+    elif kind == _XX:
+        for i in range(size):
+            factor[i] = -(a * c[i] * c[i] * along[i] + b * s[i] * s[i] * sum_z[i])
+    else:
+        for i in range(size):
+            factor[i] = -(a * s[i] * s[i] * along[i] + b * c[i] * c[i] * sum_z[i])
 
 
 _LARGEST_ARGUMENT = 700.0

@@ -40,6 +40,7 @@ from asperity.stress.planes.fields import (
     Formulas,
     PlaneFields,
     Visit,
+    edges_of,
 )
 from asperity.stress.planes.free_boundary import FreePlanes
 from asperity.stress.planes.periodic import PeriodicPlanes
@@ -67,7 +68,7 @@ MAX_RATIOS = 1000
 """Most Poisson's ratios of one stream: steps of 0.0015 over the whole range from −1 to 0.5."""
 
 MAX_DEPTH = 1e30
-"""Largest depth over the longer edge of the cell. Modes vanish below a depth of 120; nothing overflows."""
+"""Largest depth over the longer period. Modes vanish below a depth of 120; nothing overflows."""
 
 MAX_FRICTION = 1000.0
 """Largest coefficient of friction: more than any pair of solids has, and squares of stresses stay finite."""
@@ -102,6 +103,11 @@ class LinearPlane:
     scale: float
     refresh: Callable[..., None]
 
+    @property
+    def first_node(self) -> tuple[float, float]:
+        """Position y, x of the first node, where that of the grid of the contact is at 0."""
+        return self.grid.first_node(self.solid.grid)
+
     def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> PlaneFields:
         """Fields of these names and Poisson's ratios, given uniform parts over the mean pressure.
 
@@ -111,7 +117,7 @@ class LinearPlane:
         kinds = np.array([FIELDS.index(name) for name in names])
         slopes = np.array([0.0 if self.fixed else nu for nu in ratios], real)
         formulas = Formulas(kinds, slopes, np.array([mean * part for part in uniforms], real))
-        return PlaneFields(self.basis, formulas, self.solid.boundary == "periodic")
+        return PlaneFields(self.basis, formulas, edges_of(self.solid.boundary, self.grid))
 
     def field(self, name: str, poisson: float) -> Array:
         """The field `name` for one Poisson's ratio, (ny, nx)."""
@@ -143,6 +149,10 @@ class PlaneStream:
     Attributes
     ----------
     solid : LoadedSolid
+        On the whole cell where its stress on a mirrored map is no mirror image: under friction, or with a
+        background of shear.
+    map_grid : Grid
+        Grid of the contact.
     depths : (planes,) array
     ratios : list of float
         Poisson's ratios.
@@ -169,6 +179,11 @@ class PlaneStream:
         self.solid = LoadedSolid.of(contact)
         self._traction = shear_traction(friction, sliding_direction, self.solid.layer)
         self.depths = _checked_depths(depths, self.solid)
+        background = self.solid.background
+        has_shear = background is not None and any(np.any(background(depth)[3:]) for depth in self.depths)
+        self.map_grid = self.solid.grid
+        if any(self._traction) or has_shear:
+            self.solid = self.solid.with_mirror_images()
         self.ratios = checked_ratios(poisson, self.solid.layer)
         if self.solid.background is not None and len(self.ratios) > 1:
             raise ValueError(f"poisson has {len(self.ratios)} values: one is needed with a background")
@@ -335,7 +350,7 @@ def _checked_depths(depths: ArrayLike, solid: LoadedSolid) -> Array:
     if array.ndim != 1 or not 1 <= array.size <= MAX_PLANES:
         raise ValueError(f"depths has the shape {array.shape}: 1 to {MAX_PLANES} depths are needed")
     height = solid.layer.extent
-    deepest = MAX_DEPTH * max(solid.grid.length) if height is None else height
+    deepest = MAX_DEPTH * max(solid.grid.period) if height is None else height
     outside = np.flatnonzero(~((array >= 0) & (array <= deepest * (1 + 1e-12))))
     if outside.size:
         number = outside[0]

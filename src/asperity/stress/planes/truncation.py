@@ -60,8 +60,8 @@ class Truncation:
 
     Parameters
     ----------
-    pressure : (ny, nx // 2 + 1) complex array
-        Coefficients of the contact pressure.
+    pressure : array
+        Coefficients of the contact pressure, of the `mode_shape` of the first grid.
     grids : sequence of Grid
         Grids to choose from, finest first: that of the coefficients, and coarser ones of the same cell.
     layer : Solid
@@ -72,7 +72,7 @@ class Truncation:
     aliases : float
         Largest number of short waves of comparable amplitude that are aliased to one long wave on the nodes
         of a plane; 0 where planes are transformed from their modes.
-    sliding : (ny, nx // 2 + 1) complex array, optional
+    sliding : array, optional
         Coefficients of the part of the pressure that causes the shear traction; by default all of it.
     """
 
@@ -88,8 +88,8 @@ class Truncation:
     ) -> None:
         grid, self._grids, self._layer = grids[0], grids, layer
         self._tolerance, self._envelope, self._aliases = tolerance, envelope, aliases
-        width = 2 * np.pi / max(grid.length)
-        numbers = np.sqrt(grid.qy[: grid.shape[0] // 2 + 1, None] ** 2 + grid.qx**2)
+        width = 2 * np.pi / max(grid.period)
+        numbers = grid.half_wavenumber()
         numbers /= width
         np.floor(numbers, out=numbers)
         if numbers.max() < numbers.size:
@@ -203,18 +203,20 @@ def _mode_bound(z: Array, along: Array, across: Array, shear: Array) -> Array:
 def coarser_grids(grid: Grid) -> list[Grid]:
     """The grid and coarser ones of the same cell: 7/8, 6/8, 5/8, 4/8 of its nodes, and so on by halves.
 
-    Every number of nodes is one whose transform is fast, and at least `MIN_NODES` or that of the grid.
+    Every number of nodes is one whose transform is fast, and at least `MIN_NODES` or that of the grid. These
+    are numbers along a period: those of a mirrored map are half as many.
     """
-    grids = [grid]
+    grids, images, nodes = [grid], 2 if grid.mirrored else 1, grid.whole_cell.shape
     halving = 1.0
     while True:
         for eighths in (7, 6, 5, 4):
             fraction = halving * eighths / 8
-            shape = tuple(min(n, max(good_size(int(np.ceil(n * fraction))), MIN_NODES)) for n in grid.shape)
+            shape = tuple(min(n, max(good_size(int(np.ceil(n * fraction))), MIN_NODES)) for n in nodes)
+            shape = shape[0] // images, shape[1] // images
             if shape != grids[-1].shape:
-                grids.append(Grid((shape[0], shape[1]), grid.length))
+                grids.append(Grid(shape, grid.length, grid.mirrored))
         halving /= 2
-        if min(grid.shape) * halving < MIN_NODES:
+        if min(nodes) * halving < MIN_NODES:
             return grids
 
 
@@ -235,11 +237,11 @@ def _folded(values: Array, grid: Grid) -> Array:
 
 
 def _coarsest_grid_of_modes(grid: Grid, grids: Sequence[Grid]) -> Array:
-    """Index of the last (coarsest) of the grids that keeps the modes ±ky, (ny // 2 + 1, nx // 2 + 1)."""
+    """Index of the last (coarsest) of the grids that keeps the modes ±ky, of the `half_shape` of the grid."""
     along_y, along_x = (
         np.sum(
-            [2 * np.arange(nodes // 2 + 1) < coarse.shape[axis] for coarse in grids[1:]], axis=0, dtype=int
+            [2 * np.arange(modes) < coarse.whole_cell.shape[axis] for coarse in grids[1:]], axis=0, dtype=int
         )
-        for axis, nodes in enumerate(grid.shape)
+        for axis, modes in enumerate(grid.half_shape)
     )
     return np.minimum.outer(along_y, along_x)
