@@ -5,6 +5,9 @@ one point of the depth profile and the covariance of Eq. 22 with the reference p
 Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept, or
 computed again.
 
+On a mirrored map planes are those of the map alone. Where the stress is no mirror image (`PlaneStream.solid`),
+they are those of the whole cell, and so are the profile and the covariances; peaks are those on the map.
+
 The condition of the mean (q = 0) mode (`Solid.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
 of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
 """
@@ -26,7 +29,7 @@ from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier import current_engine
-from asperity.fourier.grid import Work
+from asperity.fourier.grid import Grid, Work
 from asperity.stress.peaks.finder import (
     PeakFinder,
     Peaks,
@@ -110,6 +113,8 @@ def analyse_stress(
         stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
         The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
         the arguments; ``plastic_contact``, where the pressure reaches the hardness, says what that means.
+        On a mirrored map under friction the profile and the covariances are those of the map and its three
+        images, which all slide the same way, and `observe` gets planes of this cell.
 
     Raises
     ------
@@ -178,6 +183,13 @@ class _Field(NamedTuple):
     name: str
     poisson: float
     uniform: tuple[float, float]
+
+
+def _is_on(grid: Grid, peaks: Peaks) -> Array:
+    """True for peaks in the whole cell of a mirrored map that lie on the map."""
+    places = zip((peaks.y, peaks.x), grid.spacing, grid.length, strict=True)
+    along_y, along_x = ((place + 0.5 * step) % (2 * edge) < edge for place, step, edge in places)
+    return along_y & along_x
 
 
 class _Analysis:
@@ -254,7 +266,9 @@ class _Analysis:
             if observe is not None:
                 observe(plane)
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
-            searched = SearchedPlane(plane.depth, plane.grid, search.fields, plane.refresh)
+            searched = SearchedPlane(
+                plane.depth, plane.grid, plane.first_node, search.fields, plane.refresh
+            )
             floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)
             self._finder.add(searched, search, floor)
         self._finder.finish()
@@ -340,6 +354,9 @@ class _Analysis:
         lag, in_plane = references.in_plane()
         found = self._peaks(lateral)
         every, sizes = Peaks.join(found.values()), [peaks.size for peaks in found.values()]
+        if stream.map_grid.mirrored and not solid.grid.mirrored:
+            on_map = [peaks.select(np.flatnonzero(_is_on(stream.map_grid, peaks))) for peaks in found.values()]
+            every, sizes = Peaks.join(on_map), [peaks.size for peaks in on_map]
         under_contact = every.under_contact(solid.pressure, solid.grid, solid.boundary)
         profiles = ("poisson", "plane")
         return xr.Dataset(

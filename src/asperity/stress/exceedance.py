@@ -255,7 +255,8 @@ def _fill_cross(side: Any, shape: Any, j: int, i: int, edges: int, out: Any) -> 
             row, column = neighbour(j - 1 + a, shape[0], edges), neighbour(i - 1 + b, shape[1], edges)
             out[a, b] = values[row, column]
         else:
-            out[a, b] = lagrange(values, (place_y[j + a], weight_y[j + a]), (place_x[i + b], weight_x[i + b]))
+            along_y, along_x = (place_y[j + a], weight_y[0, j + a]), (place_x[i + b], weight_x[0, i + b])
+            out[a, b] = lagrange(values, along_y, along_x)
 
 
 @compiled

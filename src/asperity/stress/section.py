@@ -2,7 +2,7 @@
 
 The basis fields A and B of each plane are interpolated along y and x; the named fields are made from the
 interpolated ones, never interpolated themselves. Over a periodic boundary the interpolation is the
-trigonometric one, exact for the modes of the plane. Over a free boundary it is Lagrange's on the
+trigonometric one, exact for the modes of the plane, on a mirrored map that of the map and its images. Over a free boundary it is Lagrange's on the
 `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked for, they are taken as they are.
 """
 
@@ -19,6 +19,8 @@ from asperity.core.arguments import choice, number, pair, require_finite
 from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
+from asperity.fourier.grid import EVEN
+from asperity.stress.planes.fields import BASIS, ODD
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
 
@@ -60,9 +62,8 @@ class StressBox:
 
     def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""
-        periodic = self._stream.solid.boundary == "periodic"
         for plane in self._stream.planes(progress):
-            fields = _interpolated(plane, self.y, self.x, periodic).named_fields(self.fields, self.poisson)
+            fields = _interpolated(plane, self.y, self.x).named_fields(self.fields, self.poisson)
             require_finite("stress_box", fields)
             yield fields
 
@@ -236,12 +237,28 @@ def _positions(name: str, extent: Any, solid: LoadedSolid, axis: int, spacing: f
     return first + step * np.arange(int((last - first) / step + 1 + ON_A_NODE))
 
 
-def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> LinearPlane:
+def _interpolated(plane: LinearPlane, y: Array, x: Array) -> LinearPlane:
     """The plane with its basis fields at other positions."""
     values = plane.basis.values[:, :, : plane.basis.columns]
-    for axis, (positions, step) in enumerate(zip((y, x), plane.grid.spacing, strict=True), start=1):
-        values = _along(axis, values, positions / step, periodic)
-    return replace(plane, basis=plane.basis._replace(values=values, columns=x.size))
+    places = [
+        (positions - first) / step
+        for positions, first, step in zip((y, x), plane.first_node, plane.grid.spacing, strict=True)
+    ]
+    if not plane.grid.mirrored:
+        periodic = plane.solid.boundary == "periodic"
+        for axis, positions in enumerate(places, start=1):
+            values = _along(axis, values, positions, periodic)
+        return replace(plane, basis=plane.basis._replace(values=values, columns=x.size))
+    out = np.empty((len(values), y.size, x.size), values.dtype)
+    for (component, _), number in zip(BASIS, plane.basis.index, strict=True):
+        if number >= 0:
+            field = values[number][None]
+            for axis, positions, is_odd in zip((1, 2), places, ODD.get(component, EVEN), strict=True):
+                image = np.flip(field, axis)
+                field = np.concatenate([field, -image if is_odd else image], axis)
+                field = _along(axis, field, positions, periodic=True)
+            out[number] = field[0]
+    return replace(plane, basis=plane.basis._replace(values=out, columns=x.size))
 
 
 def _along(axis: int, values: Array, positions: Array, periodic: bool) -> Array:

@@ -8,7 +8,8 @@ nodes along each axis). A peak is larger than all its neighbours. In the surface
 are no neighbours above. Any other first plane and the last plane have no peaks. Two planes at consecutive
 floating-point numbers are the two faces of the interface under a coating: neither has neighbours in the
 other. Over a periodic boundary, a node at an edge has neighbours at the opposite edge. Over a free boundary
-it has none across its edge.
+it has none across its edge. On a mirrored map they are the images of the node and of its neighbours. An
+outermost node with the same value as its image is one peak, on the mirror line.
 
 Where the grid changes between two planes, each plane compares on its own nodes, so that both or neither could
 claim a peak between them. There, of two matched maxima of the planes (within a spacing of the coarser grid)
@@ -30,11 +31,20 @@ from scipy.spatial import cKDTree
 from asperity.core.arguments import choice, number, require_finite
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import BOUNDARIES
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import EVEN, Grid
 from asperity.stress.peaks.maxima import Entries, Maxima, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.search import Lower, PlaneSearch
 from asperity.stress.peaks.selection import checked_ratio
-from asperity.stress.planes.fields import PlaneFields, bands_of, strips_of
+from asperity.stress.planes.fields import (
+    FIELDS,
+    MIRRORED,
+    ODD,
+    PERIODIC,
+    PlaneFields,
+    bands_of,
+    edges_of,
+    strips_of,
+)
 from asperity.stress.planes.planes import StressPlane
 
 REFINED_AT_ONCE = 2**14
@@ -57,7 +67,8 @@ class Peaks(Entries):
     value : float array
         Refined value, with its sign.
     depth, y, x : float arrays
-        Refined position; y and x within the cell.
+        Refined position; y and x within the cell, from the first node of the finest grid. On a mirrored map
+        they reach from half a spacing before this node, the mirror line.
     node_value : float array
         Value at the node.
     interior : bool array
@@ -75,7 +86,7 @@ class Peaks(Entries):
         """True where the surface node nearest above a peak carries pressure."""
         spacing, nodes = np.array(grid.spacing)[:, None], np.array(grid.shape)[:, None]
         nearest = np.rint(np.stack([self.y, self.x]) / spacing).astype(np.int64)
-        row, column = nearest % nodes if boundary == "periodic" else np.clip(nearest, 0, nodes - 1)
+        row, column = nearest % nodes if edges_of(boundary, grid) == PERIODIC else np.clip(nearest, 0, nodes - 1)
         return np.asarray(pressure)[row, column] > 0
 
 
@@ -84,10 +95,14 @@ NO_PEAKS = Peaks(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.empty(0, b
 
 
 class SearchedPlane(NamedTuple):
-    """Fields of a plane, of which the peaks are sought; `refresh` brings their basis fields into memory."""
+    """Fields of a plane, of which the peaks are sought; `refresh` brings their basis fields into memory.
+
+    `first_node` is its position y, x.
+    """
 
     depth: float
     grid: Grid
+    first_node: tuple[float, float]
     fields: PlaneFields
     refresh: Callable[..., None] = lambda: None
 
@@ -205,19 +220,27 @@ def _refined(
     else:
         value, depth, *offsets = refine_in_solid(maxima.above, maxima.here, below, depths)
     node_value = maxima.here[:, 1, 1].astype(float)
-    y, x = (_places(maxima, plane, offsets) * plane.grid.spacing).T
+    y, x = _positions(maxima, plane, offsets).T
     interior = np.full(maxima.size, plane.depth > 0)
     return Peaks(value * np.sign(node_value), depth, y, x, node_value, interior)
 
 
-def _places(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Array:
-    """Positions of maxima within the cell, in spacings, (maxima, 2)."""
+def _positions(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Array:
+    """Positions of maxima within the cell, (maxima, 2)."""
+    nodes, spacing = np.array(plane.grid.shape), np.array(plane.grid.spacing)
     places = np.stack([maxima.row + offsets[0], maxima.column + offsets[1]], axis=1)
-    if not plane.fields.periodic:
-        return places
-    inside = places % plane.grid.shape
-    # The remainder of a small negative number may be rounded to the length.
-    return np.where(inside < plane.grid.shape, inside, 0.0)
+    if plane.fields.edges == MIRRORED:
+        # A node of an even field and its image have the same value, and the maximum lies between them.
+        is_even = ~np.array([ODD.get(name, EVEN) for name in FIELDS])[plane.fields.formulas.kinds]
+        row_column = np.stack([maxima.row, maxima.column], axis=1)
+        for edge, line in ((0, -0.5), (nodes - 1, nodes - 0.5)):
+            places = np.where(is_even[maxima.field] & (row_column == edge), line, places)
+        return places * spacing + plane.first_node
+    if plane.fields.edges == PERIODIC:
+        places %= nodes
+        # The remainder of a small negative number may be rounded to the length.
+        places[places >= nodes] = 0.0
+    return places * spacing
 
 
 def _matched_maxima(
@@ -239,8 +262,12 @@ def _matched_maxima(
     count = np.clip(cell // REACH, 1, MAX_SQUARES).astype(int)
 
     def squares(maxima: Maxima, plane: SearchedPlane, shift: tuple[int, ...] = (0, 0)) -> tuple[Array, ...]:
-        along = zip((maxima.row, maxima.column), shift, plane.grid.shape, count, strict=True)
-        return maxima.field, *((node * size // nodes + step) % size for node, step, nodes, size in along)
+        along, before = zip((maxima.row, maxima.column), shift, plane.grid.shape, count, strict=True), 0
+        if plane.grid.mirrored:  # the first node is half a spacing from the mirror line
+            before = 1
+        return maxima.field, *(
+            ((2 * node + before) * size // (2 * nodes) + step) % size for node, step, nodes, size in along
+        )
 
     taken = np.zeros((upper_plane.fields.formulas.kinds.size, *count), bool)
     for shift in product((-1, 0, 1), repeat=2):
@@ -253,7 +280,7 @@ def _matched_maxima(
         _places_of_fields(maxima, plane, spacing)
         for maxima, plane in ((upper, upper_plane), (lower.select(near), lower_plane))
     )
-    box = np.array([*cell, 0.0]) if upper_plane.fields.periodic else None
+    box = np.array([*cell, 0.0]) if upper_plane.fields.edges == PERIODIC else None
     distance, nearest = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
     close = np.flatnonzero(np.asarray(distance) <= 1.0)
     partner = np.asarray(nearest)[close]
@@ -265,7 +292,7 @@ def _matched_maxima(
 def _places_of_fields(maxima: Maxima, plane: SearchedPlane, spacing: Array) -> tuple[Array, Array]:
     """Refined values and positions in spacings, with a third dimension, which keeps fields apart."""
     value, *offsets = refine_in_plane(maxima.here)
-    places = _places(maxima, plane, offsets) * (plane.grid.spacing / spacing)
+    places = _positions(maxima, plane, offsets) / spacing
     return value, np.column_stack([places, 2.0 * maxima.field])
 
 
@@ -276,11 +303,12 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     ----------
     field : (ny, nx) array
     grid : Grid
-        With at least three nodes on each axis.
+        With at least three nodes on each axis; mirrored if the field is even about the mirror lines.
     floor : float
         Maxima of a magnitude at or below it are left out.
     boundary : "periodic" | "free"
-        The plane repeats sideways, or has no neighbours across its edges.
+        The plane, with its mirror images if it is mirrored, repeats sideways, or has no neighbours across
+        its edges.
 
     Returns
     -------
@@ -305,7 +333,7 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     -1.00 at y = 0.90, x = 0.30
     +1.00 at y = 0.90, x = 0.80
     """
-    plane, search, floor = _searched(0.0, grid, field, floor, boundary)
+    plane, search, floor = _searched((0.0, grid, (0.0, 0.0)), "zz", field, floor, boundary)
     found = _refined(search.maxima(floor), plane)
     require_finite("plane_peaks", vars(found))
     return found
@@ -353,31 +381,35 @@ def find_peaks(
         values = plane.fields[choice("name", name, list(plane.fields))]
         ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
         above = finder.plane_above(plane.depth, plane.grid)
-        finder.add(*_searched(plane.depth, plane.grid, values[ratio], floor, boundary, *above))
+        own = plane.depth, plane.grid, plane.first_node
+        finder.add(*_searched(own, name, values[ratio], floor, boundary, *above))
     found = finder.peaks()
     require_finite("find_peaks", vars(found))
     return found
 
 
 def _searched(
-    depth: float,
-    grid: Grid,
+    own: tuple[float, Grid, tuple[float, float]],
+    name: str,
     field: Array,
     floor: float,
     boundary: str,
     above: PlaneFields | None = None,
     candidates: Maxima | None = None,
 ) -> tuple[SearchedPlane, PlaneSearch, float]:
-    """A plane with one field of its own, its search and the floor; the arguments are checked here."""
+    """A plane with one field, its search and the floor; the arguments are checked here.
+
+    `own` are the first entries of a `SearchedPlane`.
+    """
+    grid = own[1]
     check_nodes(grid)
     field, floor = grid.field("field", field), checked_floor(floor)
-    periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
-    fields = PlaneFields.of_array(field, periodic)
+    fields = PlaneFields.of_array(field, edges_of(choice("boundary", boundary, BOUNDARIES), grid), name)
     search = PlaneSearch(fields, np.ones(1, bool), floor, above=above, candidates=candidates)
     for place, band in enumerate(bands_of(grid.shape[0])):
         for strip in strips_of(band, grid.shape[1]):
             search.add_rows(place, *strip)
-    return SearchedPlane(depth, grid, fields), search, floor
+    return SearchedPlane(*own, fields), search, floor
 
 
 def checked_floor(floor: float) -> float:

@@ -1,7 +1,7 @@
 """Search of a plane for the maxima of its fields, and sums of its rows, while these are in the cache.
 
-Of adjacent nodes of a plane with the same value, such as the two beside the mirror of a mirrored map, the
-upper and then the left one counts as larger: whether one of them is the peak does not depend on rounding.
+Of adjacent nodes of a plane with the same value the upper and then the left one counts as larger: whether one
+of them is the peak does not depend on rounding. A node of a mirrored map counts before its mirror image.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from asperity.core.types import Array
 from asperity.stress.peaks.maxima import Entries, Maxima
 from asperity.stress.planes.fields import (
     BLOCK,
+    MIRRORED,
     LANES,
     PACKED,
     ROW_MARGIN,
@@ -25,6 +26,7 @@ from asperity.stress.planes.fields import (
     PlaneFields,
     bands_of,
     fill_rows,
+    image_sign,
     neighbour,
     row_length,
     rows_at_once,
@@ -99,7 +101,7 @@ class PlaneSearch:
         self._rows = rows
         self.fields, self._sought = fields, sought
         self._planes = fields.basis, (fields if above is None else above).basis
-        self._options = real.type(floor), fields.periodic, above is not None
+        self._options = real.type(floor), fields.edges, above is not None
         if candidates is None:
             nothing = np.empty(0, np.int32)
             candidates = Maxima(nothing, nothing, nothing, np.empty((0, 3, 3), real))
@@ -150,7 +152,7 @@ class PlaneSearch:
         flags = array("flags", (-(-columns // (8 * WORDS)) * 8 * WORDS,), bool)
         flags[columns:] = False
         return (
-            array("values", (count, 3, row_length(columns)), real),
+            (array("values", (count, 3, row_length(columns)), real), np.zeros(row_length(columns), real)),
             array("shared", (5, BLOCK), real),
             (array("largest", (count, LANES), real), array("lanes", (3, LANES), real)),
             (flags, flags.view(np.uint64), array("places", (columns // 2 + 1,), np.int32)),
@@ -211,13 +213,14 @@ def _search_rows(
     sums: Any,
 ) -> tuple[int, int]:
     """As `PlaneSearch._search`, row by row, so that values stay in the cache; returns the numbers of both."""
-    (basis, above), (floor, periodic, is_compared), (start, first, last) = planes, options, rows
+    (basis, above), (floor, edges, is_compared), (start, first, last) = planes, options, rows
     first_candidate, candidate_field, candidate_column, candidate_magnitude = candidates
-    values, shared, (largest, lanes), marks, (field, row, column, here, over), (number, below) = memory
+    (values, nothing), shared, (largest, lanes), marks, (field, row, column, here, over), (number, below) = memory
     places, columns, count, exceeding = marks[2], basis.columns, 0, 0
+    shape = basis.values.shape[1], columns
     largest[:] = -np.inf
     for j in range(first, last):
-        fill_rows(basis, formulas, j, periodic, shared, values, j % 3, j % 3 + 1)
+        fill_rows(basis, formulas, j, edges, shared, values, j % 3, j % 3 + 1)
         for m in range(sums.shape[0] if 0 <= j < basis.values.shape[1] else 0):
             line = values[m, j % 3, ROW_MARGIN : ROW_MARGIN + columns]
             sum_row(line, references, m, j, largest[m], lanes, sums[m, j])
@@ -228,7 +231,12 @@ def _search_rows(
                 continue
             lines = values[m, (j - 2) % 3], values[m, (j - 1) % 3], values[m, j % 3]
             formula = formulas.kinds[m], formulas.ratios[m], formulas.uniforms[m]
-            marked = _mark(lines, columns, floor, marks)
+            left_image, above_line = lines[1][ROW_MARGIN - 1], lines[0]
+            if edges == MIRRORED:  # no node is below its mirror images above and to the left
+                lines[1][ROW_MARGIN - 1] = 0
+                above_line = nothing if j == 1 else above_line
+            marked = _mark((above_line, lines[1], lines[2]), columns, floor, marks)
+            lines[1][ROW_MARGIN - 1] = left_image
             if is_compared:
                 left = 0
                 for n in range(marked):  # without branches: the values of many nodes are fetched together
@@ -245,11 +253,11 @@ def _search_rows(
                 is_above = True
                 if is_compared:
                     for a in range(3):
-                        upper = neighbour(j - 2 + a, basis.values.shape[1], periodic)
+                        upper = neighbour(j - 2 + a, shape[0], edges)
                         for b in range(3):
-                            value = value_at(
-                                above, *formula, upper, neighbour(places[n] - 1 + b, columns, periodic)
-                            )
+                            aside = neighbour(places[n] - 1 + b, columns, edges)
+                            sign = image_sign(formula[0], j - 2 + a, places[n] - 1 + b, shape, edges)
+                            value = sign * value_at(above, *formula, upper, aside)
                             over[count, a, b] = value
                             is_above &= abs(here[count, 1, 1]) > abs(value)
                 count += is_above

@@ -29,7 +29,7 @@ from asperity.core.compiled import compiled, inlined
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.elasticity.solid import COMPONENTS
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import EVEN, Grid
 
 MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""
@@ -50,8 +50,8 @@ ODD = {"yz": (True, False), "xz": (False, True), "xy": (True, True)}
 
 PERIODIC, FREE, MIRRORED = range(3)
 """Neighbour of an outermost node beyond the edge: the node at the opposite edge; over a free boundary, where
-there is none, the neighbour on the other side; on a mirrored map the node itself."""
-
+there is none, the neighbour on the other side; on a mirrored map the node itself, with the other sign if the
+field is odd."""
 
 Visit = Callable[[int, int, int], None]
 """Called with a band, see `bands_of`, and the first row and last row + 1 of those that have been computed."""
@@ -156,12 +156,13 @@ class PlaneFields:
     edges: int
 
     @classmethod
-    def of_array(cls, values: Array, edges: int) -> PlaneFields:
-        """A plane of one given field, (ny, nx), which takes the place of σ_zz."""
+    def of_array(cls, values: Array, edges: int, name: str = "zz") -> PlaneFields:
+        """A plane of one given field, (ny, nx), which takes the place of σ_zz, or of an odd component."""
         real = values.dtype.type
         basis = Basis(np.ascontiguousarray(values)[None], values.shape[1], np.zeros(len(BASIS), int), real(0))
         nothing = np.zeros(1, real)
-        return cls(basis, Formulas(np.array([_ZZ]), nothing, nothing), edges)
+        kind = FIELDS.index(name if name in ODD else "zz")
+        return cls(basis, Formulas(np.array([kind]), nothing, nothing), edges)
 
     def rows(self, first: int, last: int) -> Array:
         """Fields in consecutive rows with their neighbours beyond the edges.
@@ -232,6 +233,7 @@ class PlaneFields:
         needed = np.array([_needed(int(kind), basis.index) for kind in self.formulas.kinds])
         pairs = zip(shape if shape != own else (1, 1), own, strict=True)
         stencils = tuple(lagrange_stencils(*pair, self.edges) for pair in pairs)
+        odd = np.array([ODD.get(component, EVEN) for component, _ in BASIS]).astype(np.int64)
 
         values = [np.empty((0, 3, 3), real)]
         for start in range(0, which.size, COMPARED_AT_ONCE):
@@ -251,7 +253,7 @@ class PlaneFields:
                     shape,
                     self.edges,
                     level[part],  # noqa: B023
-                    stencils,
+                    (*stencils, odd),
                     above[part],  # noqa: B023
                     around,
                 )
@@ -310,6 +312,17 @@ def neighbour(node: int, nodes: int, edges: int) -> int:
         return node % nodes
     repeated = edges - FREE  # 1 if the outermost node is its own image
     return -node - repeated if node < 0 else 2 * nodes - 2 + repeated - node
+
+
+@inlined
+def image_sign(kind: int, row: int, column: int, shape: Any, edges: int) -> int:
+    """Factor of a field at a node from that at its `neighbour`: −1 at the image of a node of an odd field."""
+    sign = 1
+    if edges == MIRRORED and not 0 <= row < shape[0] and (kind == _YZ or kind == _XY):
+        sign = -sign
+    if edges == MIRRORED and not 0 <= column < shape[1] and (kind == _XZ or kind == _XY):
+        sign = -sign
+    return sign
 
 
 @compiled
@@ -515,8 +528,13 @@ def fill_rows(
             here = out[m, line, ROW_MARGIN : ROW_MARGIN + nx]
             if fields.kinds[m] != _VON_MISES:
                 _fill_row(basis, fields.kinds[m], fields.ratios[m], fields.uniforms[m], row, here)
-            out[m, line, ROW_MARGIN - 1] = here[neighbour(-1, nx, edges)]
-            out[m, line, ROW_MARGIN + nx] = here[neighbour(nx, nx, edges)]
+            kind, node = fields.kinds[m], first + line - start
+            if image_sign(kind, node, 0, (ny, nx), edges) < 0:
+                for i in range(nx):
+                    here[i] = -here[i]
+            sign = image_sign(kind, 0, -1, (ny, nx), edges)
+            out[m, line, ROW_MARGIN - 1] = sign * here[neighbour(-1, nx, edges)]
+            out[m, line, ROW_MARGIN + nx] = sign * here[neighbour(nx, nx, edges)]
 
 
 @compiled
@@ -590,7 +608,7 @@ def _compare(
 
     `given` has one node, to which the `needed` basis fields are interpolated.
     """
-    (which, row, column), ((place_y, weight_y), (place_x, weight_x)) = nodes, stencils
+    (which, row, column), ((place_y, weights_y), (place_x, weights_x), odd) = nodes, stencils
     ny, nx, zero = basis.values.shape[1], basis.columns, np.int64(0)
     same = ny == shape[0] and nx == shape[1]
     kinds, ratios, uniforms = fields
@@ -608,12 +626,14 @@ def _compare(
             a, b = _FROM_CENTRE[k]
             j, i = row[n] + a, column[n] + b
             if same:
+                sign = image_sign(kinds[m], j, i, shape, edges)
                 j, i = neighbour(j, ny, edges), neighbour(i, nx, edges)
-                value = value_at(basis, kinds[m], ratios[m], uniforms[m], j, i)
+                value = sign * value_at(basis, kinds[m], ratios[m], uniforms[m], j, i)
             else:
                 for part in range(given.index.size):
                     if needed[m, part]:
                         values = basis.values[basis.index[part]]
+                        weight_y, weight_x = weights_y[odd[part, 0]], weights_x[odd[part, 1]]
                         along_y, along_x = (
                             (place_y[j + 1], weight_y[j + 1]),
                             (place_x[i + 1], weight_x[i + 1]),
@@ -650,10 +670,16 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 
 @lru_cache(maxsize=256)
 def lagrange_stencils(others: int, nodes: int, edges: int) -> tuple[Array, Array]:
-    """Places and weights, (others + 2, 6), of the six nodes nearest to nodes −1 to `others` of another grid.
+    """Places and weights of the six nodes nearest to nodes −1 to `others` of another grid.
 
     Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map. Of a
     mirrored map the first nodes of both grids are half a spacing from the mirror line.
+
+    Returns
+    -------
+    places : (others + 2, 6) integer array
+    weights : (2, others + 2, 6) array
+        Of fields that are even and odd about the mirror lines.
     """
     node = np.arange(-1, others + 1)
     if edges == FREE:
@@ -667,7 +693,8 @@ def lagrange_stencils(others: int, nodes: int, edges: int) -> tuple[Array, Array
     apart = (position - base)[:, None] - steps
     weights = np.prod(np.where(np.eye(6, dtype=bool), 1.0, apart[:, None]), axis=2)
     place = base[:, None] + steps
-    if edges == MIRRORED:
-        place %= 2 * nodes
-        return np.minimum(place, 2 * nodes - 1 - place), weights * _INVERSE_PRODUCTS
-    return place % nodes, weights * _INVERSE_PRODUCTS
+    is_image = (place // nodes) % 2 == 1
+    place %= 2 * nodes if edges == MIRRORED else nodes
+    place = np.minimum(place, 2 * nodes - 1 - place)
+    weights *= _INVERSE_PRODUCTS
+    return place, np.stack([weights, np.where(is_image, -weights, weights)])

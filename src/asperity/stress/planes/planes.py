@@ -56,6 +56,8 @@ class StressPlane:
         Name → array (ratios, ny, nx) in the unit of the contact pressure.
     bound : float
         Bound of the error of any field at any node from the modes that the grid drops, in the same unit.
+    first_node : (y, x)
+        Its position, where the first node of the contact is at 0; not 0 on a coarser grid of a mirrored map.
     """
 
     depth: float
@@ -63,6 +65,7 @@ class StressPlane:
     poisson: tuple[float, ...]
     fields: dict[str, Array]
     bound: float
+    first_node: tuple[float, float] = (0.0, 0.0)
 
     def __repr__(self) -> str:
         ny, nx = self.grid.shape
@@ -108,7 +111,10 @@ def stress_planes(
         Where the transforms are counted.
     friction : float
         Coefficient of friction μ, from 0 to 1000: the shear traction is μ times the pressure. On a
-        half-space, coated or not, or a layer bonded to a rigid base.
+        half-space, coated or not, or a layer bonded to a rigid base. The traction of a mirrored map is no
+        mirror image: the stress is computed in the cell of the map and its three images, which slide the
+        same way, and the planes are cut to the map. Their grids are not mirrored; `find_peaks` takes them
+        with ``boundary="free"``.
     sliding_direction : "x", "y" or float
         Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
@@ -139,9 +145,12 @@ def stress_planes(
 
 def _named_fields(stream: PlaneStream, progress: Progress | None) -> Iterator[StressPlane]:
     for plane in stream.planes(progress):
-        fields = plane.named_fields(stream.names, stream.ratios)
+        fields, grid = plane.named_fields(stream.names, stream.ratios), plane.grid
+        if stream.map_grid.mirrored and not grid.mirrored:
+            grid = Grid((grid.shape[0] // 2, grid.shape[1] // 2), stream.map_grid.length)
+            fields = {name: field[:, : grid.shape[0], : grid.shape[1]] for name, field in fields.items()}
         require_finite("stress_planes", fields)
-        yield StressPlane(plane.depth, plane.grid, tuple(stream.ratios), fields, plane.bound)
+        yield StressPlane(plane.depth, grid, tuple(stream.ratios), fields, plane.bound, plane.first_node)
 
 
 def depth_grid(
@@ -162,7 +171,7 @@ def depth_grid(
     grid : Grid
         Of the contact pressure.
     height : float, optional
-        Depth of the last plane, by default the longer edge of the cell.
+        Depth of the last plane, by default the longer period.
     spacing : float
         Distance between the planes nearest to the surface, in spacings of the grid.
     growth : float
@@ -192,7 +201,7 @@ def depth_grid(
     positive = "a positive finite number"
     spacing = number("spacing", spacing, positive, lambda value: value > 0)
     growth = number("growth", growth, positive, lambda value: value > 0)
-    bottom = max(grid.length)
+    bottom = max(grid.period)
     if height is not None:
         bottom = number("height", height, "a positive finite length", lambda value: value > 0)
     finest = spacing * min(grid.spacing)

@@ -197,7 +197,8 @@ class References:
         fourier = Fourier(grid, self._real, self._threads, self._work)
         out = field = None
         if memory is not None:
-            start = 2 * grid.mode_shape[0] * grid.mode_shape[1]
+            numbers = fourier.coefficient_type.itemsize // self._real.itemsize  # of a coefficient
+            start = numbers * grid.mode_shape[0] * grid.mode_shape[1]
             field = memory[start : start + grid.size].reshape(grid.shape)
             if not self._keeps:
                 out = memory[:start].view(fourier.coefficient_type).reshape(grid.mode_shape)
@@ -223,7 +224,7 @@ class References:
         for m in range(self.number.size):
             if m not in self._in_plane:
                 source, modes = self._transformed(m, True, memory)
-                free = None if memory is None else memory[2 * modes.size :]
+                free = None if memory is None else memory[modes.nbytes // memory.itemsize :]
                 found.append(rings.autocovariance(modes, source, self._threads, self._work, free))
             else:
                 found.append(self._in_plane[m])
@@ -280,7 +281,7 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     -------
     lag, covariance : (lags,) arrays
         Averages over rings of lag vectors, each ring one spacing of `finest` wide, from lag 0 (the
-        variance) to half the shorter edge of the cell.
+        variance) to half the shorter period, on a mirrored map its shorter edge.
 
     Raises
     ------
@@ -311,18 +312,21 @@ class _Rings:
     """
 
     def __init__(self, grid: Grid) -> None:
-        self._grid, width = grid, min(grid.spacing)
-        self.lag = width * np.arange(int(min(grid.length) / 2 / width + 1e-9) + 1)
-        along_y, along_x = (
-            (np.minimum(axis, length - axis) / width) ** 2
-            for axis, length in zip(grid.coordinates(), grid.length, strict=True)
-        )
-        # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough.
-        self._squares = along_y[: along_y.size // 2 + 1], along_x
-        self._weight = np.full(along_y.size // 2 + 1, 2.0)
-        self._weight[0] = 1.0
-        if along_y.size % 2 == 0:
-            self._weight[-1] = 1.0
+        self._grid, width, cell = grid, min(grid.spacing), grid.whole_cell
+        self.lag = width * np.arange(int(min(cell.length) / 2 / width + 1e-9) + 1)
+        self._squares, self._weights = [], []
+        # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough, on a mirrored map also
+        # half of the columns.
+        for axis, is_halved in enumerate((True, grid.mirrored)):
+            lags, length = cell.coordinates()[axis], cell.length[axis]
+            weight = np.ones(lags.size)
+            if is_halved:
+                lags, weight = lags[: lags.size // 2 + 1], np.full(lags.size // 2 + 1, 2.0)
+                weight[0] = 1.0
+                if cell.shape[axis] % 2 == 0:
+                    weight[-1] = 1.0
+            self._squares.append((np.minimum(lags, length - lags) / width) ** 2)
+            self._weights.append(weight)
 
     def autocovariance(
         self,
@@ -345,14 +349,25 @@ class _Rings:
             power = resample(power, source, self._grid)
         fourier = Fourier(self._grid, power.real.dtype, threads, Work() if work is None else work)
         out = None if memory is None else memory[: self._grid.size].reshape(self._grid.shape)
+        if self._grid.mirrored:
+            # The nodes are half a spacing from the mirror line, lags are whole spacings: a wave at a lag is
+            # the mean of its values half a spacing before and after it over cos(q spacing/2).
+            (step_y, step_x), grid = self._grid.spacing, self._grid
+            power /= np.outer(np.cos(grid.qy * step_y / 2), np.cos(grid.qx * step_x / 2))
         covariance = fourier.inverse(power, out, overwrite=True)
+        if self._grid.mirrored:
+            for _ in range(2):  # along y, then along x
+                covariance = np.pad(covariance, ((1, 1), (0, 0)), "edge")
+                covariance = (0.5 * (covariance[1:] + covariance[:-1])).T
         sums = np.zeros((2, self.lag.size + 1))
-        _sum_rings(covariance, *self._squares, self._weight, sums)
+        _sum_rings(covariance, *self._squares, *self._weights, sums)
         return sums[0, :-1] / sums[1, :-1]
 
 
 @compiled
-def _sum_rings(values: Any, along_y: Any, along_x: Any, weight: Any, out: Any) -> None:
+def _sum_rings(
+    values: Any, along_y: Any, along_x: Any, weight_y: Any, weight_x: Any, out: Any
+) -> None:
     """Add to `out`, (2, rings + 1), values with their weights and the weights, by the nearest whole lag.
 
     The last place takes all longer lags.
@@ -360,8 +375,9 @@ def _sum_rings(values: Any, along_y: Any, along_x: Any, weight: Any, out: Any) -
     for j in range(along_y.size):
         for i in range(along_x.size):
             ring = int(min(np.sqrt(along_y[j] + along_x[i]) + 0.5, out.shape[1] - 1.0))
-            out[0, ring] += weight[j] * values[j, i]
-            out[1, ring] += weight[j]
+            weight = weight_y[j] * weight_x[i]
+            out[0, ring] += weight * values[j, i]
+            out[1, ring] += weight
 
 
 def half_length(distance: Array, correlation: Array) -> float:
