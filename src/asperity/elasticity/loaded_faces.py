@@ -237,6 +237,8 @@ def layer_fields(
     """
     if not isinstance(layer, Solid) or not isinstance(grid, Grid):
         raise TypeError(f"layer = {shown(layer)}, grid = {shown(grid)}: a Solid and a Grid are needed")
+    if grid.mirrored:
+        raise ValueError(f"grid = {grid}: one that is not mirrored is needed, such as its whole_cell")
     if layer.base is not None:
         raise ValueError(f"layer = {layer!r}: one without a base is needed")
     if layer.height is None and bottom is not None:

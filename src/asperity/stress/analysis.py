@@ -266,9 +266,7 @@ class _Analysis:
             if observe is not None:
                 observe(plane)
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
-            searched = SearchedPlane(
-                plane.depth, plane.grid, plane.first_node, search.fields, plane.refresh
-            )
+            searched = SearchedPlane(plane.depth, plane.grid, plane.first_node, search.fields, plane.refresh)
             floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)
             self._finder.add(searched, search, floor)
         self._finder.finish()
@@ -355,7 +353,9 @@ class _Analysis:
         found = self._peaks(lateral)
         every, sizes = Peaks.join(found.values()), [peaks.size for peaks in found.values()]
         if stream.map_grid.mirrored and not solid.grid.mirrored:
-            on_map = [peaks.select(np.flatnonzero(_is_on(stream.map_grid, peaks))) for peaks in found.values()]
+            on_map = [
+                peaks.select(np.flatnonzero(_is_on(stream.map_grid, peaks))) for peaks in found.values()
+            ]
             every, sizes = Peaks.join(on_map), [peaks.size for peaks in on_map]
         under_contact = every.under_contact(solid.pressure, solid.grid, solid.boundary)
         profiles = ("poisson", "plane")

@@ -173,7 +173,12 @@ class CycleMaps:
         self._means: list[Array] = []
 
     def take(
-        self, depth: float, reduced: Array, along: Array | None = None, dang_van: Array | None = None
+        self,
+        depth: float,
+        reduced: Array,
+        along: Array | None = None,
+        dang_van: Array | None = None,
+        first: float = 0.0,
     ) -> None:
         """Add a plane.
 
@@ -186,9 +191,11 @@ class CycleMaps:
             Places of the points along the rows.
         dang_van : (points,) array, optional
             Dang Van stress of all points; by default that of the rows.
+        first : float
+            Distance of the first row from the edge of the plane, in rows.
         """
         rows, nodes = reduced.shape[1], self._positions.size
-        nearest = np.rint(np.arange(nodes) * (rows / nodes)).astype(int) % rows
+        nearest = np.rint((np.arange(nodes) + first) * (rows / nodes) - first).astype(int) % rows
         self._depths.append(depth)
         self._values.append(self.criteria.numbers(reduced)[:, nearest])
         if along is not None:

@@ -29,7 +29,7 @@ from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid, direction_cosines
 from asperity.elasticity.solid import COMPONENTS, Solid
-from asperity.fourier.grid import Fourier, Grid, resample
+from asperity.fourier.grid import Fourier, Grid, resample, with_mirror_images
 from asperity.stress.cycles.criteria import NUMBERS, Criteria, CycleMaps, fill_points, reduce_rows
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
 from asperity.stress.planes.planes import default_depths
@@ -58,6 +58,7 @@ class MovingPressure:
     pressures : sequence of (ny, nx) arrays
         None where there is no contact.
     grid : Grid
+        That of a mirrored map is replaced by its whole cell.
     layer : Solid
     direction : "x", "y" or float
         Of the motion, as `sliding_direction` of `asperity.stress_planes`.
@@ -80,6 +81,12 @@ class MovingPressure:
     background: Callable[[float], Array] | None = None
     is_unloaded: bool = False
     deepest: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.grid.mirrored:
+            cells = [p if p is None else with_mirror_images(p, self.grid) for p in self.pressures]
+            object.__setattr__(self, "pressures", cells)
+            object.__setattr__(self, "grid", self.grid.whole_cell)
 
 
 class Histories(CycleMaps):

@@ -65,7 +65,7 @@ class Cycles(CycleMaps):
         self._turned = axis_of_motion(sliding_direction) == "y"
         super().__init__(solid.grid, criteria, "x" if self._turned else "y")
         self._poisson, self._threads = poisson, threads
-        self._is_unloaded = solid.boundary == "free"
+        self._is_unloaded, self._on_map = solid.boundary == "free", solid.grid.mirrored
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
@@ -80,12 +80,19 @@ class Cycles(CycleMaps):
         def reduced(first: int) -> Array:
             last = min(first + rows, ny)
             if turned is not None:
-                return self.criteria.reduced(turned[:, first:last], self._is_unloaded)
-            states = fields.rows(first, last)[:, :, ROW_MARGIN : ROW_MARGIN + nx]
+                states = turned[:, first:last]
+            else:
+                states = fields.rows(first, last)[:, :, ROW_MARGIN : ROW_MARGIN + nx]
+            if plane.grid.mirrored:  # then the images pass, in which σ_xz and σ_xy have the other sign
+                images = states * np.array([1, 1, 1, 1, -1, -1], states.dtype)[:, None, None]
+                states = np.concatenate([states, images], axis=2)
             return self.criteria.reduced(states, self._is_unloaded)
 
+        if self._on_map and not plane.grid.mirrored:  # a plane of the whole cell
+            ny //= 2
         strips = run_tasks([partial(reduced, first) for first in range(0, ny, rows)], self._threads)
-        self.take(plane.depth, np.concatenate(list(strips), axis=1))
+        found = np.concatenate(list(strips), axis=1)
+        self.take(plane.depth, found, first=0.5 if plane.grid.mirrored else 0.0)
 
 
 def stress_cycles(

@@ -86,7 +86,9 @@ class Peaks(Entries):
         """True where the surface node nearest above a peak carries pressure."""
         spacing, nodes = np.array(grid.spacing)[:, None], np.array(grid.shape)[:, None]
         nearest = np.rint(np.stack([self.y, self.x]) / spacing).astype(np.int64)
-        row, column = nearest % nodes if edges_of(boundary, grid) == PERIODIC else np.clip(nearest, 0, nodes - 1)
+        row, column = (
+            nearest % nodes if edges_of(boundary, grid) == PERIODIC else np.clip(nearest, 0, nodes - 1)
+        )
         return np.asarray(pressure)[row, column] > 0
 
 

@@ -215,7 +215,9 @@ def _search_rows(
     """As `PlaneSearch._search`, row by row, so that values stay in the cache; returns the numbers of both."""
     (basis, above), (floor, edges, is_compared), (start, first, last) = planes, options, rows
     first_candidate, candidate_field, candidate_column, candidate_magnitude = candidates
-    (values, nothing), shared, (largest, lanes), marks, (field, row, column, here, over), (number, below) = memory
+    (values, nothing), shared, (largest, lanes), marks, (field, row, column, here, over), (number, below) = (
+        memory
+    )
     places, columns, count, exceeding = marks[2], basis.columns, 0, 0
     shape = basis.values.shape[1], columns
     largest[:] = -np.inf

@@ -365,9 +365,7 @@ class _Rings:
 
 
 @compiled
-def _sum_rings(
-    values: Any, along_y: Any, along_x: Any, weight_y: Any, weight_x: Any, out: Any
-) -> None:
+def _sum_rings(values: Any, along_y: Any, along_x: Any, weight_y: Any, weight_x: Any, out: Any) -> None:
     """Add to `out`, (2, rings + 1), values with their weights and the weights, by the nearest whole lag.
 
     The last place takes all longer lags.

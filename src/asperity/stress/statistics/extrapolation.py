@@ -40,7 +40,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.types import Array
-from asperity.fourier.grid import Fourier, Grid, gradient, resample
+from asperity.fourier.grid import Fourier, Grid, gradient, resample, with_mirror_images
 from asperity.stress.peaks.selection import peak_numbers
 from asperity.stress.statistics.covariance import decay_lengths
 
@@ -187,19 +187,20 @@ class OnGrid(NamedTuple):
     height: Array | None = None
 
 
-def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0) -> str:
-    """Why a periodic contact allows no estimate; empty if it does."""
+def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0, mirrored: bool = False) -> str:
+    """Why a periodic contact allows no estimate; empty if it does. Nodes of a mirrored map count four times."""
     if plastic_area > 0:
         return "the pressure reaches the hardness, and the errors of a study are known for elastic contacts"
     touching = pressure > 0
-    nodes = np.count_nonzero(touching)
+    copies = 4 if mirrored else 1
+    nodes = copies * np.count_nonzero(touching)
     if nodes < LEAST_NODES:
         return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
-    bend = second_differences(height)
+    bend = second_differences(height, mirrored)
     if np.median(np.abs(bend[touching])) <= FLAT_CURVATURE * np.sqrt(np.mean(np.square(bend))):
         return "the heights in contact are flat or stepped, and no grid resolves their edges"
-    if touching.size - nodes < LEAST_NODES:
-        return f"{touching.size - nodes} nodes are out of contact, and {LEAST_NODES} are needed"
+    if copies * touching.size - nodes < LEAST_NODES:
+        return f"{copies * touching.size - nodes} nodes are out of contact, and {LEAST_NODES} are needed"
     return ""
 
 
@@ -212,11 +213,14 @@ def reason_against_stress(found: xr.Dataset, error: xr.Dataset) -> str:
     return ""
 
 
-def second_differences(height: Array) -> Array:
-    """Curvature of periodic heights times the squared spacing."""
+def second_differences(height: Array, mirrored: bool = False) -> Array:
+    """Curvature of periodic heights, or of those of a mirrored map, times the squared spacing."""
     found = -4 * height
-    for axis in (0, 1):
-        found += np.roll(height, 1, axis) + np.roll(height, -1, axis)
+    for axis, nodes in enumerate(height.shape):
+        beyond = [(int(axis == other),) * 2 for other in (0, 1)]
+        around = np.pad(height, beyond, "symmetric" if mirrored else "wrap")
+        found += around.take(range(nodes), axis)
+        found += around.take(range(2, nodes + 2), axis)
     return found
 
 
@@ -374,16 +378,17 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> xr.D
 def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEVELS) -> xr.Dataset:
     """Numbers of the contact, and those of the peaks and the decay of its stress, on one grid."""
     touching = results.pressure > 0
-    edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
+    in_cell = with_mirror_images(touching, results.grid)
+    edges = sum(np.count_nonzero(in_cell != np.roll(in_cell, 1, axis)) for axis in (0, 1))
     area = float(touching.mean())
     along_lines = min(np.ptp(results.pressure, axis).max() for axis in (0, 1))
     numbers = xr.Dataset(
         {
             "spacing": results.grid.spacing[0],
             "area_fraction": area,
-            "boundary": edges / touching.size,
+            "boundary": edges / in_cell.size,
             "along_lines": along_lines / max(results.pressure.max(), 1e-300),
-            "straight_boundary": _straight_boundary(touching),
+            "straight_boundary": _straight_boundary(in_cell),
             "gradient_rms_contact": results.gradient,
             "proportionality": area * results.gradient / results.load,
             **_of_surface(results, touching),
@@ -425,12 +430,16 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     if results.height is None:
         return {"departure": 0.0, "unresolved": 0.0}
     grid, height = results.grid, results.height / max(np.ptp(results.height), 1e-300)
-    fourier, half = Fourier(grid), Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
+    # On a mirrored map, as many modes as half of the nodes of the whole cell hold.
+    halves = [max((n + 1) // 2, 2) if grid.mirrored else max(n // 2, 4) for n in grid.shape]
+    fourier, half = Fourier(grid), Grid((halves[0], halves[1]), grid.length, grid.mirrored)
     modes = fourier.forward(height)
     along_y, along_x = gradient(modes, fourier)
     both, squared = 2 * np.mean(along_y * along_x), along_y**2 + along_x**2
+    if grid.mirrored:  # the images have the other sign
+        both = 0.0
     anisotropy = np.hypot(np.mean(along_x**2 - along_y**2), both) / max(squared.mean(), 1e-300)
-    bend = second_differences(height)
+    bend = second_differences(height, grid.mirrored)
     kurtosis = np.mean(bend**4) / max(np.mean(bend**2) ** 2, 1e-300)
     departures = [
         (measure - first) / (last - first)
