@@ -65,8 +65,8 @@ def peak_table(stress, name, grid, scale):
     for axis, edge, step in zip("yx", grid.length, grid.spacing, strict=True):
         distance = (peaks[f"peak_{axis}"].values + step / 2) % (2 * edge)
         distance = np.minimum(distance, 2 * edge - distance)
-        distance[distance < 0.7 * step] = 0.0
-        distance[distance > edge - 0.7 * step] = edge
+        distance[distance < 1.6 * step] = 0.0
+        distance[distance > edge - 1.6 * step] = edge
         places.append(distance - step / 2)
     return np.column_stack([peaks["peak_depth"], *places, np.abs(peaks["peak_value"]) / scale])
 

@@ -185,8 +185,8 @@ class Ducc0Engine:
     ) -> None:
         """Transform along an axis of a mirrored field, (ny, nx), to coefficients of cosines, or back.
 
-        The coefficients of an odd field are those of sines. That of the wave k has the index k, and is 0 for
-        a sine at k = 0. `out` may be `values`.
+        The coefficients of an odd field are those of sines, of which that of the wave k has the index k − 1.
+        `out` may be `values`.
         """
         import ducc0
 
@@ -196,7 +196,7 @@ class Ducc0Engine:
             type=2 if forward else 3,
             inorm=2 if forward else 0,
         )
-        is_direct = not odd and not (axis == 1 and self._is_slow(values))
+        is_direct = axis == 0 or not self._is_slow(values)
 
         def transform_some(part: slice) -> None:
             for first in range(part.start, part.stop, self.LINES):
@@ -205,12 +205,10 @@ class Ducc0Engine:
                 if is_direct:
                     transform(source, out=target)
                     continue
-                rows, columns = source.shape
-                room = np.empty((rows, columns + self.PADDING), source.dtype)[:, :columns]
-                lines_of = np.asarray if axis == 1 else np.transpose
-                _copy(lines_of(source), lines_of(room), left=odd and not forward)
+                room = self._room(values)[: len(source)]
+                room[...] = source
                 transform(room, out=room)
-                _copy(lines_of(room), lines_of(target), right=odd and forward)
+                target[...] = room
 
         in_parts(transform_some, values.shape[1 - axis], threads, multiple=self.LINES, smallest=self.LINES)
 
@@ -271,20 +269,12 @@ class PyfftwEngine:
         length = source.shape[1]
         kind = f"FFTW_R{'O' if odd else 'E'}DFT{'10' if forward else '01'}"
         factor = values.dtype.type(0.5 / length) if forward else None
-        self._transform(kind, source, target, length, threads, factor, odd and not forward, odd and forward)
+        self._transform(kind, source, target, length, threads, factor)
 
     def _transform(
-        self,
-        kind: str,
-        source: Array,
-        target: Array,
-        length: int,
-        threads: int,
-        factor: Any = None,
-        left: bool = False,
-        right: bool = False,
+        self, kind: str, source: Array, target: Array, length: int, threads: int, factor: Any = None
     ) -> None:
-        """Transform the lines of an array, (lines, ...), after multiplication by a factor; as `_copy`."""
+        """Transform the lines of an array, (lines, ...), after multiplication by a factor."""
         precision = source.real.dtype.name
         key = f"{kind} {length} {precision}"
 
@@ -296,11 +286,11 @@ class PyfftwEngine:
             for start in range(part.start, part.stop, self.LINES):
                 lines = slice(start, min(start + self.LINES, part.stop))
                 count = lines.stop - start
-                _copy(source[lines], before[:count], left=left)
+                before[:count] = source[lines]
                 if factor is not None:
                     before[:count] *= factor
                 execute()
-                _copy(after[:count], target[lines], right=right)
+                target[lines] = after[:count]
 
         in_parts(transform, len(source), threads, multiple=self.LINES, smallest=4 * self.LINES)
 
@@ -369,15 +359,7 @@ class ScipyEngine:
     ) -> None:
         source, target = (values, out) if axis == 1 else (values.T, out.T)
         kind = ("dst" if odd else "dct") if forward else ("idst" if odd else "idct")
-        function: Callable[..., Array] = getattr(scipy.fft, kind)
-
-        def transform(lines: Array, norm: str) -> Array:
-            ready, found = np.empty_like(lines), np.empty_like(lines)
-            _copy(lines, ready, left=odd and not forward)
-            _copy(function(ready, norm=norm), found, right=odd and forward)
-            return found
-
-        self._transform(transform, source, target, threads)
+        self._transform(getattr(scipy.fft, kind), source, target, threads)
 
     def _transform(
         self, function: Callable[..., Array], source: Array, target: Array, threads: int, **settings: Any
@@ -403,16 +385,6 @@ def _rows_back(coefficients: Array, out: Array, threads: int) -> None:
         nthreads=threads,
         allow_overwriting_input=True,
     )
-
-
-def _copy(source: Array, target: Array, left: bool = False, right: bool = False) -> None:
-    """Copy lines, (lines, numbers); sines without a wave k = 0 become those with one, `right`, or back."""
-    if left:
-        target[:, :-1], target[:, -1] = source[:, 1:], 0
-    elif right:
-        target[:, 1:], target[:, 0] = source[:, :-1], 0
-    else:
-        target[...] = source
 
 
 def _planes(values: Array) -> Array:

@@ -322,6 +322,8 @@ class Fourier:
         if self.grid.mirrored:
             for axis, source in (1, values), (0, out):
                 self.engine.cosines(source, out, axis, odd[axis], True, self.threads)
+            for lines in _odd_lines(out, odd):
+                lines[1:], lines[0] = lines[:-1].copy(), 0
         else:
             self.engine.forward(values, out, self.threads)
         return out
@@ -352,6 +354,9 @@ class Fourier:
         coefficients = np.asarray(coefficients, dtype=self.coefficient_type)
         _require_shape("coefficients", coefficients, self.grid.mode_shape)
         if self.grid.mirrored:
+            coefficients = coefficients.copy() if any(odd) else coefficients
+            for lines in _odd_lines(coefficients, odd):
+                lines[:-1], lines[-1] = lines[1:].copy(), 0
             for axis, source in (0, coefficients), (1, out):
                 self.engine.cosines(source, out, axis, odd[axis], False, self.threads)
             return out
@@ -359,6 +364,11 @@ class Fourier:
         self.engine.inverse_along_y(coefficients, work, self.threads)
         self.engine.inverse_along_x(work, out, self.threads)
         return out
+
+
+def _odd_lines(coefficients: Array, odd: tuple[bool, bool]) -> list[Array]:
+    """Views of coefficients of sines whose first axis is that of the sines."""
+    return [lines for lines, is_odd in zip((coefficients, coefficients.T), odd, strict=True) if is_odd]
 
 
 def real_type(dtype: DTypeLike) -> np.dtype[Any]:

@@ -1,7 +1,8 @@
 """Basis fields of the stress in planes under a periodic pressure, transformed from its modes.
 
 On a mirrored map the coefficients are real: those of cosines, and of sines along the axes on which a component
-is odd (`asperity.stress.planes.fields.ODD`). An odd component has a factor i q_x or i q_y in the coefficients
+is odd (`asperity.stress.planes.fields.ODD`). Coefficients of sines begin with the first wave, as the engines
+take them, so that their indices are one lower. An odd component has a factor i q_x or i q_y in the coefficients
 of exponentials for each such axis; with cosines a derivative turns the coefficient p of a mode to −q_x p.
 """
 
@@ -177,7 +178,7 @@ class PeriodicPlanes:
         def transform_columns(start: int) -> None:
             columns = slice(start, min(start + together, own.columns))
             found = self._coefficients(depth, [own_fields[n] for n in along_y], columns)
-            self._back_along_y(found, spectra[:, :, columns], along_y, odd)
+            self._back_along_y(found, spectra, columns, along_y, odd)
 
         def transform_rows(band: int) -> None:
             shared = np.empty((4, nx + 2), self.dtype)
@@ -185,10 +186,9 @@ class PeriodicPlanes:
                 if is_xz_derived:
                     trace = shared[0, : numbers * own.columns]
                     _fill_xz(places, factor, numbers == 1, start, stop, trace, values)
-                for some in _runs(along_x):
-                    _clear_columns(
-                        numbers * own.columns, numbers * spectra.shape[2], start, stop, values[some]
-                    )
+                for n in along_x:
+                    first_zero = numbers * own.columns - (grid.mirrored and odd[n][1])
+                    _clear_columns(first_zero, numbers * spectra.shape[2], start, stop, values[n])
                 self._back_along_x(spectra[:, start:stop], values[:, start:stop, :nx], along_x, odd)
                 if is_surface:
                     known = np.array([first["xx"], first["xy"]])
@@ -204,17 +204,26 @@ class PeriodicPlanes:
         self._work.nodes += round(grid.size * (len(along_x) + columns) / 2)
 
     def _back_along_y(
-        self, found: Array, spectra: Array, fields: Sequence[int], odd: Sequence[tuple[bool, bool]]
+        self,
+        found: Array,
+        spectra: Array,
+        columns: slice,
+        fields: Sequence[int],
+        odd: Sequence[tuple[bool, bool]],
     ) -> None:
-        """Transform coefficients of some fields along y to their places in `spectra`."""
+        """Transform some columns of coefficients of some fields along y to their places in `spectra`."""
         engine, done = self._fourier.engine, 0
         if self._fourier.grid.mirrored:
             for own, n in zip(found, fields, strict=True):
-                engine.cosines(own, spectra[n], 0, odd[n][0], False)
+                odd_y, odd_x = odd[n]
+                shift = int(odd_x)
+                own = own[:, max(shift - columns.start, 0) :]  # without k = 0
+                stop = columns.stop - shift
+                engine.cosines(own, spectra[n, :, stop - own.shape[1] : stop], 0, odd_y, False)
             return
         for some in _runs(fields):
             count = some.stop - some.start
-            engine.inverse_along_y(found[done : done + count], spectra[some])
+            engine.inverse_along_y(found[done : done + count], spectra[some, :, columns])
             done += count
 
     def _back_along_x(
@@ -258,10 +267,11 @@ class PeriodicPlanes:
             for kind, (constant, slope), spectrum in zip(kinds, factors, out, strict=True):
                 _add_sliding(kind, constant, slope, *sliding, modes, spectrum)
         if columns.start == 0:
-            out[:, 0, 0] = [self._mean(field) for field in fields]
-            if self._background is not None:
-                added = dict(zip(COMPONENTS, self._background(depth), strict=True))
-                out[:, 0, 0] += [field.constant * added[field.component] for field in fields]
+            added = np.zeros(len(COMPONENTS)) if self._background is None else self._background(depth)
+            for (component, constant, slope), spectrum in zip(fields, out, strict=True):
+                if not (grid.mirrored and component in ODD):
+                    own = self._mean(BasisField(component, constant, slope))
+                    spectrum[0, 0] = own + constant * added[_PLACES[component]]
         return out
 
     def _clear_nyquist_modes(self, fields: Sequence[BasisField], columns: slice, out: Array) -> None:
@@ -336,11 +346,10 @@ def _fill_surface(
 
 @compiled
 def _clear_columns(left: int, right: int, start: int, stop: int, values: Any) -> None:
-    """Set some columns of some rows of (fields, rows, columns) to zero."""
-    for n in range(values.shape[0]):
-        for j in range(start, stop):
-            for i in range(left, right):
-                values[n, j, i] = 0
+    """Set some columns of some rows to zero."""
+    for j in range(start, stop):
+        for i in range(left, right):
+            values[j, i] = 0
 
 
 @compiled
@@ -370,8 +379,8 @@ def _fill_xz(
         for i in range(trace.size):
             trace[i] = xx[i] + yy[i] + zz[i]
         if is_real:
-            for i in range(factor.size):
-                xz[i] = -factor[i] * trace[i]
+            for i in range(1, factor.size):
+                xz[i - 1] = -factor[i] * trace[i]
             continue
         for i in range(factor.size):
             xz[2 * i] = -factor[i] * trace[2 * i + 1]
@@ -426,11 +435,14 @@ def _fill_spectra(
             _fill_factors(kind, factors[n, 0], factors[n, 1], shared, factor)
             if length == columns:  # real coefficients
                 # Two derivatives of an exponential change its sign, those of cosines along x and y do not.
-                sign = -one if kind == _XY else one
-                for j in range(first, last):
+                sign, shift = -one if kind == _XY else one, 1 if kind in (_YZ, _XY) else 0
+                for j in range(max(first, shift), last):
                     own, line = factor[(j - first) * columns :], modes[j, left : left + columns]
                     for i in range(columns):
-                        out[n, j, i] = sign * own[i] * line[i]
+                        out[n, j - shift, i] = sign * own[i] * line[i]
+                for j in range(rows - shift, rows):
+                    for i in range(columns):
+                        out[n, j, i] = 0
                 continue
             for i in range(factor.size):
                 twice[2 * i] = twice[2 * i + 1] = factor[i]
