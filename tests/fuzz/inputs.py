@@ -140,6 +140,7 @@ loaded = {
     "layer": layers | st.just({"young": 1.0, "poisson": 0.3}),
     "length": lengths,
     "boundary": boundaries,
+    "mirrored": st.booleans(),
     "friction": st.just(0.0) | among(st.floats(0, 2), extreme, wrong),
     "sliding_direction": choice("x", "y") | number(-360, 360),
 }
@@ -150,5 +151,6 @@ def loaded_solid(case):
     values = made(case["pressure"])
     if values.dtype == float:
         values = np.maximum(values, 0.0)
-    grid = asp.Grid(values.shape, case["length"])
+    mirrored = case["mirrored"] and case["boundary"] != "free"
+    grid = asp.Grid(values.shape, case["length"], mirrored)
     return asp.LoadedSolid(values, grid, asp.Solid(**case["layer"]), case["boundary"])

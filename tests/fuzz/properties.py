@@ -213,7 +213,10 @@ stresses = st.fixed_dictionaries(
 
 
 def try_stress(case):
-    """Planes with their peaks, sections and boxes: finite, and peaks within the cell."""
+    """Planes with their peaks, sections and boxes: finite, and peaks within the cell.
+
+    Planes of a mirrored map on its own grid are those of the map and its mirror images.
+    """
     solid = loaded_solid(case)
     chosen = {name: case[name] for name in ("fields", "poisson", "tolerance", *sliding)}
     if case["kind"] == "section":
@@ -228,7 +231,22 @@ def try_stress(case):
         peaks = asp.stress.find_peaks(iter(planes), case["fields"][0])
         require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
         for position, edge in ((peaks.y, solid.grid.length[0]), (peaks.x, solid.grid.length[1])):
-            require(np.all((position >= 0) & (position <= edge)), "a peak lies outside the cell")
+            lowest = -0.5 * edge / 3 if solid.grid.mirrored else 0.0  # the mirror line
+            require(np.all((position >= lowest) & (position <= edge)), "a peak lies outside the cell")
+        if solid.grid.mirrored:
+            cells = asp.stress_planes(solid.with_mirror_images(), case["depths"], **chosen)
+            for plane, cell in zip(planes, cells, strict=True):
+                require_alike(solid.grid, plane, cell)
+
+
+def require_alike(grid, plane, cell):
+    """Raise `PromiseError` unless a plane of a mirrored map is that of its whole cell."""
+    require(plane.grid.whole_cell.shape == cell.grid.shape or not plane.grid.mirrored, "another grid")
+    if plane.grid.shape == grid.shape:
+        scale = max(np.abs(field).max() for field in cell.fields.values())
+        for name, field in plane.fields.items():
+            difference = field - cell.fields[name][:, : grid.shape[0], : grid.shape[1]]
+            require(np.abs(difference).max() <= 1e-5 * scale, "not that of the cell")
 
 
 def require_finite_dataset(data):

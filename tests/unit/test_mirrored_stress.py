@@ -52,7 +52,7 @@ def test_planes_are_those_of_the_cell_of_four(shape, solid, tolerance, bound):
             if found.grid.shape == shape:
                 np.testing.assert_allclose(own, cell[:, :ny, :nx], atol=bound * scale)
             elif name in (*EVEN_FIELDS[:3], "hydrostatic"):
-                # Nodes of a coarser grid have other positions. The mean of a component does not depend on them.
+                # Nodes of a coarser grid have other positions, of which means do not depend.
                 np.testing.assert_allclose(own.mean(), cell.mean(), atol=1e-6 * scale)
                 rms = [np.sqrt(np.mean(np.square(field))) for field in (own, cell)]
                 np.testing.assert_allclose(*rms, atol=max(10 * tolerance, 1e-6) * scale)

@@ -163,7 +163,7 @@ class LoadedSolid:
         )
 
     def with_mirror_images(self) -> LoadedSolid:
-        """The solid under the pressure of a whole period: itself, unless its grid is that of a mirrored map."""
+        """The solid under the pressure of a whole period: itself, unless its grid is mirrored."""
         if not self.grid.mirrored:
             return self
         sticking = self.sticking_pressure

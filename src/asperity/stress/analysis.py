@@ -5,8 +5,9 @@ one point of the depth profile and the covariance of Eq. 22 with the reference p
 Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept, or
 computed again.
 
-On a mirrored map planes are those of the map alone. Where the stress is no mirror image (`PlaneStream.solid`),
-they are those of the whole cell, and so are the profile and the covariances; peaks are those on the map.
+On a mirrored map planes are those of the map alone. Where the stress is no mirror image
+(`PlaneStream.solid`), they are those of the whole cell, and so are the profile and the covariances; peaks are
+those on the map.
 
 The condition of the mean (q = 0) mode (`Solid.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
 of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.

@@ -2,8 +2,8 @@
 
 The basis fields A and B of each plane are interpolated along y and x; the named fields are made from the
 interpolated ones, never interpolated themselves. Over a periodic boundary the interpolation is the
-trigonometric one, exact for the modes of the plane, on a mirrored map that of the map and its images. Over a free boundary it is Lagrange's on the
-`LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked for, they are taken as they are.
+trigonometric one, exact for the modes of the plane, on a mirrored map that of the map and its images. Over a
+free boundary it is Lagrange's on the `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked for, they are taken as they are.
 """
 
 from __future__ import annotations
@@ -250,14 +250,14 @@ def _interpolated(plane: LinearPlane, y: Array, x: Array) -> LinearPlane:
             values = _along(axis, values, positions, periodic)
         return replace(plane, basis=plane.basis._replace(values=values, columns=x.size))
     out = np.empty((len(values), y.size, x.size), values.dtype)
-    for (component, _), number in zip(BASIS, plane.basis.index, strict=True):
-        if number >= 0:
-            field = values[number][None]
+    for (component, _), place in zip(BASIS, plane.basis.index, strict=True):
+        if place >= 0:
+            field = values[place][None]
             for axis, positions, is_odd in zip((1, 2), places, ODD.get(component, EVEN), strict=True):
                 image = np.flip(field, axis)
                 field = np.concatenate([field, -image if is_odd else image], axis)
                 field = _along(axis, field, positions, periodic=True)
-            out[number] = field[0]
+            out[place] = field[0]
     return replace(plane, basis=plane.basis._replace(values=out, columns=x.size))
 
 

@@ -18,8 +18,8 @@ from asperity.core.types import Array
 from asperity.stress.peaks.maxima import Entries, Maxima
 from asperity.stress.planes.fields import (
     BLOCK,
-    MIRRORED,
     LANES,
+    MIRRORED,
     PACKED,
     ROW_MARGIN,
     SUMS,

@@ -318,9 +318,9 @@ def neighbour(node: int, nodes: int, edges: int) -> int:
 def image_sign(kind: int, row: int, column: int, shape: Any, edges: int) -> int:
     """Factor of a field at a node from that at its `neighbour`: −1 at the image of a node of an odd field."""
     sign = 1
-    if edges == MIRRORED and not 0 <= row < shape[0] and (kind == _YZ or kind == _XY):
+    if edges == MIRRORED and not 0 <= row < shape[0] and kind in (_YZ, _XY):
         sign = -sign
-    if edges == MIRRORED and not 0 <= column < shape[1] and (kind == _XZ or kind == _XY):
+    if edges == MIRRORED and not 0 <= column < shape[1] and kind in (_XZ, _XY):
         sign = -sign
     return sign
 

@@ -1,9 +1,9 @@
 """Basis fields of the stress in planes under a periodic pressure, transformed from its modes.
 
-On a mirrored map the coefficients are real: those of cosines, and of sines along the axes on which a component
-is odd (`asperity.stress.planes.fields.ODD`). Coefficients of sines begin with the first wave, as the engines
-take them, so that their indices are one lower. An odd component has a factor i q_x or i q_y in the coefficients
-of exponentials for each such axis; with cosines a derivative turns the coefficient p of a mode to −q_x p.
+On a mirrored map the coefficients are real: those of cosines, and of sines along the axes on which a
+component is odd (`asperity.stress.planes.fields.ODD`). Those of sines begin with the first wave, as the
+engines take them, so that their indices are one lower. An odd component has, for each such axis, a factor
+i q_x or i q_y in the coefficients of exponentials, and −q_x or −q_y in those of cosines.
 """
 
 from __future__ import annotations

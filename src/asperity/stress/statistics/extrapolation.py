@@ -188,7 +188,10 @@ class OnGrid(NamedTuple):
 
 
 def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0, mirrored: bool = False) -> str:
-    """Why a periodic contact allows no estimate; empty if it does. Nodes of a mirrored map count four times."""
+    """Why a periodic contact allows no estimate; empty if it does.
+
+    Nodes of a mirrored map count four times.
+    """
     if plastic_area > 0:
         return "the pressure reaches the hardness, and the errors of a study are known for elastic contacts"
     touching = pressure > 0
