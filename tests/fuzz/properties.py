@@ -231,7 +231,7 @@ def try_stress(case):
         peaks = asp.stress.find_peaks(iter(planes), case["fields"][0])
         require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
         for position, edge in ((peaks.y, solid.grid.length[0]), (peaks.x, solid.grid.length[1])):
-            lowest = -0.5 * edge / 3 if solid.grid.mirrored else 0.0  # the mirror line
+            lowest = -0.5 * edge if solid.grid.mirrored else 0.0  # the mirror line
             require(np.all((position >= lowest) & (position <= edge)), "a peak lies outside the cell")
         if solid.grid.mirrored:
             cells = asp.stress_planes(solid.with_mirror_images(), case["depths"], **chosen)

@@ -3,7 +3,8 @@
 The basis fields A and B of each plane are interpolated along y and x; the named fields are made from the
 interpolated ones, never interpolated themselves. Over a periodic boundary the interpolation is the
 trigonometric one, exact for the modes of the plane, on a mirrored map that of the map and its images. Over a
-free boundary it is Lagrange's on the `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked for, they are taken as they are.
+free boundary it is Lagrange's on the `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are
+asked for, they are taken as they are.
 """
 
 from __future__ import annotations

@@ -315,8 +315,8 @@ class _Rings:
         self._grid, width, cell = grid, min(grid.spacing), grid.whole_cell
         self.lag = width * np.arange(int(min(cell.length) / 2 / width + 1e-9) + 1)
         self._squares, self._weights = [], []
-        # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough. On a mirrored map half
-        # of the columns are enough, too.
+        # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough. On a mirrored map
+        # half of the columns are enough, too.
         for axis, is_halved in enumerate((True, grid.mirrored)):
             lags, length = cell.coordinates()[axis], cell.length[axis]
             weight = np.ones(lags.size)
