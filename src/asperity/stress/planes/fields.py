@@ -693,8 +693,9 @@ def lagrange_stencils(others: int, nodes: int, edges: int) -> tuple[Array, Array
     apart = (position - base)[:, None] - steps
     weights = np.prod(np.where(np.eye(6, dtype=bool), 1.0, apart[:, None]), axis=2)
     place = base[:, None] + steps
-    is_image = (place // nodes) % 2 == 1
-    place %= 2 * nodes if edges == MIRRORED else nodes
-    place = np.minimum(place, 2 * nodes - 1 - place)
     weights *= _INVERSE_PRODUCTS
-    return place, np.stack([weights, np.where(is_image, -weights, weights)])
+    if edges != MIRRORED:
+        return place % nodes, np.stack([weights, weights])
+    place %= 2 * nodes
+    of_odd = np.where(place < nodes, weights, -weights)
+    return np.minimum(place, 2 * nodes - 1 - place), np.stack([weights, of_odd])

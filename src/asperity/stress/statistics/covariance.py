@@ -360,7 +360,8 @@ class _Rings:
                 covariance = np.pad(covariance, ((1, 1), (0, 0)), "edge")
                 covariance = (0.5 * (covariance[1:] + covariance[:-1])).T
         sums = np.zeros((2, self.lag.size + 1))
-        _sum_rings(covariance, *self._squares, *self._weights, sums)  # type: ignore[call-arg]
+        (along_y, along_x), (weight_y, weight_x) = self._squares, self._weights
+        _sum_rings(covariance, along_y, along_x, weight_y, weight_x, sums)
         return sums[0, :-1] / sums[1, :-1]
 
 
