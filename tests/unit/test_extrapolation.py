@@ -8,7 +8,7 @@ import asperity as asp
 from asperity.contact.half_grid import on_half_the_nodes, solve_on_half
 from asperity.fourier.grid import Grid
 from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE
-from asperity.surface.treatment.levelling import low_pass_bounded
+from asperity.surface.treatment.levelling import low_pass
 
 LAYER = asp.Solid(young=1.0, poisson=0.33)
 

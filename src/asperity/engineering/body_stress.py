@@ -18,10 +18,11 @@ from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import continuum_on_grids
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import EVEN, Grid
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.peaks.selection import select_peaks
+from asperity.stress.planes.fields import ODD
 from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -75,17 +76,27 @@ class CloseUp:
         edge = max((nodes.stop - nodes.start) * step for nodes, step in self._axes)
         if self.depths and self.depths[-1] > DEPTH * edge:
             return
-        nodes_along, places = [], []
-        for (nodes, step), count, own in zip(self._axes, plane.grid.shape, plane.grid.spacing, strict=True):
-            place = np.arange(nodes.start, nodes.stop) * step / own
+        nodes_along, places, is_image = [], [], []
+        each = zip(self._axes, plane.grid.shape, plane.grid.spacing, plane.first_node, strict=True)
+        for (nodes, step), count, own, first in each:
+            place = (np.arange(nodes.start, nodes.stop) * step - first) / own
             node = np.arange(int(place[0]) - INTERPOLATION_NODES, int(place[-1]) + INTERPOLATION_NODES + 2)
-            nodes_along.append(node % count if periodic else np.clip(node, 0, count - 1))
             places.append(place - node[0])
+            if plane.grid.mirrored:
+                node = node % (2 * count)
+            elif periodic:
+                node = node % count
+            is_image.append(plane.grid.mirrored & (node >= count))
+            node = np.where(is_image[-1], 2 * count - 1 - node, node)
+            nodes_along.append(np.clip(node, 0, count - 1))
         flat = (nodes_along[0][:, None] * plane.grid.shape[1] + nodes_along[1]).ravel()
         at = np.meshgrid(*places, indexing="ij")
         fields = {}
         for name in names:
             values = plane.field_at(name, poisson, flat).reshape([node.size for node in nodes_along])
+            odd_y, odd_x = ODD.get(name, EVEN)
+            values[odd_y & is_image[0]] *= -1
+            values[:, odd_x & is_image[1]] *= -1
             fields[name] = map_coordinates(values, at)
         self.depths.append(plane.depth)
         self.planes.append(fields)
@@ -306,7 +317,9 @@ def body_answer(
     limits = continuum_on_grids(answer.contact, answer.half, main, name, on_half)
     largest = {}
     for name_of_field, at_nodes in extremes.found.items():
-        largest[name_of_field] = _between_nodes(name_of_field, at_nodes, stress)
+        found = _between_nodes(name_of_field, at_nodes, stress)
+        y, x = map(float, face.grid.on_map(found.y, found.x))
+        largest[name_of_field] = found._replace(y=y, x=x)
     progress(1.0, 1.0)
     body, interface = case.bodies[name], extremes.interface or None
     return BodyAnswer(body, layer, stress, limits, largest, extremes.planes, near, interface)
@@ -384,7 +397,7 @@ class _Extremes:
             if sizes.size and sizes.max() > self._sizes.get(name, -np.inf):
                 best = int(sizes.argmax())
                 row, column = divmod(int(nodes[best]), plane.grid.shape[1])
-                y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
+                y, x = np.add(plane.first_node, np.multiply((row, column), plane.grid.spacing)).tolist()
                 self._sizes[name] = sizes[best]
                 self.found[name] = Extreme(float(values[best]), plane.depth, y, x)
                 if name in self._drawn:

@@ -110,7 +110,7 @@ def solved_on_half(contact: Contact) -> HalfGrid:
     """The contact on half of the nodes, under the same load."""
     reason = "the boundary is free, and the estimate is made for periodic cells"
     if contact.boundary != "free":
-        reason = reason_against(contact.pressure, contact.height)
+        reason = reason_against(contact.pressure, contact.height, mirrored=contact.grid.mirrored)
     half, lost = solve_on_half(
         contact.height,
         contact.solid,

@@ -71,7 +71,7 @@ def map_of_contact(answer: Answer, name: str, values: Any, look: Look, caption: 
     source, field = source_of(answer), answer.case.fields[0]
     source = replace(source, fields=source.fields | {name: values})
     near = _close_up(answer, "lower", field)
-    maps = [map_of(source, name, whole_map(source.grid))]
+    maps = [map_of(source, name, whole_map(answer, source.grid))]
     if near is not None:
         maps.append(map_of(source, name, near.part, FRAMED))
         caption += f"; on the right close to {_shown(answer, 'lower', field, near)}"
@@ -91,7 +91,7 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
     near = _close_up(answer, body, field)
     if near is not None:
         depth, grid, values = answer.bodies[body].planes[field]
-        whole = whole_map(grid)
+        whole = whole_map(answer, grid)
         close = near.planes[int(np.abs(np.subtract(near.depths, depth)).argmin())][field]
         overview = Map(replace(source, grid=grid, fields={}), whole, values[whole])
         figure = _drawn([overview, Map(source, near.part, close, FRAMED)], look, level)
@@ -127,9 +127,11 @@ def _shown(answer: Answer, body: str, field: str, near: CloseUp) -> str:
     return "one of the highest pressures" if near.node(found.y, found.x) is None else "the largest stress"
 
 
-def whole_map(grid: Grid) -> Part:
-    """All nodes of a grid."""
-    return slice(0, grid.shape[0]), slice(0, grid.shape[1])
+def whole_map(answer: Answer, grid: Grid) -> Part:
+    """Nodes of the map on a grid of the map, or of a mirrored map and its images."""
+    images = 2 if answer.face.grid.mirrored and not grid.mirrored else 1
+    rows, columns = (slice(0, count // images) for count in grid.shape)
+    return rows, columns
 
 
 def _drawn(maps: list[Map], look: Look, level: float | None = None) -> Figure:

@@ -152,9 +152,10 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
         Pressure and numbers of the contact, with the attribute ``lost_gradient`` of
         `asperity.continuum_limit`; None where the contact allows no estimate.
     """
-    height = height_of(contact).values
-    if reason_against(contact["pressure"].values, height, float(contact.get("plastic_area", 0))):
+    height, grid = height_of(contact).values, grid_of(contact)
+    plastic_area = float(contact.get("plastic_area", 0))
+    if reason_against(contact["pressure"].values, height, plastic_area, grid.mirrored):
         return None
     layer, record = solid(layer_settings)
-    half, lost = solve_on_half(height, layer, grid_of(contact), mean_pressure=float(contact["mean_pressure"]))
+    half, lost = solve_on_half(height, layer, grid, mean_pressure=float(contact["mean_pressure"]))
     return half.to_dataset().assign_attrs(record, lost_gradient=lost)
