@@ -19,6 +19,7 @@ from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import TwoBodies
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Question
 from asperity.engineering.questions.conduction import Conduction
 from asperity.engineering.questions.cycles import Cycles
@@ -132,6 +133,8 @@ class Case(Settings):
             yield "body.map", ": not accepted; the map of the body is the group `map`"
         if "form" in self.map.model_fields_set and self.map.radius is None:
             yield "map.form", ": needs map.radius"
+        if self.map.radius_y is not None and (self.map.radius is None or self.map.form == "cylinder"):
+            yield "map.radius_y", ": needs map.radius, the radius along x, and no cylinder"
         if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
             yield "map.cylinder_axis", ": needs map.form: cylinder"
         if self.map.periodic == "none":
@@ -235,7 +238,8 @@ class Case(Settings):
     @property
     def sliding_direction(self) -> str | float:
         """Direction in which the counter body moves over the body."""
-        return "x" if self.sliding is None else self.sliding.direction
+        given = None if self.sliding is None else self.sliding.direction
+        return "x" if given is None else given
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
@@ -291,6 +295,11 @@ class Case(Settings):
             return None
         shared = {name: getattr(self.map, name) for name in self.map.model_fields_set - {"file"}}
         return CounterMap(**shared | {name: getattr(own, name) for name in own.model_fields_set})
+
+    def on_face(self, rough: RoughFace) -> Self:
+        """The case with what its map determines: options of the file, and sliding along the lay."""
+        sliding = None if self.sliding is None else self.sliding.along_lay(rough.face)
+        return self.replaced(map=rough.options or self.map, sliding=sliding)
 
     def under(self, **load: float) -> Self:
         """The same bodies under another load alone: no question about it is asked."""

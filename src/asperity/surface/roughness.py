@@ -260,6 +260,10 @@ def core_roughness(height: Array) -> CoreRoughness:
     return CoreRoughness(-float(slope), *reduced)
 
 
+STRONG_LAY = 0.3
+"""Texture aspect ratio below which a lay is strong (ISO 25178-2)."""
+
+
 def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, float]:
     """Autocorrelation length Sal, texture aspect ratio Str and direction of the lay of ISO 25178-2.
 

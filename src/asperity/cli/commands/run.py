@@ -280,7 +280,7 @@ def _job(
             counter_map = None if case is None else case.counter_map
             rough = read_face(surface, counter_map, shared=folder is not None)
             if case is not None:
-                case = case.replaced(map=rough.options)
+                case = case.on_face(rough)
                 problems += map(named, problems_on_map(case, rough))
         except SettingsError as error:
             problems += map(named, error.found)

@@ -254,9 +254,9 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         raise MapError(surface.name, problems)
     images = 2 if options.periodic == "mirrored" else 1
     grid, target = _grids(surface, options, images)
-    shortest, radius = _lengths(surface, options, grid, target, images)
+    shortest, radii = _lengths(surface, options, grid, target, images)
     levelled = _levelled(surface, options)
-    if levelled.is_flat and radius is None:
+    if levelled.is_flat and radii is None:
         raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
     level, filtered, words = _filtered(levelled.height, surface, options, grid)
     step, altered = levelling.edge_step(level), 0.0
@@ -307,7 +307,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         images,
         "free" if options.periodic == "none" else "periodic",
     )
-    return treated if radius is None else _with_form(treated, options, radius, surface)
+    return treated if radii is None else _with_form(treated, options, radii, surface)
 
 
 class _Levelled(NamedTuple):
@@ -397,8 +397,7 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     ----------
     surface : HeightMap
     options : MapOptions, optional
-        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, `radius`, `s_filter` and
-        `l_filter` are in units of the longer edge of the cell, which has twice the edges of the map if it is
+        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, radii, `s_filter` and `l_filter` are in units of the longer edge of the cell, which has twice the edges of the map if it is
         mirrored.
     **given
         Fields of `MapOptions`, in place of those of `options`.
@@ -428,7 +427,8 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
     edge = cell_edge(surface, options)
     lengths: dict[str, Any] = {
-        name: getattr(options, name) for name in ("wavelength_short", "radius", "s_filter", "l_filter")
+        name: getattr(options, name)
+        for name in ("wavelength_short", "radius", "radius_y", "s_filter", "l_filter")
     }
     for name, length in lengths.items():
         if isinstance(length, str):
@@ -471,18 +471,19 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
 
 def _lengths(
     surface: HeightMap, options: MapOptions, grid: Grid, target: Grid, images: int
-) -> tuple[float | None, float | None]:
-    """Shortest wavelength and radius of the form in the unit of the map, checked; None if not given."""
-    given = ("wavelength_short", options.wavelength_short), ("radius", options.radius)
-    wavelength, radius = (
-        None if length is None else surface.in_map_unit(name, length) for name, length in given
+) -> tuple[float | None, tuple[float, float | None] | None]:
+    """Shortest wavelength and radii (x, y) of the form in the unit of the map, checked; None if not given."""
+    wavelength, radius, radius_y = (
+        None if length is None else surface.in_map_unit(name, length)
+        for name in ("wavelength_short", "radius", "radius_y")
+        for length in [getattr(options, name)]
     )
     shortest, longest = _two_nodes(grid, target), images * max(grid.length)
     if wavelength is not None and not shortest * (1 - 1e-9) <= wavelength <= longest * (1 + 1e-9):
         low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, wavelength))
         problem = f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"
         raise MapError(surface.name, [problem])
-    return wavelength, radius
+    return wavelength, None if radius is None else (radius, radius_y)
 
 
 def _filtered(
@@ -548,16 +549,21 @@ def _two_nodes(grid: Grid, target: Grid) -> float:
     return 2 * max(*grid.spacing, *target.spacing)
 
 
-def _with_form(treated: TreatedMap, options: MapOptions, radius: float, surface: HeightMap) -> TreatedMap:
+def _with_form(
+    treated: TreatedMap, options: MapOptions, radii: tuple[float, float | None], surface: HeightMap
+) -> TreatedMap:
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
-    part = treated.map_alone().grid
+    part, (radius, radius_y) = treated.map_alone().grid, radii
     flat, word = np.zeros(part.shape), "a sphere"
     if options.form == "sphere":
-        form = add_sphere(flat, part, radius)
+        form = add_sphere(flat, part, radius, radius_y=radius_y)
     else:
         form = add_cylinder(flat, part, radius, axis=options.cylinder_axis)
         word = f"a cylinder along {options.cylinder_axis}"
     if treated.is_mirrored:
         form = levelling.mirrored(form)
     line = f"form of {word} of radius {surface.shown_length(radius, digits=4)} added"
+    if radius_y is not None:
+        shown_x, shown_y = (surface.shown_length(each, digits=4) for each in (radius, radius_y))
+        line = f"form of radius {shown_x} along x and {shown_y} along y added"
     return replace(treated, height=treated.height + form, done=(*treated.done, line))
