@@ -21,7 +21,8 @@ from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.contact_numbers import ContactNumbers, gap_of
 from asperity.engineering.continuum import HalfGrid
 from asperity.engineering.face import RoughFace
-from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
+from asperity.engineering.places import Blocks, blocks_of
+from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row, per_cent
 from asperity.settings.load import UNITS, Hertz
 from asperity.stress.peaks.selection import has_percentile, select_peaks
 from asperity.surface.treatment.treatment import TreatedMap
@@ -52,6 +53,9 @@ POSITION_NAMES = "at depth", "at x", "at y"
 
 ALIKE = 0.01
 """Relative difference up to which numbers of two bodies of one material are shown once."""
+
+CONTACT_TILES = ("real contact", "largest pressure", "largest von Mises stress")
+"""Numbers of contact and stress at the top of the report."""
 
 REPEATS = (
     f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
@@ -166,7 +170,8 @@ class Answer:
                 unit, value = each.metadata["unit"], getattr(self.numbers, each.name)
                 words = words_of.get(each.name) or shown_si(value, unit)
                 limits = self.bodies["lower"].limits
-                shown.append(_row("contact", each.metadata["name"], value, unit, words, limits))
+                row = _row("contact", each.metadata["name"], value, unit, words, limits)
+                shown.append(row.of_places(self.area_of_places) if each.name == "area_fraction" else row)
         shown += _hertz_rows(self.case)
         questions = self.case.questions.values()
         if self.plastic is not None:
@@ -179,6 +184,39 @@ class Answer:
                 shown += question.rows_of_body(self, name)
         groups = list(dict.fromkeys(row.group for row in shown))
         return sorted(shown, key=lambda row: groups.index(row.group))
+
+    @cached_property
+    def blocks(self) -> Blocks | None:
+        """Blocks of the map that show how places differ; None where it holds too few, or has a form.
+
+        Under an imposed approach or real contact the numbers do not follow the load on a block.
+        """
+        imposed = self.case.load.kind in ("approach", "area_fraction")
+        if imposed or self.case.map.radius is not None or self.face.boundary == "free":
+            return None
+        return blocks_of(self.face, self.contact.pressure)
+
+    @cached_property
+    def area_of_places(self) -> float:
+        """Relative error of the real contact from place to place; NaN where it is not known."""
+        if self.blocks is None:
+            return np.nan
+        return self.blocks.error(self.blocks.means(self.face.part(self.contact.pressure) > 0))
+
+    @property
+    def tiles(self) -> list[Row]:
+        """The rows that answer the questions, then those of the contact."""
+        rows = without_repeats(self.rows)
+        return [row for name in tile_names(self.case) for row in rows if row.name == name]
+
+    @property
+    def verdicts(self) -> list[str]:
+        """The answer to each question in a sentence; without a question those of contact and stress."""
+        found = [question.verdict(self) for question in self.case.questions.values()]
+        pressure = shown_si(self.numbers.largest_pressure, "Pa", 3)
+        contact = f"the bodies touch on {per_cent(self.numbers.area_fraction)} of the area"
+        found.append(f"{contact}, under a pressure of up to {pressure}")
+        return [f"{text[0].upper()}{text[1:]}." for text in found if text]
 
     @property
     def uncertainties(self) -> list[str]:
@@ -222,7 +260,7 @@ class Answer:
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
         width = max(len(row.name) for row in self.rows)
-        lines = [self.title]
+        lines = [self.title, "", *self.verdicts]
         if self.uncertainties:
             lines += ["", "largest uncertainties", *(f"  {text}" for text in self.uncertainties)]
         shown = without_repeats(self.rows)
@@ -243,6 +281,12 @@ class Answer:
 
     def __repr__(self) -> str:
         return f"<Answer of {self.title}>"
+
+
+def tile_names(case: Case) -> list[str]:
+    """Names of the numbers at the top of a page: those of the questions of the case, then the contact."""
+    of_questions = [name for question in case.questions.values() for name in question.TILES]
+    return list(dict.fromkeys([*of_questions, *CONTACT_TILES]))
 
 
 def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
@@ -373,7 +417,7 @@ def _row(
         return Row(group, name, value, unit, shown).by(error)
     values = limit_of(limits, name)
     estimate, error = values["estimate"], values["estimate"] * values["error"]
-    row = Row(group, name, value, unit, shown, estimate, error)
+    row = Row(group, name, value, unit, shown, estimate, error, "the pixels")
     if not np.isfinite(estimate) or not error > 0:
         return Row(group, name, value, unit, shown)
     return row._replace(shown=f"{shown}; {row.with_error} for vanishing pixels")

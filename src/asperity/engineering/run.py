@@ -23,10 +23,9 @@ from asperity.settings.load import UNITS
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
-
 SEPARATE_SHARE = 0.4
-"""Edge of a map over the smaller width of its Hertz contact up to which the pressure of the contact changes by
-less than a tenth over the map."""
+"""Edge of a map over the smaller width of its Hertz contact up to which the pressure of the contact changes
+by less than a tenth over the map."""
 
 
 def run(

@@ -14,12 +14,11 @@ import pandas as pd
 from asperity.core.markup import html_table, rendered
 from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
-from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.answer import REPEATS, Answer, case_in_words, tile_names, without_repeats
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import pool_text
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
-from asperity.engineering.output import HEADLINE
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
@@ -125,7 +124,7 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
         "sample.html.j2",
         title=f"{', '.join(sample.names)}: contact and stress",
         sample=sample,
-        headline=[(row.name, row.shown[0]) for row in rows if row.name in HEADLINE],
+        headline=[(row.name, row.shown[0]) for row in rows if row.name in tile_names(cases[0][0])],
         groups=groupby(rows, key=lambda row: row.group),
         predicted=predicted,
         one_map=ONE_MAP,

@@ -55,6 +55,12 @@ class Cycles(Question):
     Without shifts a body with fatigue limits is taken as smooth, under a rough one that slides along x or y.
     """
 
+    TILES = (
+        *("largest Dang Van stress over limit", "shakedown factor, at least"),
+        *("probability of no crack on the map",),
+    )
+    LEAD = "cycles"
+
     shifts: Whole | None = setting(
         None,
         default_text="cycles of a smooth body under a rough one, with fatigue limits",
@@ -163,6 +169,32 @@ class Cycles(Question):
             found[body] = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
         elif body in found:
             found[body] = found[body].dataset()
+
+    def verdict(self, answer: Answer) -> str:
+        """Fatigue and shakedown of the body with the worst cycles."""
+        worst = {
+            name: [cycles.attrs[f"worst_{name}"][0] for cycles in answer.of(self).values() if name in cycles]
+            for name in WORDS
+        }
+        found = []
+        if worst["dang_van"]:
+            ratio = max(worst["dang_van"])
+            found.append(
+                f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+                if ratio > 1
+                else f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
+            )
+        if worst["shakedown_lower"] and worst["shakedown_upper"]:
+            low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
+            between = f"{low:.2g} to {high:.2g} times the load"
+            if low >= 1:
+                shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
+            elif high < 1:
+                shakes = f"plastic strain returns in each pass; it would end below {between}"
+            else:
+                shakes = f"whether plastic strain ends is not decided; it ends below {between}"
+            found.append(shakes)
+        return "; ".join(found)
 
     def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
         """The worst cycles, volumes above shares of the limit, and the probability that no crack starts."""

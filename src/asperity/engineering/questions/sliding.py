@@ -59,7 +59,7 @@ class Sliding(Question):
     _chosen: str = PrivateAttr("")
 
     def along_lay(self, face: TreatedMap) -> Sliding:
-        """The same friction in a direction: that which is given, else the axis nearest to the lay of a map."""
+        """The same friction in the given direction, else along the axis nearest to the lay of a map."""
         from asperity.surface.roughness import STRONG_LAY, texture
 
         if self.direction is not None or not self.friction:
@@ -85,7 +85,7 @@ class Sliding(Question):
                 )
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
-        """Direction that was not given; change of the displacement by friction, which the contact neglects."""
+        """Direction that was not given; change of the displacement by the neglected friction."""
         if not self.friction:
             return
         if self._chosen:

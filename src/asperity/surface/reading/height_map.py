@@ -171,7 +171,7 @@ class HeightMap:
             count = min(points, round(wanted / step))
             place = self.length[axis] / 2 if middle is None else self.in_map_unit("crop_at", middle[axis])
             start = round(place / step - count / 2)
-            if not (count >= 2 and 0 <= start and start + count <= points):
+            if not (count >= 2 and start >= 0 and start + count <= points):
                 size, whole = self.shown_length(wanted), self.shown_length(*self.length)
                 text = f"crop = {size}: a part of at least 2 x 2 points inside the map, {whole}, is needed"
                 raise MapError(self.name, [text])

@@ -397,8 +397,8 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     ----------
     surface : HeightMap
     options : MapOptions, optional
-        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, radii, `s_filter` and `l_filter` are in units of the longer edge of the cell, which has twice the edges of the map if it is
-        mirrored.
+        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, radii, `s_filter` and `l_filter`
+        are in units of the longer edge of the cell, which has twice the edges of the map if it is mirrored.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 
