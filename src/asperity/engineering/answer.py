@@ -57,6 +57,14 @@ ALIKE = 0.01
 CONTACT_TILES = ("real contact", "largest pressure", "largest von Mises stress")
 """Numbers of contact and stress at the top of the report."""
 
+ONE_PLACE = (
+    "the map is from one place of the surface: an error by the pixels does not show how places differ; "
+    "several maps (--pooled) do"
+)
+
+INTERFACE_TILES = "largest shear stress on the interface", "largest tension across the interface"
+"""Numbers of the interface of a coating, in the order of `Interface.largest`."""
+
 REPEATS = (
     f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
 )
@@ -213,6 +221,12 @@ class Answer:
     def verdicts(self) -> list[str]:
         """The answer to each question in a sentence; without a question those of contact and stress."""
         found = [question.verdict(self) for question in self.case.questions.values()]
+        for name in self.case.different_bodies:
+            if (interface := self.bodies[name].interface) is not None:
+                shear, tension = (max(each.value, 0.0) for each in interface.largest.values())
+                pulled = f"a tension of up to {shown_si(tension, 'Pa', 3)}" if tension else "no tension"
+                shown = f"shear of up to {shown_si(shear, 'Pa', 3)} and {pulled}"
+                found.append(f"the interface of the coating of the {name} body bears {shown}")
         pressure = shown_si(self.numbers.largest_pressure, "Pa", 3)
         contact = f"the bodies touch on {per_cent(self.numbers.area_fraction)} of the area"
         found.append(f"{contact}, under a pressure of up to {pressure}")
@@ -266,6 +280,7 @@ class Answer:
         shown = without_repeats(self.rows)
         for group, rows in groupby(shown, key=lambda row: row.group):
             lines += ["", group, *(f"  {row.name:<{width}}  {row.shown}" for row in rows)]
+        lines += ["", ONE_PLACE]
         lines += ["", REPEATS] if len(shown) < len(self.rows) else []
         lines += ["", "what was done to the map", *(f"  {step}" for step in self.face.done)]
         for advice in self.advice:
@@ -286,7 +301,8 @@ class Answer:
 def tile_names(case: Case) -> list[str]:
     """Names of the numbers at the top of a page: those of the questions of the case, then the contact."""
     of_questions = [name for question in case.questions.values() for name in question.TILES]
-    return list(dict.fromkeys([*of_questions, *CONTACT_TILES]))
+    coated = any(body.coating is not None for body in case.bodies.values())
+    return list(dict.fromkeys([*of_questions, *(INTERFACE_TILES if coated else ()), *CONTACT_TILES]))
 
 
 def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
@@ -386,11 +402,18 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
             place = f"at depth {shown_si(part.depth, 'm')}"
             value, name = part.largest_von_mises, f"largest von Mises stress in the {material}"
             yield row(name, value, "Pa", f"{shown_si(value, 'Pa')} {place}")
-        yield row("largest shear stress on the interface", max(body.interface["shear"]))
-        tension = max(body.interface["zz"][0], 0.0)
-        yield row("largest tension across the interface", tension, "Pa", "" if tension else "none")
-        for material, value in zip(body.materials, body.interface["xx"], strict=True):
+        for name, found in zip(INTERFACE_TILES, body.interface.largest.values(), strict=True):
+            place = ", ".join(
+                f"{axis} = {shown_si(at, 'm')}" for axis, at in (("x", found.x), ("y", found.y))
+            )
+            shown = f"{shown_si(found.value, 'Pa')} at {place}"
+            yield row(name, max(found.value, 0.0), "Pa", shown if found.value > 0 else "none")
+        for material, value in zip(body.materials, body.interface.along, strict=True):
             yield row(f"σ_xx on the interface, in the {material}", value)
+        if coating is not None and coating.residual_stress:
+            energy = (1 - coating.poisson) * coating.residual_stress**2 * coating.thickness / coating.young
+            shown = f"{energy:.3g} J/m², which a coating that comes off sets free"
+            yield row("energy of the residual stress of the coating", energy, "J/m^2", shown)
         if coating is not None and coating.yield_stress is not None:
             yield row("yield stress of the coating", coating.yield_stress)
     found_peaks = np.abs(

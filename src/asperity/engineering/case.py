@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Self, get_args
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from asperity.contact import Contact
@@ -278,6 +279,12 @@ class Case(Settings):
         `carried` is the share of the pressure of the Hertz contact that the contact carries, and that slides.
         """
         loaded, load = contact.in_body(name), self.load
+        coating = self.bodies[name].coating
+        if coating is not None and coating.residual_stress:
+            stress = coating.residual_stress * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+            return replace(
+                loaded, background=lambda depth: stress if depth <= coating.thickness else 0 * stress
+            )
         if not isinstance(load, Hertz):
             return loaded
         pressure = contact.mean_pressure / carried

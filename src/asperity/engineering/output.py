@@ -6,6 +6,7 @@ import base64
 import json
 import os
 import platform
+import re
 import shutil
 from dataclasses import asdict
 from datetime import datetime
@@ -22,7 +23,7 @@ from markupsafe import Markup
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.answer import ONE_PLACE, REPEATS, Answer, case_in_words, without_repeats
 from asperity.engineering.case import Case, solid_of
 from asperity.engineering.case_file import case_text
 from asperity.engineering.contact_numbers import certificate_in_words
@@ -36,6 +37,9 @@ from asperity.results.variables import SI_UNITS
 from asperity.settings.materials import material
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
+
+_NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by) .*))?")
+"""A number with its unit, and what follows it."""
 
 SPOTS = 10
 """Patches of contact in the report."""
@@ -163,6 +167,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         certificate=certificate_in_words(answer.contact.certificate),
         headline=headline(answer),
         lead=lead,
+        one_place=f"{ONE_PLACE[0].upper()}{ONE_PLACE[1:]}.",
         groups=groupby(rows, key=lambda row: row.group),
         repeats=REPEATS if len(rows) < len(answer.rows) else "",
         picture_groups=groups,
@@ -196,6 +201,8 @@ def headline(answer: Answer) -> list[tuple[str, str, list[str]]]:
         body = row.group.removeprefix("stress in the ").partition(" (")[0]
         name = f"{row.name}, {body}" if several and row.group.startswith("stress") else row.name
         value, *errors = row.shown.split("; ")
+        value, place = _NUMBER.fullmatch(value).groups()  # type: ignore[union-attr]
+        errors = [*filter(None, [place]), *errors]
         if not row.error_of_places > 0 and row.between_places:
             errors.append(row.between_places)
         found.append((name, value, errors))

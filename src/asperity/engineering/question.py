@@ -41,7 +41,7 @@ IN_PER_CENT = (
 DIFFER_BETWEEN_PLACES = ("largest", "shakedown", "real contact", "share above", "volume above", "peaks")
 """Beginnings of the names of numbers that another place of the surface changes."""
 
-NOT_KNOWN = "from one place: how places differ is not known; add maps"
+NOT_KNOWN = "from place to place: not known"
 
 RESOLUTION_CHANGE = 0.1
 """Change on doubling the pixels from which a number is called limited by the grid."""

@@ -75,6 +75,9 @@ class Coating(OfMaterial):
 
     thickness: Length = setting(..., example="2 um")
     """Thickness of the coating."""
+    residual_stress: Stress | None = setting(None, default_text="none", example="-2 GPa")
+    """Equal normal stresses along x and y in the coating of the unloaded body, compression negative. They are
+    added to the stress in the coating."""
 
 
 class Layer(Settings):

@@ -330,15 +330,18 @@ class Cycles(Question):
         axis, source = axis_of(cycles), source_of(answer)
         rows = whole_map(answer, source.grid)["yx".index(axis)]
         section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
-        touching = (source.field("pressure") > 0).any(axis="xy".index(axis))
-        section = section.assign_coords(contact=(axis, touching)).isel({axis: rows}).rename(source.title)
+        # Every row meets a contact somewhere: bars of the contact would say nothing.
+        touching = np.zeros(section.sizes[axis], dtype=bool)
+        over_depth = np.full(section.sizes["depth"], limit)
+        section = section.assign_coords(contact=(axis, touching), limit=("depth", over_depth))
+        section = section.isel({axis: rows}).rename(source.title)
         # Cycles in a Hertz contact go deeper than the picture, which ends at half of the edge of the map.
         section = section.sel(depth=slice(0, max(answer.face.map_length) / 2))
         look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
         faded = min(FADED * float(section.max()), limit)
-        figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None, limit)
+        figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None)
         caption = (
-            f"Largest Dang Van stress of each row across {axis}; bars are rows with contact, the line is the "
+            f"Largest Dang Van stress of each row across {axis}; the line is the "
             f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {_title(answer.case, body)}."
         )
         yield Picture(f"cycles{answer.suffix_of(body)}", caption, figure, body)
