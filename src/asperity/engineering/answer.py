@@ -242,6 +242,11 @@ class Answer:
         """All numbers as a table; the columns are described in ``docs/tables.md``."""
         return pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
 
+    def advice_table(self) -> pd.DataFrame:
+        """Warnings and notes: level, subject, text."""
+        found = [(each.level, each.subject, each.text) for each in self.advice]
+        return pd.DataFrame(found, columns=["level", "subject", "text"])
+
     def gaps(self) -> pd.DataFrame:
         """Gap below which a share of the area of the map lies: share, gap_m."""
         gaps = np.quantile(gap_of(self.face, self.contact), GAP_SHARES)
@@ -302,7 +307,7 @@ def tile_names(case: Case) -> list[str]:
     """Names of the numbers at the top of a page: those of the questions of the case, then the contact."""
     of_questions = [name for question in case.questions.values() for name in question.TILES]
     coated = any(body.coating is not None for body in case.bodies.values())
-    return list(dict.fromkeys([*of_questions, *(INTERFACE_TILES if coated else ()), *CONTACT_TILES]))
+    return list(dict.fromkeys([*(INTERFACE_TILES if coated else ()), *of_questions, *CONTACT_TILES]))
 
 
 def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:

@@ -52,6 +52,7 @@ def names_of(case: "Case | None") -> list[str]:
         "spots.csv",
         "gaps.csv",
         "answer.csv",
+        "advice.csv",
         "answer.xlsx",
     ]
     names += ["height.png", "pressure.png", "report.html"]

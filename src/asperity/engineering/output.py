@@ -6,7 +6,6 @@ import base64
 import json
 import os
 import platform
-import re
 import shutil
 from dataclasses import asdict
 from datetime import datetime
@@ -37,9 +36,6 @@ from asperity.results.variables import SI_UNITS
 from asperity.settings.materials import material
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
-
-_NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by) .*))?")
-"""A number with its unit, and what follows it."""
 
 SPOTS = 10
 """Patches of contact in the report."""
@@ -119,6 +115,7 @@ def _write_results(answer: Answer, folder: Path) -> None:
         title = f"Stress under {surface}{suffix.replace('_', ', ')}"
         dataset.write(stress_dataset(answer, body), folder / f"stress{suffix}.nc", title, settings)
     tables: dict[str, pd.DataFrame] = {
+        "advice": answer.advice_table(),
         "peaks": answer.peaks(),
         "spots": answer.spots,
         "gaps": answer.gaps(),
@@ -184,7 +181,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
 def _taken_lead(answer: Answer, groups: dict[str, list[tuple[Picture, str]]]) -> tuple[Picture, str] | None:
     """The picture that stands at the top, taken out of its group."""
     asked = [question.LEAD for question in answer.case.questions.values() if question.LEAD]
-    for name in [*reversed(asked), "pressure"]:
+    for name in ["interface", *reversed(asked), "pressure"]:
         for shown in groups.values():
             for each in shown:
                 if each[0].name.startswith(name):
@@ -200,9 +197,8 @@ def headline(answer: Answer) -> list[tuple[str, str, list[str]]]:
     for row in rows:
         body = row.group.removeprefix("stress in the ").partition(" (")[0]
         name = f"{row.name}, {body}" if several and row.group.startswith("stress") else row.name
-        value, *errors = row.shown.split("; ")
-        value, place = _NUMBER.fullmatch(value).groups()  # type: ignore[union-attr]
-        errors = [*filter(None, [place]), *errors]
+        value, place = row.value_and_place
+        errors = [*filter(None, [place]), *row.shown.split("; ")[1:]]
         if not row.error_of_places > 0 and row.between_places:
             errors.append(row.between_places)
         found.append((name, value, errors))

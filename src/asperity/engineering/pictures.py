@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -60,6 +60,32 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         yield from _of_interface(answer, source, body)
         for question in answer.case.questions.values():
             yield from question.pictures_of_body(answer, body)
+
+
+def compared_pictures(answers: Mapping[str, Answer]) -> Iterator[Picture]:
+    """Heights, pressure and a section of the stress of several answers, each in one scale."""
+    found = {name: replace(source_of(answer), title=name) for name, answer in answers.items()}
+    wholes = {name: whole_map(answer, found[name].grid) for name, answer in answers.items()}
+    for field, (look, caption) in MAPS.items():
+        if field != "plastic_depth":
+            maps = [map_of(source, field, wholes[name]) for name, source in found.items()]
+            sign = -1 if field == "height" else 1
+            maps = [each._replace(values=sign * each.values) for each in maps]
+            yield Picture(field, f"{caption}.", draw_maps(maps, look, None))
+    sections = []
+    for name, answer in answers.items():
+        field = answer.case.fields[0]
+        if (near := _close_up(answer, "lower", field)) is not None:
+            section = _section(answer, found[name], "lower", field, near)
+            limit = answer.bodies["lower"].yield_at(section["depth"].values)
+            if field == "von_mises" and np.isfinite(limit).any():
+                section = section.assign_coords(limit=("depth", limit))
+            sections.append(section)
+    if sections:
+        words = field_words(field)
+        caption = f"{words[0].upper()}{words[1:]} in sections through its largest magnitude"
+        drawn = draw_sections(sections, field_look(field), SI_UNITS, None)
+        yield Picture("section", f"{caption}; bars are the contact, lines the yield stress.", drawn)
 
 
 def source_of(answer: Answer) -> Source:
@@ -140,7 +166,7 @@ def _of_interface(answer: Answer, source: Source, body: str) -> Iterator[Picture
         figure = _drawn([shown], look)
         axis = figure.axes[0]
         factor = grid.spacing[1] * values[whole].shape[1] / float(np.diff(axis.get_xlim())[0])
-        axis.plot(largest.x / factor, largest.y / factor, "+", color="C4", ms=8)
+        axis.plot(largest.x / factor, largest.y / factor, "+", color="C4", ms=9, mew=1.5, clip_on=False)
         caption = (
             f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its largest value"
         )

@@ -8,6 +8,7 @@ computes: a question that is not asked costs nothing.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -51,6 +52,10 @@ HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 
+_NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by|if) .*))?")
+"""A number with its unit, and what follows it."""
+
+
 class Row(NamedTuple):
     """One line of the answer: group, name, value in SI, its unit, and all numbers for a reader.
 
@@ -72,6 +77,12 @@ class Row(NamedTuple):
     def with_error(self) -> str:
         """The estimate and its error as text; empty where there is none."""
         return self._shown_with(self.estimate, self.error) if self.error > 0 else ""
+
+    @property
+    def value_and_place(self) -> tuple[str, str]:
+        """The number with its unit, and what follows it, such as the depth."""
+        number, place = _NUMBER.fullmatch(self.shown.partition("; ")[0]).groups(default="")  # type: ignore[union-attr]
+        return number, place
 
     @property
     def between_places(self) -> str:

@@ -37,6 +37,11 @@ class Job(NamedTuple):
 def run(options: argparse.Namespace) -> None:
     """Compute the answers, print them, and write results, pictures and reports; compare or pool several."""
     _check_names(options)
+    if len(options.map) == 2 and all(os.path.isdir(path) for path in options.map):
+        from asperity.engineering.several_answers import compare_samples
+
+        print(compare_samples([Path(path) for path in options.map]))
+        return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     from asperity.engineering.case_file import MAP_FILES, SUFFIXES, at, load_case, names_of_maps
 
