@@ -48,7 +48,7 @@ def of_kind(kind: str, long: float, maps: int, seed: int) -> list[dict[str, obje
     body = asp.Body(young=210e9, poisson=0.3, yield_stress=1e9)
     pressure = 400e6 if "load" in kind else 100e6
     found = {name: [] for name in NUMBERS}
-    for number in tqdm(range(maps), desc=f"{kind}, {long:g}", leave=False):
+    for number in tqdm(range(maps), desc=f"{kind}, {long:g}", leave=False, disable=None):
         answer = asp.run(map_of(kind, long, 1000 * seed + number), body, mean_pressure=pressure)
         for row in answer.rows:
             if row.name in NUMBERS:
@@ -76,10 +76,10 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--maps", type=int, default=40)
+    parser.add_argument("--maps", type=int, default=30)
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--kinds", nargs="+", default=list(KINDS))
-    parser.add_argument("--long", type=float, nargs="+", default=[3, 6])
+    parser.add_argument("--long", type=float, nargs="+", default=[4, 6])
     parser.add_argument("--out", default="docs/places.csv")
     options = parser.parse_args()
     rows = []

@@ -20,8 +20,12 @@ BLOCK = 4.0
 """Edge of a block over the length along it over which heights are correlated. On self-affine surfaces such a
 block is wider than the longest wave; with it `benchmarks/places.py` covers 90 to 98 %."""
 
-FEWEST_BLOCKS = 10
-"""Fewest blocks from which the error is estimated."""
+FEWEST_BLOCKS = 16
+"""Fewest blocks from which the error is estimated. A map of fewer has them by chance, if its own waves happen
+to be short, and then errs."""
+
+NEIGHBOURS = 1.1
+"""Factor of the error, as blocks that touch are not independent (`benchmarks/places.py`, other surfaces)."""
 
 CONFIDENCE = 0.95
 """Confidence of the interval."""
@@ -54,7 +58,7 @@ class Blocks:
             return np.nan
         residual = means / total - self.load / self.load.mean()
         scatter = np.sqrt(float(np.square(residual).sum()) / (count - 1))
-        return float(t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
+        return float(NEIGHBOURS * t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
 
 
 def blocks_of(face: TreatedMap, pressure: Array) -> Blocks | None:

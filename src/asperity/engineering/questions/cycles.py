@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Picture, Question, Row, per_cent
+from asperity.settings.body import ResidualStress
 from asperity.settings.model import Number, Whole, setting
 from asperity.settings.quantities import Volume
 
@@ -350,7 +351,10 @@ class Cycles(Question):
 def _limits(body: Body) -> dict[str, Any]:
     """Limits and residual stress of a body, as `asperity.stress.stress_cycles` takes them."""
     names = ("fatigue_torsion", "fatigue_bending", "yield_stress")
-    return {name: getattr(body, name) for name in names} | {"residual_stress": body.residual_stress or 0.0}
+    residual: Any = body.residual_stress or 0.0
+    if isinstance(residual, ResidualStress):
+        residual = residual.depth, residual.stress
+    return {name: getattr(body, name) for name in names} | {"residual_stress": residual}
 
 
 def _problems_of_limits(bodies: Mapping[str, Body]) -> Iterator[tuple[str, str]]:
