@@ -190,6 +190,8 @@ class Answer:
             shown += _body_rows(self, name)
             for question in questions:
                 shown += question.rows_of_body(self, name)
+        if (asked := self.case.sensitivity) is not None:
+            shown = [row.of_inputs(asked.relative_error(self, row)) for row in shown]
         groups = list(dict.fromkeys(row.group for row in shown))
         return sorted(shown, key=lambda row: groups.index(row.group))
 

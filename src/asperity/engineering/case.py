@@ -30,6 +30,7 @@ from asperity.engineering.questions.load_curve import LoadCurve
 from asperity.engineering.questions.partial_slip import PartialSlip
 from asperity.engineering.questions.run_in import RunIn
 from asperity.engineering.questions.sample import SampleOfMaps
+from asperity.engineering.questions.sensitivity import Sensitivity, split_tolerances
 from asperity.engineering.questions.sliding import Sliding
 from asperity.engineering.questions.yielding import Yielding
 from asperity.settings.body import Body
@@ -103,13 +104,19 @@ class Case(Settings):
         None, default_text="asked if a body gives fatigue limits or a residual stress itself"
     )
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
+    sensitivity: Sensitivity | None = setting(
+        None, default_text="asked if an input has a tolerance, such as `210 GPa ± 5 %`"
+    )
+    """Change of the main numbers with each input."""
     sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
     @model_validator(mode="wrap")
     @classmethod
     def _with_materials(cls, value: Any, made: Any) -> Any:
-        """The case, whose bodies may be of materials of the user."""
+        """The case, whose bodies may be of materials of the user, and whose inputs may have tolerances."""
+        if isinstance(value, Mapping):
+            value = split_tolerances(value)
         file = value.get("materials") if isinstance(value, Mapping) else None
         with own_materials(file) if isinstance(file, str) else nullcontext():
             return made(value)

@@ -106,6 +106,13 @@ class Row(NamedTuple):
         row = self._replace(estimate=self.value, error=error, error_of=source)
         return row._replace(shown=f"{self.shown}; {row.with_error[row.with_error.index('±') :]} by {source}")
 
+    def of_inputs(self, relative: float) -> Row:
+        """The row with its relative error by the tolerances of the inputs, if there are any."""
+        if not relative > 0:
+            return self
+        shown = self._shown_with(self.value, relative * abs(self.value))
+        return self._replace(shown=f"{self.shown}; {shown[shown.index('±') :]} by the inputs")
+
     def of_places(self, relative: float) -> Row:
         """The row with its relative error from place to place, if that is known."""
         if not relative > 0:
@@ -206,6 +213,14 @@ class Question(Settings):
 
     def after_stress(self, answer: Answer, progress: Progress) -> Any:
         """Result that needs the whole answer."""
+        return None
+
+    def other_cases(self, case: Case) -> dict[str, Case]:
+        """Cases whose answers it needs too, by names."""
+        return {}
+
+    def of_other_cases(self, answer: Answer, others: Mapping[str, Answer]) -> Any:
+        """Result that needs the whole answer and those of `other_cases`."""
         return None
 
     def verdict(self, answer: Answer) -> str:

@@ -124,6 +124,10 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         answer.neighbours = neighbours_of(face, case, contact)
     answer.plastic = plastic_contact(face, case, contact)
     answer.unfiltered = unfiltered_contact(case)
+    for name, question in asked.questions.items():
+        if others := question.other_cases(asked):
+            answers = {key: answer_of(other) for key, other in others.items()}
+            found[name] = question.of_other_cases(answer, answers)
     rows = (row for row in answer.rows if not row.shown.startswith(IN_FULL_CONTACT))
     require_finite("run", {f"{row.group}, {row.name}": row.value for row in rows})
     answer.advice = advise(answer)
