@@ -37,7 +37,7 @@ def test_tolerance_of_an_input_is_a_named_error(answer):
 test_wrong_tolerance_is_refused = refuses(
     (
         lambda: asp.Case(map="a", body={"young": "2 GPa ± 5", "poisson": 0.3}, load={"force": "1 N"}),
-        "a value with a tolerance in per cent",
+        "body.young = 2 GPa ± 5: a tolerance in per cent is needed",
     ),
     (
         lambda: asp.Case(map="a", body={"young": "2 GPa", "poisson": "0.3 ± 5 %"}, load={"force": "1 N"}),

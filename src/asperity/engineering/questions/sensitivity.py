@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from pydantic import Field
 
 from asperity.engineering.question import Question, Row
-from asperity.settings.model import NeededError, Number
+from asperity.settings.model import ContradictionError, Number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -159,7 +159,8 @@ def split_tolerances(value: Mapping[str, Any]) -> dict[str, Any]:
         if not (isinstance(each, str) and "±" in each):
             return each
         if (found := _TOLERANCE.fullmatch(each.strip())) is None:
-            raise NeededError("a value with a tolerance in per cent, such as 210 GPa ± 5 %")
+            text = f" = {each}: a tolerance in per cent is needed, such as 210 GPa ± 5 %"
+            raise ContradictionError((key, text))
         tolerances[key] = float(found[2]) / 100
         try:
             return float(found[1])
