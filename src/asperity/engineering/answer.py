@@ -242,7 +242,8 @@ class Answer:
 
     def frame(self) -> pd.DataFrame:
         """All numbers as a table; the columns are described in ``docs/tables.md``."""
-        return pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
+        found = pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
+        return found.assign(error_of=found["error_of"].replace("", None))
 
     def advice_table(self) -> pd.DataFrame:
         """Warnings and notes: level, subject, text."""
