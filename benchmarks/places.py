@@ -3,8 +3,8 @@
     python benchmarks/places.py    # writes docs/places.csv and prints it, in five minutes
 
 Maps are cut from random surfaces of one kind, each from another seed, and pressed alone. A stated interval
-covers the number of the surface if it holds the mean over all maps of the kind. The surfaces are others than those
-from which the constants of `asperity.engineering.places` were chosen (`--seed 2 --maps 40 --long 3 6`).
+covers the number of the surface if it holds the mean over all maps of the kind. The constants of
+`asperity.engineering.places` were chosen on other surfaces (`--seed 2 --maps 40 --long 3 6`).
 """
 
 import argparse

@@ -29,7 +29,8 @@ class Difference(NamedTuple):
 
     Parameters
     ----------
-    name, unit : str
+    group, name, unit : str
+        The group without the constants of a body, which differ between cases.
     first, second : float
     error : float
         Half of the 95 % interval of the difference: from place to place where that is known, and by the
@@ -39,6 +40,7 @@ class Difference(NamedTuple):
         differ.
     """
 
+    group: str
     name: str
     unit: str
     first: float
@@ -71,15 +73,20 @@ class Difference(NamedTuple):
 
 def differences(first: Sequence[Row | SampleRow], second: Sequence[Row | SampleRow]) -> list[Difference]:
     """Differences of all numbers that two answers, or two samples, have."""
-    groups = {(row.group.partition(" (")[0], row.name): row for row in second}
+    groups = {(group_of(row), row.name): row for row in second}
     found = []
     for row in first:
-        other = groups.get((row.group.partition(" (")[0], row.name))
+        other = groups.get((group_of(row), row.name))
         if isinstance(row, SampleRow) and isinstance(other, SampleRow):
             found.append(_of_samples(row, other))
         elif isinstance(row, Row) and isinstance(other, Row):
             found.append(_of_maps(row, other))
     return found
+
+
+def group_of(row: Row | SampleRow) -> str:
+    """Group of a row without the constants of a body, which differ between cases."""
+    return row.group.partition(" (")[0]
 
 
 def _of_maps(first: Row, second: Row) -> Difference:
@@ -93,7 +100,9 @@ def _of_maps(first: Row, second: Row) -> Difference:
     if np.isfinite(places).all() and error:
         size = abs(values[1] - values[0]) / error
         chance = 2 * float(norm.sf(norm.ppf((1 + CONFIDENCE) / 2) * size))
-    return Difference(first.name, first.unit, values[0], values[1], error or math.nan, chance)
+    return Difference(
+        group_of(first), first.name, first.unit, values[0], values[1], error or math.nan, chance
+    )
 
 
 def _of_samples(first: SampleRow, second: SampleRow) -> Difference:
@@ -105,7 +114,7 @@ def _of_samples(first: SampleRow, second: SampleRow) -> Difference:
 
     samples: list[Array] = [first.of_each, second.of_each]
     pixels = np.nan_to_num([first.mean.of_grid, second.mean.of_grid])
-    found = first.name, first.unit, first.value, second.value
+    found = group_of(first), first.name, first.unit, first.value, second.value
     if min(each.size for each in samples) < 2:
         return Difference(*found, float(np.linalg.norm(pixels)) or math.nan, math.nan)
     squares = [each.var(ddof=1) / each.size for each in samples]

@@ -19,10 +19,9 @@ from asperity.core.units import shown_si
 from asperity.engineering.answer import REPEATS, Answer, case_in_words, tile_names, without_repeats
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, OUT, load_case, pool_text
-from asperity.engineering.difference import differences, verdict
+from asperity.engineering.difference import differences, group_of, verdict
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
-from asperity.engineering.question import Row
 from asperity.engineering.sample import ONE_MAP, Sample, warnings_by_kind
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
@@ -49,7 +48,7 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
 
     rows = {name: without_repeats(answer.rows) for name, answer in answers.items()}
     shown = {
-        name: {(_group_of(row), row.name): row.value_and_place[0] for row in each}
+        name: {(group_of(row), row.name): row.value_and_place[0] for row in each}
         for name, each in rows.items()
     }
     keys = dict.fromkeys(key for column in shown.values() for key in column)
@@ -60,8 +59,8 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
         found = differences(*rows.values())
         tiles = tile_names(next(iter(answers.values())).case)
         sentences = [text for text in [verdict(found, tuple(rows), tiles)] if text]  # type: ignore[arg-type]
-        changes = {each.name: each.shown[2] for each in found if each.error > 0}
-        frame["difference"] = [changes.get(name, "") for name in frame["number"]]
+        changes = {(each.group, each.name): each.shown[2] for each in found if each.error > 0}
+        frame["difference"] = [changes.get(key, "") for key in keys]
     advice = {name: answer.advice_table() for name, answer in answers.items()}
     page = rendered(
         "asperity.engineering",
@@ -109,11 +108,6 @@ def _case_of(folder: Path) -> dict[str, Any]:
     """The groups of the case file of an answer."""
     content = load_case(folder / CASE_FILE)
     return {name: group for name, group in content.items() if name not in (OUT, CHECKSUMS)}
-
-
-def _group_of(row: Row) -> str:
-    """Group of a row without the constants of a body, which differ between cases."""
-    return row.group.partition(" (")[0]
 
 
 def _lines(frame: pd.DataFrame) -> list[str]:
