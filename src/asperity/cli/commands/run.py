@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
             path = options.map[0] if listed else options.map[number]
             counter = counters[number % len(counters)]
             jobs[name] = _job(options, path, counter, None if folder is None else folder / name, number)
-    if options.pooled and all(job.case is not None for job in jobs.values()):
+    if options.pooled and jobs and all(job.case is not None for job in jobs.values()):
         first, *_ = jobs.values()  # all slide along the lay of the first map
         sliding = first.case.sliding
         jobs = {name: job._replace(case=job.case.replaced(sliding=sliding)) for name, job in jobs.items()}
