@@ -7,20 +7,27 @@ in one process, so that no other has to make it again.
 `pytest --fft-engine pyfftw` runs all tests with this engine of the Fourier transforms, also in the processes
 that they start. Without the option the engine is the default, and modules with the mark `engines` run with
 each.
+
+With several workers the library is compiled before they start, so that they do not compile it side by side.
 """
 
 import os
+import sys
 from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
 
+from asperity.core.system import compile_in_parallel, is_compiled
 from asperity.fourier import ENGINES, fft_engine
 from asperity.fourier.engine import VARIABLE
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 os.environ["MPLBACKEND"] = "agg"  # no screen
+# The tests start a hundred processes, each of which would compile all modules to bytecode.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 settings.register_profile("deterministic", derandomize=True, deadline=None, database=None)
 settings.load_profile("deterministic")
@@ -38,6 +45,12 @@ def pytest_make_parametrize_id(val):
 def pytest_configure(config):
     if engine := config.getoption("--fft-engine"):
         os.environ[VARIABLE] = engine
+
+
+def pytest_sessionstart(session):
+    has_workers = getattr(session.config.option, "numprocesses", None)
+    if has_workers and not hasattr(session.config, "workerinput") and not is_compiled():
+        compile_in_parallel()
 
 
 def pytest_generate_tests(metafunc):

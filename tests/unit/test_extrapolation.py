@@ -142,6 +142,18 @@ def test_only_other_surfaces_have_a_least_error(kind):
     assert (least > 0) == (kind != "gaussian")
 
 
+def test_a_number_whose_error_exceeds_it_has_no_estimate():
+    """Narrow tips of squared heights, with two nodes on the shortest wave: no depths."""
+    height = -(asp.self_affine((96, 96), 0.8, 1 / 4, 1 / 32, rms_height=1.0, seed=1) ** 2)
+    contact = asp.solve_contact(1e-3 * height, LAYER, area_fraction=0.1)
+    found = asp.continuum_limit(contact, stress_of(contact))
+    error, estimate = (found.sel(kind=kind) for kind in ("error", "estimate"))
+    assert np.isfinite(error["area_fraction"])
+    assert estimate[["mean_depth", "mean_depth_highest"]].to_array().isnull().all()
+    assert not (error.to_array() > 1).any()
+    assert (error.isnull() == estimate.isnull()).to_array().all()
+
+
 def test_waves_below_four_nodes_are_estimated_too():
     """Two nodes on the shortest wave against eight; the area on two errs by a third."""
     coarse = contact_on(2, area_fraction=0.3)

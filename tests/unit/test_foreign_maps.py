@@ -460,11 +460,29 @@ def test_shared_options_fill_what_files_omit(tmp_path):
         "unit",
         "physical_size",
     ]
-    turned = read_face(Map(file=own, **known), CounterMap(file=bare, **known)).face
-    assert not any(" is given, the" in line for line in turned.done)
-    pair = read_face(options, CounterMap(file=own, **known, channel="z"))
+    turned = read_face(Map(file=own, **known), CounterMap(file=bare))
+    assert not any(" is given, the" in line for line in turned.face.done)
+    assert turned.counter == CounterMap(file=bare, **known)  # a case that is written needs them
+    pair = read_face(options, CounterMap(file=own))
     assert pair.options == options
     assert pair.face.name == "b on a"
+    assert not any(" is given, the" in line for line in pair.face.done)
+
+
+def test_options_of_the_counter_map_itself_override_its_file(tmp_path):
+    """With a note, as those of the map."""
+    own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
+    foreign_files.write_x3p(own, RAW)
+    np.savez(bare, z=1e-3 * RAW[::-1])
+    other = Map(file=bare, channel="z", unit="um", physical_size=("16 um", "12.1 um"))
+    one, three = (
+        read_face(other, CounterMap(file=own, **given)).face for given in ({}, {"height_factor": 3})
+    )
+    alone = read_face(other, CounterMap(file=own, height_factor=1e-12)).face
+    np.testing.assert_allclose(three.height - alone.height, 3 * (one.height - alone.height), atol=1e-12)
+    assert "counter map: height_factor: 3 is given, the file says 1" in three.done
+    with pytest.raises(MapError, match="channel = 'z'"):
+        read_face(other, CounterMap(file=own, channel="z"))
 
 
 @pytest.mark.parametrize(

@@ -261,6 +261,10 @@ MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm
         (MATRIX + "1 2 3 4\n***\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: 4 numbers are needed, not 1"),
         ("1 2 3 4\n2 3 4 5\n3 4 5 6\n4 5 6 8\n5 6 x 8\n", "line 5: 'x' is no number"),
         (",0,1,2,3\n0,7,5,6,1\n1,2,3,9,6\n2,0,1,1,4\n", "its first row holds numbers or positions"),
+        (
+            "1,5, 2,5, 3,5, 4,5\n2,5, 1,5, 4,5, 3,5\n1,0, 2,0, 1,0, 2,5\n2,5, 1,5, 4,5, 3,5\n",
+            "its first row, read with decimal commas, holds numbers or positions",
+        ),
         ("\n".join("1 2 3 4" for _ in range(400)), "a list of points or a log, not a map"),
     ],
 )

@@ -111,3 +111,17 @@ def test_a_process_runs_until_it_ends():
     host, process, start = own.rsplit(".", 2)
     assert system.has_ended(f"{host}.{process}.{int(start) - 100}")
     assert not system.has_ended(f"other-{name}")
+
+
+def test_edited_modules_are_newer_than_the_machine_code(tmp_path, monkeypatch):
+    package, cache = tmp_path / "package", tmp_path / "cache"
+    monkeypatch.setattr(system, "__file__", str(package / "core/system.py"))
+    module, code, other = package / "a.py", package / "__pycache__/a.nbi", cache / "a.nbi"
+    for time_, path in enumerate((module, code, other), 1):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+        os.utime(path, (time_, time_))
+    assert system.is_compiled()
+    os.utime(module, (2.5, 2.5))
+    assert not system.is_compiled()
+    assert system.is_compiled(cache)

@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
@@ -130,6 +131,34 @@ def test_section_shows_the_stress_of_a_wave():
     y, _, values = mesh(part)
     np.testing.assert_allclose(values[0], -2 * PRESSURE / 1e6)
     assert y[0, -1] == pytest.approx(200e-6)
+
+
+def placed(figure):
+    """Edges of each axes with its labels, in pixels: left, bottom, right, top."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    boxes = [axis.get_tightbbox(canvas.get_renderer(), for_layout_only=True) for axis in figure.axes]
+    return np.array([box.extents for box in boxes]), figure.bbox.extents
+
+
+@pytest.mark.parametrize(("results", "si"), [(1, False), (2, True), (4, True)])
+def test_labels_are_in_the_figure_and_apart(read, results, si):
+    """The places of the panels are chosen without drawing them."""
+    contact, stress = ({str(n): read(name, si) for n in range(results)} for name in ("contact", "stress"))
+    edge = EDGE if si else 1.0
+    figures = [
+        asp.views.plot_height(contact),
+        asp.views.plot_pressure(contact, y=(0.2 * edge, 0.3 * edge)),
+        asp.views.plot_gap(contact, x=(0.2 * edge, 0.22 * edge)),
+        asp.views.plot_peaks(stress, "von_mises"),
+        asp.views.plot_section(contact, depth=0.1 * edge),
+    ]
+    for figure in figures:
+        boxes, whole = placed(figure)
+        assert (boxes[:, :2] >= -1).all()
+        assert (boxes[:, 2:] <= whole[2:] + 1).all()
+        apart = (boxes[:, None, :2] >= boxes[None, :, 2:] - 1).any(axis=2)
+        assert (apart | apart.T | np.eye(len(boxes), dtype=bool)).all()
 
 
 @pytest.mark.parametrize(("waves", "bottom"), [(4, 5.9 / (4 * Q)), (16, 0.12 * EDGE)])

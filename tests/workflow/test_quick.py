@@ -4,6 +4,7 @@ The laws that results must obey are checked by rule statistics, in the study its
 drift check.
 """
 
+import os
 import re
 import runpy
 import shutil
@@ -104,3 +105,23 @@ def test_wrong_configuration_ends_before_any_job(tmp_path):
     assert run.stderr.splitlines()[-1].startswith("config: contact.tolerance = 'yes': a number")
     assert "Traceback" not in run.stderr
     assert not (folder / "results").exists()
+
+
+def test_a_copied_study_is_complete_and_an_edited_file_is_noticed(quick_study, tmp_path):
+    """Copied without the times of its files; every result is as new as an adversary would have it."""
+    copy = tmp_path / "copy"
+    shutil.copytree(quick_study.folder, copy, symlinks=True, copy_function=shutil.copyfile)
+    results = sorted(path for path in (copy / "results").rglob("*") if path.is_file())
+    stages = ("surface", "contact", "stress", "statistics")
+    for path in results:  # the earlier the stage, the newer the file
+        stage = path.relative_to(copy / "results/quick").parts[0]
+        time = 2e9 - 1e6 * (stages.index(stage) if stage in stages else len(stages))
+        os.utime(path, (time, time))
+    plan = snakemake(copy, *QUICK, "--dry-run")
+    assert "Nothing to be done" in plan.stdout + plan.stderr
+    edited = next(path for path in results if path.match("contact/*/*.nc"))
+    with open(edited, "ab") as file:
+        file.write(b"\0")
+    os.utime(edited, (2e9, 2e9))
+    plan = snakemake(copy, *QUICK, "--dry-run")
+    assert re.search(r"^stress +1$", plan.stdout + plan.stderr, re.MULTILINE)

@@ -1,13 +1,13 @@
 # Before the run: a lock of the results, checks, and an announcement of time and memory. After it: the manifest, and the
 # folder of the results.
 import shutil
-import subprocess
 
 from snakemake.logging import logger
 from snakemake.settings.types import DeploymentMethod
 
 from asperity.core.errors import PreflightError
 from asperity.core.packages import NEEDED, absent, message
+from asperity.core.system import compile_in_parallel, is_compiled
 from asperity.study.preflight_and_manifest import require_memory, require_space, write_manifest
 
 
@@ -56,11 +56,9 @@ onstart:
     if jobs and not missing:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
-    if workflow.local_exec and not missing and {"contact", "stress"} & {job.rule.name for job in jobs}:
-        subprocess.run(
-            [PYTHON, "-c", "from asperity.study.preflight_and_manifest import warm_up; warm_up()"],
-            check=True,
-        )
+    is_needed = workflow.local_exec and {"contact", "stress"} & {job.rule.name for job in jobs}
+    if is_needed and not missing and not is_compiled():
+        compile_in_parallel()
 
 
 onsuccess:

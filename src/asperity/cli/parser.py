@@ -197,13 +197,14 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     as_text : bool
         The command itself checks the value.
     """
-    from asperity.settings.check import default
-    from asperity.settings.configuration import Configuration
     from asperity.settings.model import entry_of, item_of
 
-    entry = entry_of(Configuration, key)
+    group, name = _place_of(key)
+    entry = entry_of(group, name)
     items = item_of(entry)
-    value = None if default_text or as_text else default(key)
+    value = None
+    if not (default_text or as_text):
+        value = entry.get("default") if name != key else _default(key)
     if value is not None and not default_text:
         default_text = str(value)
     if key.startswith("measured."):  # the map knows its defaults; those that are given are for maps alone
@@ -217,6 +218,28 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     if not as_text:
         made |= {"action": _StoreList} if is_list else {"type": partial(value_of, key)}
     return made | {"help": _help(entry, default_text or entry.get("default_text"), words)}
+
+
+def _default(key: str) -> Any:
+    """Default of a setting of the study."""
+    from asperity.settings.check import default
+
+    return default(key)
+
+
+def _place_of(key: str) -> tuple[Any, str]:
+    """Class that holds a setting of the study, and the key of the setting in it.
+
+    Options of the file of a map have a class of their own, which is imported in a third of the time.
+    """
+    from asperity.settings.map import FileOptions
+
+    of_file = key.removeprefix("measured.NAME.")
+    if of_file != key and of_file in FileOptions.model_fields:
+        return FileOptions, of_file
+    from asperity.settings.configuration import Configuration
+
+    return Configuration, key
 
 
 class _StoreList(argparse.Action):
@@ -237,11 +260,10 @@ def value_of(key: str, given: str | list[str]) -> Any:
     argparse.ArgumentTypeError
         If it is not accepted.
     """
-    from asperity.settings.configuration import Configuration
     from asperity.settings.model import NeededError, converted
 
     try:
-        return converted(Configuration, key, given)
+        return converted(*_place_of(key), given)
     except NeededError as error:
         refused = error.given
         if isinstance(refused, str):

@@ -2,15 +2,20 @@
 
 All of them keep the machine code for later runs, release the GIL, and divide by zero as NumPy does. A loop
 that allocates no array is compiled without reference counts, which take time in loops over the rows of a
-plane. A line on stderr says when the first of them is compiled.
+plane. A line on stderr says when the first of them is compiled. If none is compiled yet, all that are usually
+needed are compiled then, in parallel.
 """
 
+import os
 import sys
 from functools import partial
+from pathlib import Path
 
 from numba import config, njit
 from numba.core import event
 from tqdm import tqdm
+
+from asperity.core.system import COMPILING, compile_in_parallel, is_compiled
 
 NOTICE = "asperity: compiling, once after it is installed, about 20 s"
 
@@ -19,14 +24,19 @@ if config.DISABLE_JIT:  # type: ignore[attr-defined]
 
 
 class _Notice(event.Listener):
-    """Message, printed once, that functions of asperity are compiled."""
+    """Message, printed once, that functions of asperity are compiled; the first time all are."""
 
-    said = False
+    said = COMPILING in os.environ
 
     def on_start(self, event: event.Event) -> None:
-        if not self.said and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
-            self.said = True
-            tqdm.write(NOTICE, file=sys.stderr)
+        dispatcher = event.data["dispatcher"]
+        if self.said or not dispatcher.py_func.__module__.startswith("asperity."):
+            return
+        self.said = True
+        tqdm.write(NOTICE, file=sys.stderr)
+        kept = dispatcher.stats.cache_path  # empty if numba can write nowhere
+        if kept and not is_compiled(Path(kept).parent):
+            compile_in_parallel()
 
     def on_end(self, event: event.Event) -> None:
         pass

@@ -7,12 +7,20 @@ import hashlib
 import os
 import re
 import socket
+import subprocess
+import sys
 from contextlib import suppress
 from pathlib import Path
 
 GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Files with the memory limit of a control group (versions 2 and 1), also that of a container."""
 
+
+COMPILED_PARTS = ("contact", "stress")
+"""Parts that are compiled side by side, see `asperity.study.preflight_and_manifest.warm_up`."""
+
+COMPILING = "ASPERITY_COMPILING"
+"""Environment variable of the processes that compile a part."""
 
 SAME_START = 2.0
 """Tolerance in s on the start time of a process: the clock may have been set."""
@@ -77,3 +85,36 @@ def available_memory() -> float:
     limits = [path.read_text(encoding="ascii").strip() for path in map(Path, GROUP_LIMITS) if path.is_file()]
     machine = psutil.virtual_memory().total
     return min([machine, *(float(limit) for limit in limits if limit.isdigit())]) / 1e6
+
+
+def is_compiled(*caches: str | os.PathLike[str]) -> bool:
+    """True if numba has compiled something since the library was installed or edited.
+
+    Parameters
+    ----------
+    *caches : path
+        Other folders of machine code than those of the modules, where numba keeps it if it can.
+    """
+    package = Path(__file__).parents[1]
+    code, modules = (
+        max((path.stat().st_mtime for folder in folders for path in Path(folder).rglob(pattern)), default=0.0)
+        for folders, pattern in (((package, *caches), "*.nbi"), ((package,), "*.py"))
+    )
+    return code > modules
+
+
+def compile_in_parallel() -> None:
+    """Compile the library in a process for each part; what fails there is left to the caller."""
+    given = os.environ | {COMPILING: "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    code = "from asperity.study.preflight_and_manifest import warm_up; warm_up({!r})"
+    parts = [
+        subprocess.Popen(
+            [sys.executable, "-c", code.format(part)],
+            env=given,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        for part in COMPILED_PARTS
+    ]
+    for part in parts:
+        part.wait()

@@ -303,17 +303,20 @@ class Case(Settings):
 
     @property
     def counter_map(self) -> CounterMap | None:
-        """The map of the counter body, with the options that it does not give itself as the map has them."""
-        own = None if self.counter_body is None else self.counter_body.map
-        if own is None:
-            return None
-        shared = {name: getattr(self.map, name) for name in self.map.model_fields_set - {"file"}}
-        return CounterMap(**shared | {name: getattr(own, name) for name in own.model_fields_set})
+        """The map of the counter body, without the options that it has from the map."""
+        return None if self.counter_body is None else self.counter_body.map
+
+    def with_maps(self, surface: Map, counter: CounterMap | None) -> Self:
+        """The same case with other options of its maps."""
+        counter_body = self.counter_body
+        if counter_body is not None and counter is not None:
+            counter_body = counter_body.model_copy(update={"map": counter})
+        return self.replaced(map=surface, counter_body=counter_body)
 
     def on_face(self, rough: RoughFace) -> Self:
         """The case with what its map determines: options of the file, and sliding along the lay."""
         sliding = None if self.sliding is None else self.sliding.along_lay(rough.face)
-        return self.replaced(map=rough.options or self.map, sliding=sliding)
+        return self.with_maps(rough.options or self.map, rough.counter).replaced(sliding=sliding)
 
     def under(self, **load: float) -> Self:
         """The same bodies under another load alone: no question about it is asked."""

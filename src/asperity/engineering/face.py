@@ -1,6 +1,7 @@
 """The rough face that is pressed: one map, or the composite roughness of two, read, treated and measured."""
 
 import os
+from collections.abc import Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,7 +14,7 @@ from asperity.core.types import Array
 from asperity.settings.map import CounterMap, Map
 from asperity.surface.description import MapMeasures, map_warnings
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, is_period
-from asperity.surface.reading.map_file import open_map, open_shared_map
+from asperity.surface.reading.map_file import open_shared_map
 from asperity.surface.treatment.face_to_face import face_to_face
 from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
 
@@ -55,6 +56,8 @@ class RoughFace(NamedTuple):
         The map with the options that its file needs, and the channel that was read.
     upper : array, optional
         The lower face of the upper body, if both are rough: its part of the composite roughness.
+    counter : CounterMap, optional
+        The counter map, with the options of the map that only the counter map needs.
     """
 
     face: TreatedMap
@@ -64,12 +67,14 @@ class RoughFace(NamedTuple):
     files: tuple[ReadFile, ...] = ()
     options: Map | None = None
     upper: Array | None = None
+    counter: CounterMap | None = None
 
 
 def read_face(options: Map, counter: CounterMap | None = None, shared: bool = False) -> RoughFace:
     """Read a map and prepare it, with the map of the counter body if that is rough too.
 
-    The file overrides options that are shared with other maps.
+    Options that the counter map does not give itself are those of the map. The file overrides options that
+    are shared with other maps.
 
     Raises
     ------
@@ -77,14 +82,19 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
-    name, surface, doubts, spikes, options = _read(options, shared or counter is not None)
+    given = options.model_fields_set - {"file"}
+    inherited = set() if counter is None else given - counter.model_fields_set
+    of_map = {each: getattr(options, each) for each in inherited}
+    name, surface, doubts, spikes, options = _read(options, given if shared else inherited)
     files = _read_file(options.file)
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
         reach = SPIKE_REACH * y, SPIKE_REACH * x
         return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
-    counter_name, counter_surface, counter_doubts, _, own = _read(counter, True)
+    counter_name, counter_surface, counter_doubts, _, own = _read(counter.replaced(**of_map), inherited)
+    overridden = {each for each in inherited if getattr(options, each) is None}
+    counter = counter.replaced(**{each: getattr(own, each) for each in overridden})
     files += _read_file(counter.file)
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
@@ -100,7 +110,7 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper)
+    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper, counter=counter)
 
 
 def _read_file(source: Any) -> tuple[ReadFile, ...]:
@@ -110,13 +120,16 @@ def _read_file(source: Any) -> tuple[ReadFile, ...]:
     return (ReadFile(os.path.abspath(source), os.path.getsize(source), sha256_of(source)),)
 
 
-def _read(options: Map, shared: bool) -> tuple[str, HeightMap, tuple[str, ...], Array, Map]:
-    """Name and heights of a map, its doubts, places of spikes, and options; checks that none is missing."""
+def _read(options: Map, shared: Set[str]) -> tuple[str, HeightMap, tuple[str, ...], Array, Map]:
+    """Name and heights of a map, its doubts, places of spikes, and options; checks that none is missing.
+
+    The file overrides the options that are `shared` with other maps.
+    """
     source = options.file
     if isinstance(source, HeightMap):
         name, surface = source.name or "map", replace(source, unit=source.unit or "m")
     else:
-        found = (open_shared_map if shared else open_map)(source, options)
+        found = open_shared_map(source, options, shared)
         problems = missing_options(found, _completed(options))
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)

@@ -24,7 +24,8 @@ from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
 from asperity.engineering.sample import ONE_MAP, Sample, warnings_by_kind
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table, write_workbook
+from asperity.results.tables import write_table
+from asperity.results.workbook import write_workbook
 
 WIDEST = 100
 """Most characters of a line on the terminal."""

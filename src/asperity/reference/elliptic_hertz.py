@@ -34,7 +34,6 @@ from typing import NamedTuple, Self
 
 import numpy as np
 import scipy  # whose parts are loaded when they are first used
-from scipy.special import ellipk, elliprd
 
 from asperity.core.arguments import require_positive
 from asperity.core.types import Array, ArrayLike
@@ -145,7 +144,7 @@ class EllipticHertz:
         K is the complete elliptic integral of the first kind of the eccentricity √(1 − b²/a²).
         """
         scale = self.largest_pressure * self.semi_minor / self.effective_modulus
-        return scale * float(ellipk((1 - self._ratio) * (1 + self._ratio)))
+        return scale * float(scipy.special.ellipk((1 - self._ratio) * (1 + self._ratio)))
 
     @property
     def curvature_radii(self) -> tuple[float, float]:
@@ -188,8 +187,8 @@ class EllipticHertz:
             raise ValueError("depth must be ≥ 0 everywhere")
         along_x, along_y = a**2 + z**2, b**2 + z**2
         product, slenderness = np.sqrt(along_x * along_y), np.sqrt(along_y / along_x)
-        z_x = z * 2 / 3 * elliprd(z**2, along_y, along_x)
-        z_y = z * 2 / 3 * elliprd(z**2, along_x, along_y)
+        z_x = z * 2 / 3 * scipy.special.elliprd(z**2, along_y, along_x)
+        z_y = z * 2 / 3 * scipy.special.elliprd(z**2, along_x, along_y)
         plane_x = (1 - 2 * nu) / (along_x * (1 + slenderness))
         plane_y = (1 - 2 * nu) / (product * (1 + slenderness))
         scale = self.largest_pressure * a * b
@@ -223,4 +222,6 @@ class EllipticHertz:
 
 def _curvature_integrals(ratio: float) -> tuple[float, float]:
     """Integrals D and D' (a/b)² of `EllipticHertz.curvature_radii` for an axis ratio b/a."""
-    return float(elliprd(0.0, ratio**2, 1.0)) / 3, float(elliprd(0.0, 1.0, ratio**2)) / 3
+    return float(scipy.special.elliprd(0.0, ratio**2, 1.0)) / 3, float(
+        scipy.special.elliprd(0.0, 1.0, ratio**2)
+    ) / 3

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.special import hyp2f1
+import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.arguments import require_positive
 from asperity.core.types import Array, ArrayLike
@@ -247,7 +247,7 @@ def unit_displacement(rho: ArrayLike) -> Array:
     """
     rho = np.asarray(rho, float)
     inverse = 1 / np.maximum(rho, 1.0)
-    outside = 4 / 3 * inverse * hyp2f1(0.5, 0.5, 2.5, inverse**2)
+    outside = 4 / 3 * inverse * scipy.special.hyp2f1(0.5, 0.5, 2.5, inverse**2)
     return np.where(rho <= 1, 0.5 * np.pi * (2 - rho**2), outside)
 
 

@@ -5,8 +5,6 @@ all of them; `docs/tables.md` shows it. For a reader a table is made into Markdo
 `asperity.core.markup`.
 """
 
-import math
-from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,18 +24,6 @@ optional.
 
 Numbers in a column have one unit, ``1`` for a plain number; texts and truth values have none.
 """
-
-SHEET_UNITS = {
-    "m": ("µm", 1e-6),
-    "m^2": ("µm²", 1e-12),
-    "m^3": ("µm³", 1e-18),
-    "Pa": ("MPa", 1e6),
-    "1/m^2": ("1/mm²", 1e6),
-}
-"""SI unit → unit in a sheet, and its size."""
-
-SHEET_COLUMNS = {"m": "m", "m2": "m^2", "Pa": "Pa"}
-"""End of the name of a column → its unit."""
 
 
 def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format: str | None = None) -> None:
@@ -77,43 +63,6 @@ def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format:
             described = frame.copy()
             described.attrs["units"] = units(table, frame)
             described.to_parquet(unfinished, index=False)
-
-
-def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None:
-    """Write tables as the sheets of one Excel file, in µm and MPa, if openpyxl is installed.
-
-    Parameters
-    ----------
-    tables : mapping
-        Name of a sheet → table whose columns end in their units, as ``_m`` and ``_Pa``, or that has a column
-        ``unit`` for its other numbers.
-    path : path
-        Ends in .xlsx.
-    """
-    if find_spec("openpyxl") is None:
-        return
-    from openpyxl import Workbook
-
-    book = Workbook(write_only=True)  # takes half the time of pandas' `to_excel`
-    for name, frame in tables.items():
-        shown = frame.copy()
-        for column in shown.select_dtypes("number"):
-            if "unit" in shown:
-                factors = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[1])
-                shown[column] = shown[column] / factors
-            elif (end := str(column).rpartition("_")[2]) in SHEET_COLUMNS:
-                unit, factor = SHEET_UNITS[SHEET_COLUMNS[end]]
-                shown[column] = shown[column] / factor
-                shown = shown.rename(columns={column: f"{str(column).removesuffix(end)}{unit}"})
-        if "unit" in shown:
-            shown["unit"] = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[0])
-        sheet = book.create_sheet(name)
-        sheet.append(list(shown))
-        # A cell holds no infinity, and nothing where a value is missing.
-        cells = shown.astype(object).mask(shown.eq(math.inf), "inf").mask(shown.eq(-math.inf), "-inf")
-        for row in cells.where(shown.notna(), None).itertuples(index=False):
-            sheet.append(row)
-    book.save(path)
 
 
 def check_columns(frame: "pd.DataFrame", table: str) -> None:

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import (
+    GetPydanticSchema,
     PlainValidator,
     SerializeAsAny,
     ValidationError,
     ValidationInfo,
-    WithJsonSchema,
     model_validator,
 )
 
@@ -183,17 +183,20 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
         raise SettingsError("", problems(chosen, error)) from None
 
 
-_DESCRIPTION = {
-    "type": "object",
-    "description": (
-        "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure."
-    ),
-    "accepts": f"a group with one of {', '.join(UNITS)}",
-    "additionalProperties": False,
-    "properties": {
-        key: entry for kind in (Hertz, *LOADS) for key, entry in described(kind)["properties"].items()
-    },
-}
+def _description(*_: Any) -> dict[str, Any]:
+    """Description of a load, in the words of a JSON Schema."""
+    kinds = [described(kind)["properties"] for kind in (Hertz, *LOADS)]
+    return {
+        "type": "object",
+        "description": (
+            "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure."
+        ),
+        "accepts": f"a group with one of {', '.join(UNITS)}",
+        "additionalProperties": False,
+        "properties": {key: entry for properties in kinds for key, entry in properties.items()},
+    }
 
-Load = Annotated[SerializeAsAny[OneLoad], PlainValidator(_chosen), WithJsonSchema(_DESCRIPTION)]
+
+# The description is made when it is asked for: it takes as long as the import of pydantic.
+Load = Annotated[SerializeAsAny[OneLoad], PlainValidator(_chosen), GetPydanticSchema(None, _description)]
 """A load of one of the classes of this module, or a mapping from which it is made."""

@@ -40,22 +40,47 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
         )
 
 
-def warm_up() -> None:
-    """Compile the library: solve a small contact and analyse its stress, in single and double precision.
+def warm_up(part: str) -> None:
+    """Compile a part of the library: what ``asperity run``, ``solve``, ``view`` and the study call.
 
     Numba compiles a function at its first call and keeps the machine code beside the module, where others
     find it: afterwards the jobs do not compile the same functions side by side.
+
+    Parameters
+    ----------
+    part : str
+        One of `asperity.core.system.COMPILED_PARTS`: contacts, and the stress in single precision; or the
+        stress in double precision, for which no contact is compiled. Both take the same time.
     """
     # Imported here as they take time: every job reads the rules that import this module.
+    import numpy as np
+
     from asperity.contact import solve_contact
+    from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.elasticity.solid import Solid
+    from asperity.fourier.grid import Grid
     from asperity.stress.analysis import analyse_stress
+    from asperity.stress.exceedance import Exceedance
+    from asperity.stress.planes.planes import stress_planes
+    from asperity.stress.planes.stream import LinearPlane
     from asperity.surface.self_affine import self_affine
 
-    height = self_affine((64, 64), 0.8, 0.5, 0.125, 1e-3, seed=1)
-    for precision, tolerance in (("float32", 1e-2), ("float64", 1e-6)):
-        contact = solve_contact(height, Solid(1.0, 0.33), area_fraction=0.1, rtol=1e-4, dtype=precision)
-        analyse_stress(contact, tolerance=tolerance)
+    height, solid = self_affine((64, 64), 0.8, 0.5, 0.125, 1e-3, seed=1), Solid(1.0, 0.33)
+    if part == "stress":
+        loaded = LoadedSolid(np.maximum(height, 0.0), Grid(height.shape), solid)
+        analyse_stress(loaded, tolerance=1e-6)
+        [*stress_planes(loaded, [0.0, 0.01], fields=("von_mises", "principal_1", "xz"), tolerance=0.0)]
+        return
+    for precision in ("float32", "float64"):
+        contact = solve_contact(height, solid, area_fraction=0.1, rtol=1e-4, dtype=precision)
+        solve_contact(height, solid, mean_pressure=0.002, hardness=0.02, rtol=1e-4, dtype=precision)
+    above = Exceedance(0.2 * float(contact.pressure.max()), periodic=True)
+
+    def observe(plane: LinearPlane) -> None:
+        above.add(plane.depth, plane.grid, plane.field("von_mises", 0.33))
+        plane.field_at("von_mises", 0.33, np.arange(2))
+
+    analyse_stress(contact, tolerance=1e-2, observe=observe)
 
 
 def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> None:

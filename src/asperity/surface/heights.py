@@ -27,7 +27,7 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import expit, ndtri
+import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.arguments import LARGEST, SMALLEST, finite_array, magnitude, number, require_finite
 from asperity.core.sizes import good_size
@@ -121,7 +121,7 @@ def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: 
     number("zeta", zeta, _ANY_SIGN, lambda bound: abs(bound) <= LARGEST)
     magnitude("lam", lam)
     normal = (_standardised(heights) - gamma) / delta
-    transformed = expit(normal) if gamma >= 0 else -expit(-normal)
+    transformed = scipy.special.expit(normal) if gamma >= 0 else -scipy.special.expit(-normal)
     if np.ptp(transformed) == 0:
         raise ValueError(
             f"gamma = {gamma!r}, delta = {delta!r}: a smaller gamma or a larger delta is needed, "
@@ -203,7 +203,7 @@ def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], A
     cube = np.cbrt(1 + skewness**2 / 2 + abs(skewness) * np.sqrt(1 + skewness**2 / 4))
     width = 1 / np.sqrt(np.log(max(cube + 1 / cube - 1, 1.01)))
     lognormal = [(math.copysign(factor * width, skewness), math.log(width)) for factor in (2, 8)]
-    for curve, start in product((expit, np.sinh), [(0.0, 0.3), *lognormal]):
+    for curve, start in product((scipy.special.expit, np.sinh), [(0.0, 0.3), *lognormal]):
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             fit = least_squares(residual, start, xtol=1e-14, ftol=1e-14, gtol=1e-14, args=(curve,))
         gamma, delta = fit.x[0], np.exp(fit.x[1])
@@ -363,14 +363,14 @@ def _sorted_heights(count: int, rms_height: Any, moments: Any, plateau: Any, sam
             raise ValueError(f"sample: heights are needed that differ in more than one of {count} places")
     elif moments is not None:
         skewness, kurtosis = _numbers("moments", moments, ("skewness", "kurtosis"))
-        found = with_moments(ndtri(share)[None], skewness, kurtosis)[0]
+        found = with_moments(scipy.special.ndtri(share)[None], skewness, kurtosis)[0]
     else:
         peaks, valleys, ratio = _numbers("plateau", plateau, ("Rpq", "Rvq", "Rmq"))
         magnitude("plateau Rpq", peaks)
         magnitude("plateau Rvq", valleys)
         number("plateau Rmq", ratio, "a number between 0 and 100", lambda percent: 0 < percent < 100)
         # The share of the lower face below a height is the material ratio of the map above it.
-        normal, bend = ndtri(share), ndtri(ratio / 100)
+        normal, bend = scipy.special.ndtri(share), scipy.special.ndtri(ratio / 100)
         found = np.where(normal < bend, peaks, valleys) * (normal - bend)
     found -= found.mean()
     return found * (rms_height / found.std())

@@ -156,10 +156,11 @@ def draw_maps(
     nodes = [shown.source.positions(shown.part) for shown in maps]
     length = measure([edge for y, x in nodes for edge in (x[-1], y[-1])], "length", system)
     scale = Scale(look, limits, unit, length, level)
-    with canvas([float(np.ptp(y) / np.ptp(x)) for y, x in nodes], axes) as (figure, panels):
+    edges = [np.multiply(shown.values.shape, shown.source.grid.spacing) for shown in maps]
+    with canvas([float(y / x) for y, x in edges], axes, bar="right") as (figure, panels, bar):
         for axis, shown in zip(panels, maps, strict=True):
             _draw(axis, shown, scale)
-        add_colour_bar(figure, panels, scale)
+        add_colour_bar(figure, panels, scale, "right", bar)
     return figure
 
 

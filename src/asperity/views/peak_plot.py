@@ -102,7 +102,7 @@ def plot_peaks(
     unit = measure(limits.high, "stress", system)
     length = measure(deepest, "length", system)
     in_surface = not any(depth.any() for depth in depths)
-    with canvas([SHAPE] * len(given), axes) as (figure, panels):
+    with canvas([SHAPE] * len(given), axes) as (figure, panels, _):
         for axis, (title, result), (data, profile) in zip(panels, given, found, strict=True):
             values = np.abs(data["peak_value"].values)
             if in_surface:

@@ -264,10 +264,10 @@ def draw_sections(
         for section, nodes in zip(sections, positions, strict=True)
     ]
     scale = Scale(look, limits, unit, length)
-    with canvas(shapes, axes, columns=1) as (figure, panels):
+    with canvas(shapes, axes, columns=1, bar="bottom") as (figure, panels, bar):
         for axis, section in zip(panels, sections, strict=True):
             _draw(axis, section, scale)
-        add_colour_bar(figure, panels, scale, below=True)
+        add_colour_bar(figure, panels, scale, "bottom", bar)
     return figure
 
 

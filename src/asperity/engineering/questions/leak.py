@@ -165,9 +165,10 @@ def _maps(face: TreatedMap, flow: FilmFlow) -> Any:
     """Maps of the flux of the film over its mean, and of its pressure; black where the gap is closed."""
     import numpy as np
     from matplotlib.colors import LogNorm
+    from matplotlib.figure import Figure
 
     from asperity.core.units import scaled_unit
-    from asperity.views.panels import canvas
+    from asperity.views.style import MILLIMETRE, PAGE, style
 
     (ny, nx), (length, unit) = flow.pressure.shape, scaled_unit(max(face.map_length), "m")
     factor, symbol = scaled_unit(float(np.nanmax(flow.pressure)), "Pa")
@@ -177,7 +178,10 @@ def _maps(face: TreatedMap, flow: FilmFlow) -> Any:
         ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max())}),
         (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),
     ]
-    with canvas([ny / nx] * 2, None) as (figure, axes):
+    with style():
+        height = min(0.4 * ny / nx, 1.0) * PAGE + 30 * MILLIMETRE
+        figure = Figure(figsize=(PAGE, height), layout="compressed")  # with a colour bar below each panel
+        axes = figure.subplots(1, 2)
         for axis, (label, values, colours) in zip(axes, panels, strict=True):
             axis.set_facecolor("black")
             shown = np.ma.masked_where(np.isnan(flow.pressure), values)

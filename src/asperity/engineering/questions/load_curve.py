@@ -338,7 +338,7 @@ def _drawn(curve: AnswerCurve) -> Any:
         "stiffness": ("stiffness (GPa/µm)", 1e-15),
         "largest_von_mises_stress": ("von Mises stress (GPa)", 1e-9),
     }
-    with canvas([0.8] * len(panels), None) as (figure, axes):
+    with canvas([0.8] * len(panels), None) as (figure, axes, _):
         for axis, (name, (label, factor)) in zip(axes, panels.items(), strict=True):
             values = factor * numbers[name].values.reshape(loads.size, -1)
             margin = max((loads[-1] / loads[0]) ** 0.05, 1.01)

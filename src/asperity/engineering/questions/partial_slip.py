@@ -208,7 +208,7 @@ def _loop(cycle: pd.DataFrame) -> Any:
     factors, symbols = zip(*map(scaled_unit, cycle.abs().max(), ("N", "m")), strict=True)
     force, displacement = (cycle.to_numpy() / factors).T
     back = slice(force.size // 2 + 1)
-    with canvas([0.8], None) as (figure, (axis,)):
+    with canvas([0.8], None) as (figure, (axis,), _):
         axis.plot(displacement, force, "-o", ms=3)
         axis.plot((displacement[0] - displacement[back]) / 2, (force[0] - force[back]) / 2, "--")
         axis.set(xlabel=f"tangential displacement ({symbols[1]})", ylabel=f"tangential force ({symbols[0]})")

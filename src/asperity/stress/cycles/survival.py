@@ -15,7 +15,6 @@ integral is that of the trapezoidal rule over the planes, of means over all poin
 import numpy as np
 import scipy  # submodules are imported at first use
 import xarray as xr
-from scipy.special import gammaln
 
 from asperity.core.arguments import magnitude, number
 
@@ -38,7 +37,10 @@ def weibull_exponent(scatter: float) -> float:
 
     def excess(logarithm: float) -> float:
         inverse = np.exp(-logarithm)
-        return float(np.expm1(gammaln(1 + 2 * inverse) - 2 * gammaln(1 + inverse)) - scatter**2)
+        return float(
+            np.expm1(scipy.special.gammaln(1 + 2 * inverse) - 2 * scipy.special.gammaln(1 + inverse))
+            - scatter**2
+        )
 
     return float(np.exp(scipy.optimize.brentq(excess, -0.1, 6.0, xtol=1e-14)))
 
@@ -77,6 +79,6 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     exponent, depths = weibull_exponent(scatter), cycles["cycle_depth"].values
     means = np.maximum(cycles["fatigue_mean"].values, 1e-300)  # nothing is above 0 under enough compression
     log_mean = scipy.interpolate.CubicSpline(np.log(cycles["fatigue_exponent"].values), np.log(means))
-    power = np.exp(exponent * (gammaln(1 + 1 / exponent) + log_mean(np.log(exponent))))
+    power = np.exp(exponent * (scipy.special.gammaln(1 + 1 / exponent) + log_mean(np.log(exponent))))
     total = power * (depths[-1] - depths[0])
     return float(total / magnitude("volume", volume))

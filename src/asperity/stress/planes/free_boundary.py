@@ -24,7 +24,7 @@ from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.special import erfc
+import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
@@ -193,5 +193,5 @@ def _taper(cell: Grid, grid: Grid, axis: int) -> Array:
     place = np.arange(nodes)
     distance = np.minimum(place, nodes - place) * cell.spacing[axis]
     width = (PADDING / 2 - 1) * length
-    fall = 0.5 * erfc(TAPER_STEEPNESS * (2 * (distance - length) / width - 1))
+    fall = 0.5 * scipy.special.erfc(TAPER_STEEPNESS * (2 * (distance - length) / width - 1))
     return np.where(distance <= length, 1.0, fall)

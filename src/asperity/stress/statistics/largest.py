@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.types import Array, ArrayLike
 from asperity.core.units import shown_si
@@ -128,7 +128,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     while below(most) < max(QUANTILES):
         most *= 2
     value, low, high = (
-        threshold + unit * brentq(lambda excess, level=level: below(excess) - level, 0, most)
+        threshold + unit * scipy.optimize.brentq(lambda excess, level=level: below(excess) - level, 0, most)
         if below(0) < level
         else threshold
         for level in QUANTILES

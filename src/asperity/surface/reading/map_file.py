@@ -13,7 +13,7 @@ import sys
 import warnings
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
@@ -132,8 +132,8 @@ def open_map(path: FilePath, options: MapOptions) -> MapFile:
     return MapFile(content, name, options)
 
 
-def open_shared_map(path: FilePath, options: MapOptions) -> MapFile:
-    """Read one of several maps that share options; what this file says itself takes precedence."""
+def open_shared_map(path: FilePath, options: MapOptions, shared: Set[str]) -> MapFile:
+    """Read one of several maps that share some options; what this file says itself overrides those."""
     found, said = None, set[str]()
     try:
         found = open_map(path, options)
@@ -141,10 +141,11 @@ def open_shared_map(path: FilePath, options: MapOptions) -> MapFile:
     except MapError as error:
         problems = error.problems
     said |= {match[1] for text in problems if (match := _NOT_IN_FILE.match(text))}
+    said &= shared
     if not said:
         return found or open_map(path, options)  # which raises its error
     left_out: dict[str, Any] = dict.fromkeys(said)
-    return open_shared_map(path, options.replaced(**left_out))
+    return open_shared_map(path, options.replaced(**left_out), shared - said)
 
 
 def path_problem(path: FilePath) -> str:

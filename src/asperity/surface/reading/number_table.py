@@ -153,6 +153,7 @@ class NumberTable:
             raise ValueError(f"a table of {columns} columns of numbers is needed")
         begin, end = whole[0], whole[-1] + 1
         self.header = [dialect.heading(line) for line in written[:begin]]
+        self._how_read = ", read with decimal commas," if dialect.mark == "," else ""
         self.columns = columns
         self.column_units = column_units(written[:begin], columns, dialect.separator)
         is_matrix, width = any(map(MATRIX_HEADER.search, self.header)), columns
@@ -200,7 +201,9 @@ class NumberTable:
         heights = self.numbers()
         for name, values in (("row", heights), ("column", heights.T)):
             if _has_equal_steps(values[0]) and not _has_equal_steps(values[1]):
-                raise ValueError(f"its first {name} holds numbers or positions of points; delete it")
+                raise ValueError(
+                    f"its first {name}{self._how_read} holds numbers or positions of points; delete it"
+                )
         return heights
 
     def with_headings(self) -> tuple[list[str], dict[str, float]]:
