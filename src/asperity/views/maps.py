@@ -182,7 +182,8 @@ def _draw(axis: Axes, shown: Map, scale: Scale) -> None:
         pressed = shown.source.fields["pressure"][shown.part] > 0
         contacts = blocks(pressed.astype(np.float32), size, np.max)
         draw_contour(axis, contacts, 0.5, look.outline, 0.5, **place)
-    _draw_scale_bar(axis, (begin[1], end[1]), (begin[0], end[0]), length)
+    if not length.ratio:  # in cell lengths the axis says as much
+        _draw_scale_bar(axis, (begin[1], end[1]), (begin[0], end[0]), length)
     axis.set(
         xlim=(begin[1], end[1]),
         ylim=(begin[0], end[0]),
