@@ -58,6 +58,14 @@ def test_the_folder_holds_means_of_all_maps(folder):
     assert shown.count("largest shear stress (Tresca)") == 1  # of two bodies of the same material
     assert shown.count("times the yield stress of 2 GPa") == 1
     assert "upper body: of the same material" in page.lower()
+    assert "stress beyond yield: 3 of 3 maps; ring_1: " in page
+
+
+def test_two_pools_are_compared(folder, capsys):
+    assert main(["run", str(folder), str(folder)]) == 0
+    shown = capsys.readouterr().out
+    assert "have the same" in shown.splitlines()[0]
+    assert "real contact" in shown
 
 
 def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):

@@ -75,6 +75,30 @@ def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
     assert asp.Case.read(answer.case.written() | {"map": "a.x3p"}).bodies == answer.case.bodies
 
 
+def test_residual_stress_of_the_coating_is_added(tmp_path):
+    """It adds to σ_xx in the coating alone; the interface has a place and its picture."""
+    body = COATED.replaced(fatigue_torsion=None, fatigue_bending=None)
+    stressed = body.replaced(coating={**COATING, "yield_stress": 4e9, "residual_stress": -1e9})
+    found = [run(a_rough_map(), each, mean_pressure=60e6) for each in (body, stressed)]
+    rows = [{row.name: row for row in answer.rows} for answer in found]
+    for name in ("largest shear stress on the interface", "σ_xx on the interface, in the base"):
+        assert rows[1][name].value == pytest.approx(rows[0][name].value, rel=1e-6)
+    (plane,) = asp.stress_planes(
+        found[0].contact.in_body("lower"), [LAYER.interface], fields=("xx",), tolerance=0
+    )
+    stress = plane.fields["xx"] - 1e9
+    largest = stress.flat[np.abs(stress).argmax()]
+    assert rows[1]["σ_xx on the interface, in the coating"].value == pytest.approx(largest, rel=1e-3)
+    energy = rows[1]["energy of the residual stress of the coating"].value
+    assert energy == pytest.approx((1 - 0.25) * 1e9**2 * 2e-6 / 400e9)
+    assert " at x = " in rows[1]["largest shear stress on the interface"].shown
+    assert any("The interface of the coating" in text for text in found[1].verdicts)
+    limits = found[1].bodies["lower"].yield_at(np.array([1e-6, 3e-6]))
+    np.testing.assert_array_equal(limits, [4e9, 1e9])
+    write_answer(found[1], tmp_path / "answer")
+    assert (tmp_path / "answer/interface_shear.png").exists()
+
+
 test_wrong_coating_is_refused = refuses(
     (lambda: asp.Solid(1.0, 0.3, 1.0, "frictionless", base=STEEL), "bottom = 'frictionless': bonded"),
     (lambda: asp.Solid(1.0, 0.3, base=STEEL), "height = None: the height of the coating"),

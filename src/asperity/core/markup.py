@@ -19,6 +19,7 @@ from asperity.core.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 
 def markdown(frame: "pd.DataFrame") -> str:
@@ -81,6 +82,15 @@ def _cells(frame: "pd.DataFrame") -> list[list[str]]:
 
     rows = frame.itertuples(index=False, name=None)
     return [[str(name) for name in frame.columns], *([text(cell) for cell in row] for row in rows)]
+
+
+def png(figure: "Figure") -> str:
+    """A figure as an image of a page, in base64."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    file = BytesIO()
+    FigureCanvasAgg(figure).print_png(file, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
+    return base64.b64encode(file.getvalue()).decode()
 
 
 PICTURE = 160

@@ -174,8 +174,7 @@ def _on_body(part: BodyAnswer) -> Iterator[Found]:
         yield True, "high_yield", values
     if limit is None and stress > UNLIKELY_STRAIN * young:
         share = stress / young
-        values |= {"share": share, "limit": UNLIKELY_STRAIN, "size": share / UNLIKELY_STRAIN - 1}
-        yield True, "surely_yielding", values
+        yield True, "surely_yielding", values | {"share": share, "limit": UNLIKELY_STRAIN}
 
 
 def _on_pixels(answer: Answer) -> Iterator[Found]:

@@ -21,7 +21,8 @@ from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.contact_numbers import ContactNumbers, gap_of
 from asperity.engineering.continuum import HalfGrid
 from asperity.engineering.face import RoughFace
-from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
+from asperity.engineering.places import Blocks, blocks_of
+from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row, per_cent
 from asperity.settings.load import UNITS, Hertz
 from asperity.stress.peaks.selection import has_percentile, select_peaks
 from asperity.surface.treatment.treatment import TreatedMap
@@ -52,6 +53,17 @@ POSITION_NAMES = "at depth", "at x", "at y"
 
 ALIKE = 0.01
 """Relative difference up to which numbers of two bodies of one material are shown once."""
+
+CONTACT_TILES = ("real contact", "largest pressure", "largest von Mises stress")
+"""Numbers of contact and stress at the top of the report."""
+
+ONE_PLACE = (
+    "the map is from one place of the surface: an error by the pixels does not show how places differ; "
+    "several maps (--pooled) do"
+)
+
+INTERFACE_TILES = "largest shear stress on the interface", "largest tension across the interface"
+"""Numbers of the interface of a coating, in the order of `Interface.largest`."""
 
 REPEATS = (
     f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
@@ -166,7 +178,8 @@ class Answer:
                 unit, value = each.metadata["unit"], getattr(self.numbers, each.name)
                 words = words_of.get(each.name) or shown_si(value, unit)
                 limits = self.bodies["lower"].limits
-                shown.append(_row("contact", each.metadata["name"], value, unit, words, limits))
+                row = _row("contact", each.metadata["name"], value, unit, words, limits)
+                shown.append(row.of_places(self.area_of_places) if each.name == "area_fraction" else row)
         shown += _hertz_rows(self.case)
         questions = self.case.questions.values()
         if self.plastic is not None:
@@ -177,8 +190,49 @@ class Answer:
             shown += _body_rows(self, name)
             for question in questions:
                 shown += question.rows_of_body(self, name)
+        if (asked := self.case.sensitivity) is not None:
+            shown = [row.of_inputs(asked.relative_error(self, row)) for row in shown]
         groups = list(dict.fromkeys(row.group for row in shown))
         return sorted(shown, key=lambda row: groups.index(row.group))
+
+    @cached_property
+    def blocks(self) -> Blocks | None:
+        """Blocks of the map that show how places differ; None where it holds too few, or has a form.
+
+        Under an imposed approach or real contact the numbers do not follow the load on a block.
+        """
+        imposed = self.case.load.kind in ("approach", "area_fraction")
+        if imposed or self.case.map.radius is not None or self.face.boundary == "free":
+            return None
+        return blocks_of(self.face, self.contact.pressure)
+
+    @cached_property
+    def area_of_places(self) -> float:
+        """Relative error of the real contact from place to place; NaN where it is not known."""
+        if self.blocks is None:
+            return np.nan
+        return self.blocks.error(self.blocks.means(self.contact.pressure > 0))
+
+    @property
+    def tiles(self) -> list[Row]:
+        """The rows that answer the questions, then those of the contact."""
+        rows = without_repeats(self.rows)
+        return [row for name in tile_names(self.case) for row in rows if row.name == name]
+
+    @property
+    def verdicts(self) -> list[str]:
+        """The answer to each question in a sentence; without a question those of contact and stress."""
+        found = [question.verdict(self) for question in self.case.questions.values()]
+        for name in self.case.different_bodies:
+            if (interface := self.bodies[name].interface) is not None:
+                shear, tension = (max(each.value, 0.0) for each in interface.largest.values())
+                pulled = f"a tension of up to {shown_si(tension, 'Pa', 3)}" if tension else "no tension"
+                shown = f"shear of up to {shown_si(shear, 'Pa', 3)} and {pulled}"
+                found.append(f"the interface of the coating of the {name} body bears {shown}")
+        pressure = shown_si(self.numbers.largest_pressure, "Pa", 3)
+        contact = f"the bodies touch on {per_cent(self.numbers.area_fraction)} of the area"
+        found.append(f"{contact}, under a pressure of up to {pressure}")
+        return [f"{text[0].upper()}{text[1:]}." for text in found if text]
 
     @property
     def uncertainties(self) -> list[str]:
@@ -188,7 +242,13 @@ class Answer:
 
     def frame(self) -> pd.DataFrame:
         """All numbers as a table; the columns are described in ``docs/tables.md``."""
-        return pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
+        found = pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
+        return found.assign(error_of=found["error_of"].replace("", None))
+
+    def advice_table(self) -> pd.DataFrame:
+        """Warnings and notes: level, subject, text."""
+        found = [(each.level, each.subject, each.text) for each in self.advice]
+        return pd.DataFrame(found, columns=["level", "subject", "text"])
 
     def gaps(self) -> pd.DataFrame:
         """Gap below which a share of the area of the map lies: share, gap_m."""
@@ -218,12 +278,13 @@ class Answer:
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
         width = max(len(row.name) for row in self.rows)
-        lines = [self.title]
+        lines = [self.title, "", *self.verdicts]
         if self.uncertainties:
             lines += ["", "largest uncertainties", *(f"  {text}" for text in self.uncertainties)]
         shown = without_repeats(self.rows)
         for group, rows in groupby(shown, key=lambda row: row.group):
             lines += ["", group, *(f"  {row.name:<{width}}  {row.shown}" for row in rows)]
+        lines += ["", ONE_PLACE]
         lines += ["", REPEATS] if len(shown) < len(self.rows) else []
         lines += ["", "what was done to the map", *(f"  {step}" for step in self.face.done)]
         for advice in self.advice:
@@ -239,6 +300,13 @@ class Answer:
 
     def __repr__(self) -> str:
         return f"<Answer of {self.title}>"
+
+
+def tile_names(case: Case) -> list[str]:
+    """Names of the numbers at the top of a page: those of the questions of the case, then the contact."""
+    of_questions = [name for question in case.questions.values() for name in question.TILES]
+    coated = any(body.coating is not None for body in case.bodies.values())
+    return list(dict.fromkeys([*(INTERFACE_TILES if coated else ()), *of_questions, *CONTACT_TILES]))
 
 
 def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
@@ -338,11 +406,18 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
             place = f"at depth {shown_si(part.depth, 'm')}"
             value, name = part.largest_von_mises, f"largest von Mises stress in the {material}"
             yield row(name, value, "Pa", f"{shown_si(value, 'Pa')} {place}")
-        yield row("largest shear stress on the interface", max(body.interface["shear"]))
-        tension = max(body.interface["zz"][0], 0.0)
-        yield row("largest tension across the interface", tension, "Pa", "" if tension else "none")
-        for material, value in zip(body.materials, body.interface["xx"], strict=True):
+        for name, found in zip(INTERFACE_TILES, body.interface.largest.values(), strict=True):
+            place = ", ".join(
+                f"{axis} = {shown_si(at, 'm')}" for axis, at in (("x", found.x), ("y", found.y))
+            )
+            shown = f"{shown_si(found.value, 'Pa')} at {place}"
+            yield row(name, max(found.value, 0.0), "Pa", shown if found.value > 0 else "none")
+        for material, value in zip(body.materials, body.interface.along, strict=True):
             yield row(f"σ_xx on the interface, in the {material}", value)
+        if coating is not None and coating.residual_stress:
+            energy = (1 - coating.poisson) * coating.residual_stress**2 * coating.thickness / coating.young
+            shown = f"{energy:.3g} J/m², which a coating that comes off sets free"
+            yield row("energy of the residual stress of the coating", energy, "J/m^2", shown)
         if coating is not None and coating.yield_stress is not None:
             yield row("yield stress of the coating", coating.yield_stress)
     found_peaks = np.abs(
@@ -369,7 +444,7 @@ def _row(
         return Row(group, name, value, unit, shown).by(error)
     values = limit_of(limits, name)
     estimate, error = values["estimate"], values["estimate"] * values["error"]
-    row = Row(group, name, value, unit, shown, estimate, error)
+    row = Row(group, name, value, unit, shown, estimate, error, "the pixels")
     if not np.isfinite(estimate) or not error > 0:
         return Row(group, name, value, unit, shown)
     return row._replace(shown=f"{shown}; {row.with_error} for vanishing pixels")

@@ -23,7 +23,7 @@ from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.peaks.selection import select_peaks
 from asperity.stress.planes.fields import ODD
-from asperity.stress.planes.stream import LinearPlane
+from asperity.stress.planes.stream import LinearPlane, PlaneStream
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from asperity.engineering.answer import Answer
 
 BOXES = 4
-"""Number of close-ups around the highest pressures; the largest stress is rarely outside them."""
+"""Number of close-ups around the highest pressures; if the largest stress is in none, one is added."""
 
 WIDTHS = 2
 """Half of the edge of a close-up over the typical width of a patch."""
@@ -133,16 +133,43 @@ def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]
     left = weight.copy()
     half = round(min(max(WIDTHS * width, FEWEST_PIXELS), MOST_PIXELS))
     while len(found) < BOXES and left.any():
-        middle = np.unravel_index(left.argmax(), left.shape)
-        ends = zip(map(int, middle), face.grid.shape, strict=True)
-        rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
-        # The section follows the larger pressure gradient: across the lay, also of several ridges.
-        y, x = (
-            float(np.square(np.diff(weight[rows, columns], axis=axis)).sum()) / face.grid.spacing[axis] ** 2
-            for axis in (0, 1)
+        row, column = np.unravel_index(left.argmax(), left.shape)
+        found.append(_close_up(face, weight, (int(row), int(column)), half))
+        left[found[-1].part] = 0
+    return found
+
+
+def _close_up(face: TreatedMap, weight: Array, middle: tuple[int, int], half: int) -> CloseUp:
+    """Empty close-up around a node; `weight` is the pressure on the map."""
+    ends = zip(middle, face.grid.shape, strict=True)
+    rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
+    # The section follows the larger pressure gradient: across the lay, also of several ridges.
+    y, x = (
+        float(np.square(np.diff(weight[rows, columns], axis=axis)).sum()) / face.grid.spacing[axis] ** 2
+        for axis in (0, 1)
+    )
+    return CloseUp(face.grid, (rows, columns), "x" if x > y else "y")
+
+
+def _around_extremes(
+    answer: Answer, loaded: LoadedSolid, near: Sequence[CloseUp], largest: Mapping[str, Extreme], name: str
+) -> list[CloseUp]:
+    """Close-ups around the extreme values of the drawn fields that lie in none, from a second stream."""
+    case, face, found = answer.case, answer.face, list[CloseUp]()
+    for field_name in case.fields if near else ():
+        place = largest[field_name]
+        if any(box.node(place.y, place.x) is not None for box in (*near, *found)):
+            continue
+        half = max(part.stop - part.start for part in near[0].part) // 2
+        steps = zip((place.y, place.x), face.grid.spacing, face.grid.shape, strict=True)
+        row, column = (min(round(at / step), count - 1) for at, step, count in steps)
+        box = _close_up(face, answer.contact.pressure, (row, column), half)
+        stream = PlaneStream(
+            loaded, near[0].depths, None, case.fields, STRESS_TOLERANCE, **case.sliding_of(name)
         )
-        found.append(CloseUp(face.grid, (rows, columns), "x" if x > y else "y"))
-        left[rows, columns] = 0
+        for plane in stream.planes():
+            box.add(plane, case.fields, loaded.layer.poisson, face.boundary == "periodic")
+        found.append(box)
     return found
 
 
@@ -189,6 +216,26 @@ class Extreme(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class Interface:
+    """Stress on the interface of a coating.
+
+    Parameters
+    ----------
+    along : (float, float)
+        σ_xx of the largest magnitude, in the coating and in the base.
+    largest : dict
+        ``shear``, √(σ_xz² + σ_yz²), and ``tension``, σ_zz → its largest value, which is below 0 if the
+        interface is nowhere in tension.
+    planes : dict
+        The same names → grid, and values at the nodes.
+    """
+
+    along: tuple[float, float]
+    largest: dict[str, Extreme]
+    planes: dict[str, tuple[Grid, Array]]
+
+
+@dataclass(frozen=True, eq=False)
 class BodyAnswer:
     """Stress in one body, in SI units.
 
@@ -208,10 +255,8 @@ class BodyAnswer:
     planes : dict
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
-    interface : dict
-        Component → its extreme values at the interface, in the coating and in the base: of ``xx`` the largest
-        magnitudes, of ``zz`` the most tensile values; ``shear`` is the largest √(σ_xz² + σ_yz²). None without
-        a coating.
+    interface : Interface or None
+        None without a coating.
     """
 
     body: Body
@@ -221,7 +266,16 @@ class BodyAnswer:
     largest: dict[str, Extreme]
     planes: dict[str, tuple[float, Grid, Array]]
     close_ups: Sequence[CloseUp]
-    interface: Mapping[str, list[float]] | None = None
+    interface: Interface | None = None
+
+    def yield_at(self, depth: Array | float) -> Array:
+        """Yield stress of the material at each depth; infinite where none is given."""
+        coating, base = self.body.coating, self.body.yield_stress
+        in_base = np.full(np.shape(depth), np.inf if base is None else base)
+        if coating is None or self.layer.interface is None:
+            return in_base
+        own = np.inf if coating.yield_stress is None else coating.yield_stress
+        return np.where(np.asarray(depth) <= self.layer.interface, own, in_base)
 
     @property
     def materials(self) -> dict[str, BodyAnswer]:
@@ -320,9 +374,18 @@ def body_answer(
         found = _between_nodes(name_of_field, at_nodes, stress)
         y, x = map(float, face.grid.on_map(found.y, found.x))
         largest[name_of_field] = found._replace(y=y, x=x)
+    near = [*near, *_around_extremes(answer, loaded, near, largest, name)]
     progress(1.0, 1.0)
-    body, interface = case.bodies[name], extremes.interface or None
-    return BodyAnswer(body, layer, stress, limits, largest, extremes.planes, near, interface)
+    interface = None
+    if extremes.interface:
+        (in_coating, on_face), (in_base, _) = extremes.interface
+        extreme_of = {}
+        for name_of_field, (grid, values) in on_face.items():
+            row, column = divmod(int(values.argmax()), grid.shape[1])
+            y, x = map(float, face.grid.on_map(row * grid.spacing[0], column * grid.spacing[1]))
+            extreme_of[name_of_field] = Extreme(float(values.max()), float(layer.interface or 0.0), y, x)
+        interface = Interface((in_coating, in_base), extreme_of, on_face)
+    return BodyAnswer(case.bodies[name], layer, stress, limits, largest, extremes.planes, near, interface)
 
 
 def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> Extreme:
@@ -356,12 +419,12 @@ class _Extremes:
         Field → its extreme value so far, and its place in the cell.
     planes : dict
         Field to be drawn → depth, grid and values of the plane of its extreme value so far.
-    interface : dict
-        As of `BodyAnswer`.
+    interface : list
+        For coating and base, σ_xx of the largest magnitude on the interface, and `Interface.planes`.
     """
 
     def __init__(self, drawn: Sequence[str], layer: Solid) -> None:
-        self.interface: dict[str, list[float]] = {}
+        self.interface: list[tuple[float, dict[str, tuple[Grid, Array]]]] = []
         self.found: dict[str, Extreme] = {}
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
         self._sizes: dict[str, float] = {}
@@ -373,9 +436,8 @@ class _Extremes:
         invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
         if self._face <= plane.depth <= np.nextafter(self._face, np.inf):
             xx, zz, xz, yz = (plane.field(name, self._poisson) for name in ("xx", "zz", "xz", "yz"))
-            found = xx.flat[np.abs(xx).argmax()], zz.max(), np.hypot(xz, yz).max()
-            for name, value in zip(("xx", "zz", "shear"), found, strict=True):
-                self.interface.setdefault(name, []).append(float(value))
+            planes = {"shear": (plane.grid, np.hypot(xz, yz)), "tension": (plane.grid, zz.copy())}
+            self.interface.append((float(xx.flat[np.abs(xx).argmax()]), planes))
         for name in self._fields:
             known = self.found[name].value if name in self.found else None
             if name in BOUNDS:  # only at nodes where the bound exceeds the extreme value so far

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Self, get_args
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from asperity.contact import Contact
@@ -19,6 +20,7 @@ from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import TwoBodies
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Question
 from asperity.engineering.questions.conduction import Conduction
 from asperity.engineering.questions.cycles import Cycles
@@ -28,6 +30,7 @@ from asperity.engineering.questions.load_curve import LoadCurve
 from asperity.engineering.questions.partial_slip import PartialSlip
 from asperity.engineering.questions.run_in import RunIn
 from asperity.engineering.questions.sample import SampleOfMaps
+from asperity.engineering.questions.sensitivity import Sensitivity, split_tolerances
 from asperity.engineering.questions.sliding import Sliding
 from asperity.engineering.questions.yielding import Yielding
 from asperity.settings.body import Body
@@ -101,13 +104,19 @@ class Case(Settings):
         None, default_text="asked if a body gives fatigue limits or a residual stress itself"
     )
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
+    sensitivity: Sensitivity | None = setting(
+        None, default_text="asked if an input has a tolerance, such as `210 GPa ± 5 %`"
+    )
+    """Change of the main numbers with each input."""
     sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
     @model_validator(mode="wrap")
     @classmethod
     def _with_materials(cls, value: Any, made: Any) -> Any:
-        """The case, whose bodies may be of materials of the user."""
+        """The case, whose bodies may be of materials of the user, and whose inputs may have tolerances."""
+        if isinstance(value, Mapping):
+            value = split_tolerances(value)
         file = value.get("materials") if isinstance(value, Mapping) else None
         with own_materials(file) if isinstance(file, str) else nullcontext():
             return made(value)
@@ -132,6 +141,8 @@ class Case(Settings):
             yield "body.map", ": not accepted; the map of the body is the group `map`"
         if "form" in self.map.model_fields_set and self.map.radius is None:
             yield "map.form", ": needs map.radius"
+        if self.map.radius_y is not None and (self.map.radius is None or self.map.form == "cylinder"):
+            yield "map.radius_y", ": needs map.radius, the radius along x, and no cylinder"
         if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
             yield "map.cylinder_axis", ": needs map.form: cylinder"
         if self.map.periodic == "none":
@@ -235,7 +246,8 @@ class Case(Settings):
     @property
     def sliding_direction(self) -> str | float:
         """Direction in which the counter body moves over the body."""
-        return "x" if self.sliding is None else self.sliding.direction
+        given = None if self.sliding is None else self.sliding.direction
+        return "x" if given is None else given
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
@@ -274,6 +286,12 @@ class Case(Settings):
         `carried` is the share of the pressure of the Hertz contact that the contact carries, and that slides.
         """
         loaded, load = contact.in_body(name), self.load
+        coating = self.bodies[name].coating
+        if coating is not None and coating.residual_stress:
+            stress = coating.residual_stress * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+            return replace(
+                loaded, background=lambda depth: stress if depth <= coating.thickness else 0 * stress
+            )
         if not isinstance(load, Hertz):
             return loaded
         pressure = contact.mean_pressure / carried
@@ -294,6 +312,11 @@ class Case(Settings):
         if counter_body is not None and counter is not None:
             counter_body = counter_body.model_copy(update={"map": counter})
         return self.replaced(map=surface, counter_body=counter_body)
+
+    def on_face(self, rough: RoughFace) -> Self:
+        """The case with what its map determines: options of the file, and sliding along the lay."""
+        sliding = None if self.sliding is None else self.sliding.along_lay(rough.face)
+        return self.with_maps(rough.options or self.map, rough.counter).replaced(sliding=sliding)
 
     def under(self, **load: float) -> Self:
         """The same bodies under another load alone: no question about it is asked."""

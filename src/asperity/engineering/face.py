@@ -134,6 +134,8 @@ def _read(options: Map, shared: Set[str]) -> tuple[str, HeightMap, tuple[str, ..
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
         name, surface, options = Path(source).stem, found.map, found.options  # type: ignore[assignment]
+    if options.crop is not None:
+        surface = surface.cropped(options.crop, options.crop_at)
     measured = MapMeasures(surface, options)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:

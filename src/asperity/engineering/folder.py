@@ -52,6 +52,7 @@ def names_of(case: "Case | None") -> list[str]:
         "spots.csv",
         "gaps.csv",
         "answer.csv",
+        "advice.csv",
         "answer.xlsx",
     ]
     names += ["height.png", "pressure.png", "report.html"]
@@ -60,9 +61,11 @@ def names_of(case: "Case | None") -> list[str]:
     names += ["plastic_depth.png"] if case.hardness else []
     for question in case.questions.values():
         names += question.files(case)
-    for body in case.different_bodies:
+    for body, constants in case.different_bodies.items():
         suffix = f"_{body}" if len(case.different_bodies) > 1 else ""
         names += [f"stress{suffix}.nc"]
+        if constants.coating is not None:
+            names += [f"interface_{name}{suffix}.png" for name in ("shear", "tension")]
         for field in case.fields:
             end = ("" if field == "von_mises" else f"_{field}") + suffix
             names += [f"{view}{end}.png" for view in ("plane", "section", "peaks")]

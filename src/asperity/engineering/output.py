@@ -7,7 +7,6 @@ import json
 import os
 import platform
 import shutil
-from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import datetime
 from importlib.metadata import version
@@ -23,13 +22,13 @@ from markupsafe import Markup
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.answer import ONE_PLACE, REPEATS, Answer, case_in_words, without_repeats
 from asperity.engineering.case import Case, solid_of
 from asperity.engineering.case_file import case_text
 from asperity.engineering.contact_numbers import certificate_in_words
 from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
 from asperity.engineering.pictures import pictures
-from asperity.engineering.question import Picture, Row
+from asperity.engineering.question import Picture
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
@@ -38,13 +37,6 @@ from asperity.results.workbook import write_workbook
 from asperity.settings.materials import material
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
-
-HEADLINE = (
-    *("real contact", "largest pressure"),
-    *("largest von Mises stress", "volume above yield per area", "share above yield"),
-    *("largest Dang Van stress over limit", "shakedown factor, at least"),
-)
-"""Numbers at the top of the report: contact, yield, fatigue."""
 
 SPOTS = 10
 """Patches of contact in the report."""
@@ -124,6 +116,7 @@ def _write_results(answer: Answer, folder: Path) -> None:
         title = f"Stress under {surface}{suffix.replace('_', ', ')}"
         dataset.write(stress_dataset(answer, body), folder / f"stress{suffix}.nc", title, settings)
     tables: dict[str, pd.DataFrame] = {
+        "advice": answer.advice_table(),
         "peaks": answer.peaks(),
         "spots": answer.spots,
         "gaps": answer.gaps(),
@@ -154,6 +147,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
             continue
         title = answer.case.stress_title(picture.body) if picture.body and len(answer.bodies) > 1 else ""
         groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
+    lead = _taken_lead(answer, groups)
     versions = {"asperity": __version__, "Python": platform.python_version()}
     versions |= {package: version(package) for package in PACKAGES if find_spec(package)}
     engine, _, number = answer.contact.fft_engine.partition(" ")
@@ -169,9 +163,9 @@ def _write_report(answer: Answer, folder: Path) -> None:
         questions=reports_of_questions(answer),
         assumptions=[question.assumption(answer) for question in answer.case.questions.values()],
         certificate=certificate_in_words(answer.contact.certificate),
-        headline=headline(
-            rows, len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
-        ),
+        headline=headline(answer),
+        lead=lead,
+        one_place=f"{ONE_PLACE[0].upper()}{ONE_PLACE[1:]}.",
         groups=groupby(rows, key=lambda row: row.group),
         repeats=REPEATS if len(rows) < len(answer.rows) else "",
         picture_groups=groups,
@@ -185,17 +179,30 @@ def _write_report(answer: Answer, folder: Path) -> None:
     write_text(folder / "report.html", page)
 
 
-def headline(rows: Sequence[Row], several: bool) -> list[tuple[str, str, str]]:
-    """The main numbers: name, value with its error, and the value on the pixels."""
-    found = []
+def _taken_lead(answer: Answer, groups: dict[str, list[tuple[Picture, str]]]) -> tuple[Picture, str] | None:
+    """The picture that stands at the top, taken out of its group."""
+    asked = [question.LEAD for question in answer.case.questions.values() if question.LEAD]
+    for name in ["interface", *reversed(asked), "pressure"]:
+        for shown in groups.values():
+            for each in shown:
+                if each[0].name.startswith(name):
+                    shown.remove(each)
+                    return each
+    return None
+
+
+def headline(answer: Answer) -> list[tuple[str, str, list[str]]]:
+    """The tiles of a report: name, value, and its errors, each with what it is the error of."""
+    found, rows = [], answer.tiles
+    several = len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
     for row in rows:
-        if row.name in HEADLINE:
-            value = row.shown.partition("; ")[0]
-            body = row.group.removeprefix("stress in the ").partition(" (")[0]
-            of_body = several and row.group.startswith("stress")
-            name = f"{row.name}, {body}" if of_body else row.name
-            more = row.with_error and (row.estimate != row.value or len(value.split()) > 2)
-            found.append((name, row.with_error or value, value if more else ""))
+        body = row.group.removeprefix("stress in the ").partition(" (")[0]
+        name = f"{row.name}, {body}" if several and row.group.startswith("stress") else row.name
+        value, place = row.value_and_place
+        errors = [*filter(None, [place]), *row.shown.split("; ")[1:]]
+        if not row.error_of_places > 0 and row.between_places:
+            errors.append(row.between_places)
+        found.append((name, value, errors))
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +12,11 @@ import xarray as xr
 from asperity.core.units import shown_si
 from asperity.engineering.body_stress import CloseUp
 from asperity.engineering.question import Picture
-from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
-from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, Map, draw_maps, map_of
+from asperity.views.maps import MAP_HEIGHT, PLASTIC_DEPTH, PRESSURE, Map, draw_maps, map_of
 from asperity.views.peak_plot import plot_peaks
-from asperity.views.scales import Look
-from asperity.views.source import Part, Source, sources
+from asperity.views.scales import STRESS, Look, measure
+from asperity.views.source import Source, sources
 from asperity.views.stress_plot import draw_sections, field_look, field_words, until_faded
 from asperity.views.style import plain_text
 
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 
 
 MAPS = {
-    "height": (HEIGHT, "Heights as pressed face down, lowest first, with the outlines of the contact"),
+    "height": (MAP_HEIGHT, "Heights of the map, peaks bright, with the outlines of the contact"),
     "pressure": (PRESSURE, "Contact pressure, white where there is no contact"),
     "plastic_depth": (PLASTIC_DEPTH, "Plastic depth, by which the surface is flattened at the hardness"),
 }
@@ -50,14 +49,42 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     source = source_of(answer)
     for name, (look, caption) in MAPS.items():
         if name in source.fields and (name != "plastic_depth" or answer.contact.plastic_area):
-            yield map_of_contact(answer, name, source.fields[name], look, caption)
+            sign = -1 if name == "height" else 1  # the contact has the lower face
+            yield map_of_contact(answer, name, sign * source.fields[name], look, caption)
     for question in answer.case.questions.values():
         yield from question.pictures(answer)
     for body in answer.case.different_bodies:
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field)
+        yield from _of_interface(answer, source, body)
         for question in answer.case.questions.values():
             yield from question.pictures_of_body(answer, body)
+
+
+def compared_pictures(answers: Mapping[str, Answer]) -> Iterator[Picture]:
+    """Heights, pressure and a section of the stress of several answers, each in one scale."""
+    found = {name: replace(source_of(answer), title=name) for name, answer in answers.items()}
+    wholes = {name: whole_map(answer, found[name].grid) for name, answer in answers.items()}
+    for field, (look, caption) in MAPS.items():
+        if field != "plastic_depth":
+            maps = [map_of(source, field, wholes[name]) for name, source in found.items()]
+            sign = -1 if field == "height" else 1
+            maps = [each._replace(values=sign * each.values) for each in maps]
+            yield Picture(field, f"{caption}.", draw_maps(maps, look, None))
+    sections = []
+    for name, answer in answers.items():
+        field = answer.case.fields[0]
+        if (near := _close_up(answer, "lower", field)) is not None:
+            section = _section(answer, found[name], "lower", field, near)
+            limit = answer.bodies["lower"].yield_at(section["depth"].values)
+            if field == "von_mises" and np.isfinite(limit).any():
+                section = section.assign_coords(limit=("depth", limit))
+            sections.append(section)
+    if sections:
+        words = field_words(field)
+        caption = f"{words[0].upper()}{words[1:]} in sections through its largest magnitude"
+        drawn = draw_sections(sections, field_look(field), SI_UNITS, None)
+        yield Picture("section", f"{caption}; bars are the contact, lines the yield stress.", drawn)
 
 
 def source_of(answer: Answer) -> Source:
@@ -71,67 +98,87 @@ def map_of_contact(answer: Answer, name: str, values: Any, look: Look, caption: 
     source, field = source_of(answer), answer.case.fields[0]
     source = replace(source, fields=source.fields | {name: values})
     near = _close_up(answer, "lower", field)
-    maps = [map_of(source, name, whole_map(answer, source.grid))]
+    maps = [map_of(source, name, answer.face.part_of(source.grid))]
     if near is not None:
         maps.append(map_of(source, name, near.part, FRAMED))
-        caption += f"; on the right close to {_shown(answer, 'lower', field, near)}"
+        caption += "; on the right close to the largest stress"
     return Picture(name, f"{caption}.", _drawn(maps, look))
 
 
 def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterator[Picture]:
     """Pictures of one field of the stress in one body."""
     end = f"; {answer.case.stress_title(body)}."
-    level = answer.case.bodies[body].yield_stress if field == "von_mises" else None
-    if level is not None:
-        below = "" if answer.case.bodies[body].coating is None else " below the coating"
-        end = f"; the line is the yield stress{below}, {shown_si(level, 'Pa')}{end}"
+    part, level = answer.bodies[body], None
+    limits = [each.body.yield_stress for each in part.materials.values()] if field == "von_mises" else []
+    if known := [limit for limit in limits if limit is not None]:
+        level = min(known)
+        values_of = " and ".join(
+            f"{shown_si(limit, 'Pa')}{f' of the {material}' if material else ''}"
+            for material, limit in zip(part.materials, limits, strict=True)
+            if limit is not None
+        )
+        end = f"; the line is the yield stress, {values_of}{end}"
     suffix = ("" if field == "von_mises" else f"_{field}") + answer.suffix_of(body)
     word = field_words(field)
     capital, look = word[0].upper() + word[1:], field_look(field)
     near = _close_up(answer, body, field)
     if near is not None:
         depth, grid, values = answer.bodies[body].planes[field]
-        whole = whole_map(answer, grid)
+        whole = answer.face.part_of(grid)
         close = near.planes[int(np.abs(np.subtract(near.depths, depth)).argmin())][field]
-        overview = Map(replace(source, grid=grid, fields={}), whole, values[whole])
-        figure = _drawn([overview, Map(source, near.part, close, FRAMED)], look, level)
-        place = _shown(answer, body, field, near)
-        at_depth = f"at the depth of its largest magnitude, {shown_si(depth, 'm', 3)}"
-        caption = f"{capital} {at_depth}; on the right close to {place}"
+        at = f"depth {shown_si(depth, 'm', 3)}"
+        overview = Map(replace(source, grid=grid, fields={}), whole, values[whole], at)
+        own = float(part.yield_at(depth)) if level is not None else np.inf
+        shown = [overview, Map(source, near.part, close, f"{FRAMED}, {at}")]
+        figure = _drawn(shown, look, own if own < np.inf else None)
+        caption = f"{capital} at the depth of its largest magnitude; on the right close to it"
         yield Picture(f"plane{suffix}", caption + end, figure, body)
         section = _section(answer, source, body, field, near)
         faded = min(FADED * float(np.abs(section.values).max()), level or np.inf)
-        figure = draw_sections(until_faded([section], faded), look, source.system, None, level)
-        caption = f"{capital} in a section close to {place}; bars are the contact"
+        if level is not None:
+            section = section.assign_coords(limit=("depth", part.yield_at(section["depth"].values)))
+        figure = draw_sections(until_faded([section], faded), look, source.system, None)
+        caption = f"{capital} in a section through its largest magnitude; bars are the contact"
         yield Picture(f"section{suffix}", caption + end, figure, body)
     stress = answer.bodies[body].stress.assign_attrs(unit_system=source.system)
     if (stress["peak_quantity"] == field).any():
-        figure = plot_peaks({source.title: stress}, field, yield_stress=level)
+        line: Any = level
+        if level is not None and part.layer.interface is not None:
+            depths = np.array([0.0, part.layer.interface, np.nextafter(part.layer.interface, 1), 1e3])
+            line = depths, np.where(np.isinf(limit := part.yield_at(depths)), np.nan, limit)
+        figure = plot_peaks({source.title: stress}, field, yield_stress=line)
         yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{end}", figure, body)
 
 
+def _of_interface(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
+    """Pictures of shear and tension on the interface of a coating; a cross is the largest value."""
+    if (interface := answer.bodies[body].interface) is None:
+        return
+    for name, words in {"shear": "shear stress on", "tension": "tension across"}.items():
+        (grid, values), largest = interface.planes[name], interface.largest[name]
+        if not largest.value > 0:
+            continue
+        whole = answer.face.part_of(grid)
+        look = Look(f"{words} the interface", "stress", STRESS, "white", np.max, low=0.0)
+        shown = Map(replace(source, grid=grid, fields={}), whole, np.maximum(values[whole], 0.0))
+        figure = _drawn([shown], look)
+        axis = figure.axes[0]
+        factor = grid.spacing[1] * values[whole].shape[1] / float(np.diff(axis.get_xlim())[0])
+        axis.plot(largest.x / factor, largest.y / factor, "+", color="C4", ms=9, mew=1.5, clip_on=False)
+        caption = (
+            f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its largest value"
+        )
+        suffix = answer.suffix_of(body)
+        title = answer.case.stress_title(body)
+        yield Picture(f"interface_{name}{suffix}", f"{caption}; {title}.", figure, body)
+
+
 def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:
-    """The close-up that holds the extreme value of a field, else that with the largest values."""
+    """The close-up that holds the extreme value of a field; None without a contact."""
     found = answer.bodies[body].largest[field]
 
-    def rank(box: CloseUp) -> tuple[bool, float]:
-        largest = max(float(np.abs(plane[field]).max()) for plane in box.planes)
-        return box.node(found.y, found.x) is not None, largest
-
-    return max(answer.bodies[body].close_ups, key=rank, default=None)
-
-
-def _shown(answer: Answer, body: str, field: str, near: CloseUp) -> str:
-    """Description of the place that a close-up shows."""
-    found = answer.bodies[body].largest[field]
-    return "one of the highest pressures" if near.node(found.y, found.x) is None else "the largest stress"
-
-
-def whole_map(answer: Answer, grid: Grid) -> Part:
-    """Nodes of the map on a grid of the map, or of a mirrored map and its images."""
-    images = 2 if answer.face.grid.mirrored and not grid.mirrored else 1
-    rows, columns = (slice(0, count // images) for count in grid.shape)
-    return rows, columns
+    boxes = answer.bodies[body].close_ups
+    return next((box for box in boxes if box.node(found.y, found.x) is not None), None)
 
 
 def _drawn(maps: list[Map], look: Look, level: float | None = None) -> Figure:
@@ -155,7 +202,8 @@ def _section(answer: Answer, source: Source, body: str, field: str, near: CloseU
     across = int(place[1 - axis])
     touching = source.field("pressure")[near.part].take(across, 1 - axis) > 0
     nodes = source.positions(near.part)
-    title = f"{source.title}, {'yx'[1 - axis]} = {shown_si(float(nodes[1 - axis][across]), 'm', 4)}"
+    at = measure(max(source.grid.length), "length", source.system).text(float(nodes[1 - axis][across]))
+    title = f"{source.title}, {'yx'[1 - axis]} = {at}"
     return xr.DataArray(
         values.take(across, 2 - axis),
         {"depth": near.depths, near.along: nodes[axis], "contact": (near.along, touching)},

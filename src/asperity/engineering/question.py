@@ -8,6 +8,7 @@ computes: a question that is not asked costs nothing.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -38,6 +39,11 @@ IN_PER_CENT = (
 )
 """Dimensionless numbers that are shown in per cent."""
 
+DIFFER_BETWEEN_PLACES = ("largest", "shakedown", "real contact", "share above", "volume above", "peaks")
+"""Beginnings of the names of numbers that another place of the surface changes."""
+
+NOT_KNOWN = "from place to place: not known"
+
 RESOLUTION_CHANGE = 0.1
 """Change on doubling the pixels from which a number is called limited by the grid."""
 
@@ -46,10 +52,15 @@ HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 
+_NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by|if) .*))?")
+"""A number with its unit, and what follows it."""
+
+
 class Row(NamedTuple):
     """One line of the answer: group, name, value in SI, its unit, and all numbers for a reader.
 
-    The estimate for vanishing pixels and its error are NaN where there is none.
+    The estimate for vanishing pixels and its error are NaN where there is none. ``error_of`` says what causes
+    the error, and ``error_of_places`` is half of the 95 % interval from place to place.
     """
 
     group: str
@@ -59,24 +70,55 @@ class Row(NamedTuple):
     shown: str
     estimate: float = float("nan")
     error: float = float("nan")
+    error_of: str = ""
+    error_of_places: float = float("nan")
 
     @property
     def with_error(self) -> str:
         """The estimate and its error as text; empty where there is none."""
-        if not self.error > 0:
-            return ""
-        larger = max(abs(self.estimate), self.error)
-        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(larger, self.unit)
+        return self._shown_with(self.estimate, self.error) if self.error > 0 else ""
+
+    @property
+    def value_and_place(self) -> tuple[str, str]:
+        """The number with its unit, and what follows it, such as the depth."""
+        number, place = _NUMBER.fullmatch(self.shown.partition("; ")[0]).groups(default="")  # type: ignore[union-attr]
+        return number, place
+
+    @property
+    def between_places(self) -> str:
+        """The error from place to place as text, from its ±; empty for numbers that do not depend on it."""
+        if not self.error_of_places > 0:
+            return NOT_KNOWN if self.name.startswith(DIFFER_BETWEEN_PLACES) else ""
+        shown = self._shown_with(self.value, self.error_of_places)
+        return f"{shown[shown.index('±') :]} from place to place"
+
+    def _shown_with(self, value: float, error: float) -> str:
+        """A number and its error in the unit of the row."""
+        factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(max(abs(value), error), self.unit)
         if self.name in IN_PER_CENT:
             factor, symbol = 0.01, "%"
-        return f"{with_error(self.estimate / factor, self.error / factor)} {symbol}".strip()
+        return f"{with_error(value / factor, error / factor)} {symbol}".strip()
 
     def by(self, error: float, source: str = "the pixels") -> Row:
         """The row with the error of its value, if that is known, and what it is the error of."""
         if not (math.isfinite(self.value) and error > 0):
             return self
-        row = self._replace(estimate=self.value, error=error)
+        row = self._replace(estimate=self.value, error=error, error_of=source)
         return row._replace(shown=f"{self.shown}; {row.with_error[row.with_error.index('±') :]} by {source}")
+
+    def of_inputs(self, relative: float) -> Row:
+        """The row with its relative error by the tolerances of the inputs, if there are any."""
+        if not relative > 0:
+            return self
+        shown = self._shown_with(self.value, relative * abs(self.value))
+        return self._replace(shown=f"{self.shown}; {shown[shown.index('±') :]} by the inputs")
+
+    def of_places(self, relative: float) -> Row:
+        """The row with its relative error from place to place, if that is known."""
+        if not relative > 0:
+            return self
+        row = self._replace(error_of_places=relative * self.value)
+        return row._replace(shown=f"{self.shown}; {row.between_places}")
 
 
 class Advice(NamedTuple):
@@ -123,6 +165,10 @@ class Picture(NamedTuple):
 class Question(Settings):
     """A group of settings of a case that asks a question. Every method does nothing by default."""
 
+    TILES: ClassVar[tuple[str, ...]] = ()
+    """Names of the rows that answer it, which stand at the top of the report."""
+    LEAD: ClassVar[str] = ""
+    """Name of the picture that stands beside them."""
     TEMPLATE: ClassVar[str] = ""
     """Template of its part of the report beside its module, which gets its result as `found`."""
 
@@ -168,6 +214,18 @@ class Question(Settings):
     def after_stress(self, answer: Answer, progress: Progress) -> Any:
         """Result that needs the whole answer."""
         return None
+
+    def other_cases(self, case: Case) -> dict[str, Case]:
+        """Cases whose answers it needs too, by names."""
+        return {}
+
+    def of_other_cases(self, answer: Answer, others: Mapping[str, Answer]) -> Any:
+        """Result that needs the whole answer and those of `other_cases`."""
+        return None
+
+    def verdict(self, answer: Answer) -> str:
+        """The answer to the question in one sentence."""
+        return ""
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Lines of the answer about the contact."""

@@ -23,6 +23,10 @@ from asperity.settings.load import UNITS
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
+SEPARATE_SHARE = 0.4
+"""Edge of a map over the smaller width of its Hertz contact up to which the pressure of the contact changes
+by less than a tenth over the map."""
+
 
 def run(
     map: Any, body: Any = None, counter_body: Any = None, *, progress: Progress | None = None, **groups: Any
@@ -94,7 +98,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         As for `run`.
     """
     rough = rough or read_face(case.map, case.counter_map)
-    case = case.with_maps(rough.options or case.map, rough.counter)
+    case = case.on_face(rough)
     if wrong := problems_on_map(case, rough):
         raise SettingsError("", wrong)
     asked, found = case, {}
@@ -120,6 +124,10 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         answer.neighbours = neighbours_of(face, case, contact)
     answer.plastic = plastic_contact(face, case, contact)
     answer.unfiltered = unfiltered_contact(case)
+    for name, question in asked.questions.items():
+        if others := question.other_cases(asked):
+            answers = {key: answer_of(other) for key, other in others.items()}
+            found[name] = question.of_other_cases(answer, answers)
     rows = (row for row in answer.rows if not row.shown.startswith(IN_FULL_CONTACT))
     require_finite("run", {f"{row.group}, {row.name}": row.value for row in rows})
     answer.advice = advise(answer)
@@ -163,15 +171,16 @@ def _outside_hertz(case: Case, face: TreatedMap) -> Any:
     if (contact := case.hertz_contact) is None:
         return
     widths = 2 * contact.half_width_y, 2 * contact.half_width_x
+    part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
     for axis, width, edge in zip("yx", widths, face.grid.length, strict=True):
         if width < edge:
             yield (
                 f"load.radius_{axis}",
                 (
                     f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; it"
-                    f" is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A"
-                    " form that the map resolves is pressed with map.radius, map.periodic = none and a force"
-                    " or pressure"
+                    f" is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. Use a"
+                    f' part of the map, map.crop = "{part}", or press the whole form with its force or'
+                    " pressure: map.radius and map.radius_y with map.periodic = none"
                 ),
             )
 

@@ -175,6 +175,9 @@ def pool_answers(answers: Sequence[Answer]) -> Sample:
         tuple(names),
         pd.concat([answer.frame().assign(map=name) for name, answer in named.items()], ignore_index=True),
         pd.concat([answer.peaks().assign(map=name) for name, answer in named.items()], ignore_index=True),
+        pd.concat(
+            [answer.advice_table().assign(map=name) for name, answer in named.items()], ignore_index=True
+        ),
     )
 
 
@@ -196,6 +199,24 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
             )
 
 
+def warnings_by_kind(advice: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Warnings of several maps, one line for each kind: number of maps, and the text of the first.
+
+    `advice` is the name of a map → the table of `Answer.advice_table`.
+    """
+    kinds: dict[str, dict[str, str]] = {}
+    for name, table_of_map in advice.items():
+        for level, subject, text in zip(
+            *(table_of_map[key] for key in ("level", "subject", "text")), strict=True
+        ):
+            if level == "warning":
+                kinds.setdefault(subject, {}).setdefault(name, text)
+    return [
+        f"{subject}: {len(found)} of {len(advice)} maps; {next(iter(found))}: {next(iter(found.values()))}"
+        for subject, found in kinds.items()
+    ]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Sample:
     """Numbers of several maps of one surface; ``print`` shows their means, `frame` returns them as a table.
@@ -210,12 +231,20 @@ class Sample:
         Numbers of all maps as of `Answer.frame`, with the name of the ``map``.
     peaks : DataFrame
         Peaks of all maps as of `Answer.peaks`, with the name of the ``map``.
+    advice : DataFrame
+        Warnings and notes of all maps as of `Answer.advice_table`, with the name of the ``map``.
     """
 
     case: str
     names: tuple[str, ...]
     numbers: pd.DataFrame
     peaks: pd.DataFrame
+    advice: pd.DataFrame
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of the maps by kind."""
+        return warnings_by_kind({name: self.advice[self.advice["map"] == name] for name in self.names})
 
     @cached_property
     def rows(self) -> list[SampleRow]:
@@ -367,7 +396,9 @@ class Sample:
             for row in rows:
                 mean, each = row.shown
                 lines.append(f"  {row.name:<{width}}  {mean:<24}  {'  '.join(each)}".rstrip())
-        return "\n".join([*lines, *(["", REPEATS] if len(shown) < len(self.rows) else [])])
+        lines += ["", REPEATS] if len(shown) < len(self.rows) else []
+        lines += [line for text in self.warnings for line in ("", f"warning: {text}")]
+        return "\n".join(lines)
 
     __str__ = text
 

@@ -7,26 +7,28 @@ import json
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import pandas as pd
 
-from asperity.core.markup import html_table, rendered
+from asperity.core.errors import DatasetError
+from asperity.core.markup import html_table, png, rendered
 from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
-from asperity.engineering.answer import REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.answer import REPEATS, Answer, case_in_words, tile_names, without_repeats
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import pool_text
+from asperity.engineering.case_file import CHECKSUMS, OUT, load_case, pool_text
+from asperity.engineering.difference import differences, group_of, verdict
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
-from asperity.engineering.output import HEADLINE
-from asperity.engineering.sample import ONE_MAP, Sample
+from asperity.engineering.sample import ONE_MAP, Sample, warnings_by_kind
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.results.workbook import write_workbook
 
-COMPARED_PICTURES = ("height", "pressure", "plane", "section", "peaks")
-"""Pictures that stand beside each other."""
+WIDEST = 100
+"""Most characters of a line on the terminal."""
 
 
 def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
@@ -41,32 +43,92 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     Returns
     -------
     str
-        The table as text.
+        Which map is better, and the table, as text.
     """
+    from asperity.engineering.pictures import compared_pictures
+
+    rows = {name: without_repeats(answer.rows) for name, answer in answers.items()}
     shown = {
-        name: {(row.group, row.name): row.shown for row in answer.rows} for name, answer in answers.items()
+        name: {(group_of(row), row.name): row.value_and_place[0] for row in each}
+        for name, each in rows.items()
     }
     keys = dict.fromkeys(key for column in shown.values() for key in column)
-    rows = [[*key, *(column.get(key, "") for column in shown.values())] for key in keys]
-    frame = pd.DataFrame(rows, columns=["", "number", *shown])
-    values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
-    uncertainties = {name: pd.Series(answer.uncertainties, dtype=str) for name, answer in answers.items()}
-    files = [f"{name}/{picture}.png" for picture in COMPARED_PICTURES for name in answers]
+    frame = pd.DataFrame([[*key, *(column.get(key, "") for column in shown.values())] for key in keys])
+    frame.columns = pd.Index(["", "number", *shown])
+    sentences = []
+    if len(rows) == 2:
+        found = differences(*rows.values())
+        tiles = tile_names(next(iter(answers.values())).case)
+        sentences = [text for text in [verdict(found, tuple(rows), tiles)] if text]  # type: ignore[arg-type]
+        changes = {(each.group, each.name): each.shown[2] for each in found if each.error > 0}
+        frame["difference"] = [changes.get(key, "") for key in keys]
+    advice = {name: answer.advice_table() for name, answer in answers.items()}
     page = rendered(
         "asperity.engineering",
         "comparison.html.j2",
         title=" and ".join(answers),
-        tables={
-            "Numbers": html_table(frame),
-            "Largest uncertainties": html_table(pd.DataFrame(uncertainties)),
-        },
-        pictures=[file for file in files if (folder / file).exists()],
+        sentences=sentences,
+        warnings=warnings_by_kind(advice),
+        tables={"Numbers": html_table(frame)},
+        pictures=[(each.caption, png(each.figure)) for each in compared_pictures(answers)],
         names=list(answers),
     )
+    values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
     with locked(folder), replacing(folder, kept=set()) as unfinished:
         write_table(values, "answer_comparison", unfinished / COMPARISON[0], float_format="%.8g")
         write_text(unfinished / COMPARISON[1], page)
-    return frame.to_string(index=False)
+    return "\n".join([*(fill(text, WIDEST) for text in sentences), "", *_lines(frame)])
+
+
+def compare_samples(folders: Sequence[Path]) -> str:
+    """Which of two samples is better, and the differences of their means, of folders of pooled answers.
+
+    Raises
+    ------
+    DatasetError
+        If a folder does not hold pooled answers.
+    """
+    samples, cases = [], []
+    for folder in folders:
+        if not (folder / ANSWERS).is_file():
+            raise DatasetError(f"{folder}: a folder of pooled answers is needed (--pooled)")
+        names = list(json.loads((folder / ANSWERS).read_text(encoding="utf-8")))
+        cases.append(Case.read(_case_of(folder / names[0])))
+        samples.append(read_sample(folder, names, cases[-1]))
+    first, second = (folder.name for folder in folders)
+    found = differences(*(without_repeats(sample.rows) for sample in samples))
+    width = max(len(each.name) for each in found) + 2
+    cells = [("", first, second, "difference"), *((each.name, *each.shown) for each in found)]
+    wide = [max(len(row[column]) for row in cells) + 2 for column in (1, 2)]
+    lines = [f"{name:<{width}}{own:<{wide[0]}}{other:<{wide[1]}}{more}" for name, own, other, more in cells]
+    sentence = verdict(found, (first, second), tile_names(cases[0]))
+    return "\n".join([*([fill(sentence, WIDEST), ""] if sentence else []), *lines])
+
+
+def _case_of(folder: Path) -> dict[str, Any]:
+    """The groups of the case file of an answer."""
+    content = load_case(folder / CASE_FILE)
+    return {name: group for name, group in content.items() if name not in (OUT, CHECKSUMS)}
+
+
+def _lines(frame: pd.DataFrame) -> list[str]:
+    """The table as lines of at most `WIDEST` characters: further maps stand below, with the names again."""
+    names, columns = list(frame["number"]), [*frame.columns[2:]]
+    width = max(map(len, names)) + 4
+    wide = {name: max(len(name), *(len(text) for text in frame[name])) + 2 for name in columns}
+    found: list[str] = []
+    while columns:
+        here = [columns.pop(0)]
+        while columns and width + sum(wide[name] for name in [*here, columns[0]]) <= WIDEST:
+            here.append(columns.pop(0))
+        found.append(" " * width + "".join(f"{name:<{wide[name]}}" for name in here))
+        for group, part in frame.groupby("", sort=False):
+            found.append(str(group))
+            for row in part.to_dict("records"):
+                cells = "".join(f"{row[name]:<{wide[name]}}" for name in here)
+                found.append(f"  {row['number']:<{width - 2}}{cells}".rstrip()[:WIDEST])
+        found.append("")
+    return [line.rstrip() for line in found[:-1]]
 
 
 POOLED_PICTURES = ("height", "pressure", "plane", "plane_lower", "cycles", "cycles_lower")
@@ -85,10 +147,10 @@ def read_sample(folder: Path, names: Sequence[str], case: Case | None = None) ->
             [pd.read_csv(folder / name / f"{table}.csv").assign(map=name) for name in names],
             ignore_index=True,
         )
-        for table in ("answer", "peaks")
+        for table in ("answer", "peaks", "advice")
     }
     words = "" if case is None else case_in_words(case)
-    return Sample(words, tuple(names), tables["answer"], tables["peaks"])
+    return Sample(words, tuple(names), *tables.values())
 
 
 def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]]) -> str:
@@ -126,7 +188,7 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
         "sample.html.j2",
         title=f"{', '.join(sample.names)}: contact and stress",
         sample=sample,
-        headline=[(row.name, row.shown[0]) for row in rows if row.name in HEADLINE],
+        headline=[(row.name, row.shown[0]) for row in rows if row.name in tile_names(cases[0][0])],
         groups=groupby(rows, key=lambda row: row.group),
         predicted=predicted,
         one_map=ONE_MAP,

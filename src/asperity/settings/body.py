@@ -1,15 +1,24 @@
 """Settings of an elastic body: its material, and what covers it."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal
+from itertools import pairwise
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, PrivateAttr, model_validator
+from pydantic import (
+    ConfigDict,
+    PlainSerializer,
+    PlainValidator,
+    PrivateAttr,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 
 from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
 from asperity.settings.materials import material
-from asperity.settings.model import Number, Settings, setting
-from asperity.settings.quantities import Hardness, Length, Pressure, Stress
+from asperity.settings.model import Number, Settings, described, setting
+from asperity.settings.quantities import STRESS, Hardness, Length, Position, Pressure, Stress
 
 
 def _filled_by_material(schema: dict[str, Any]) -> None:
@@ -75,6 +84,9 @@ class Coating(OfMaterial):
 
     thickness: Length = setting(..., example="2 um")
     """Thickness of the coating."""
+    residual_stress: Stress | None = setting(None, default_text="none", example="-2 GPa")
+    """Equal normal stresses along x and y in the coating of the unloaded body, compression negative. They are
+    added to the stress in the coating."""
 
 
 class Layer(Settings):
@@ -84,6 +96,42 @@ class Layer(Settings):
     """Height of the layer."""
     bottom: Literal["bonded", "frictionless"] = setting("bonded")
     """Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."""
+
+
+class ResidualStress(Settings):
+    """A table of equal normal stresses along x and y over depth."""
+
+    depth: tuple[Position, ...] = setting(..., example=["0 um", "50 um", "300 um"])
+    """Depths, rising from 0."""
+    stress: tuple[Stress, ...] = setting(..., example=["-600 MPa", "-400 MPa", "0 MPa"])
+    """Stress at each depth, compression negative."""
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        """Lists that do not belong together."""
+        rises = all(first < second for first, second in pairwise(self.depth))
+        if len(self.depth) < 2 or len(self.depth) != len(self.stress) or not rises or self.depth[0] < 0:
+            yield "depth", ": two or more rising depths ≥ 0 are needed, as many as stresses"
+
+
+def _residual(value: Any, info: ValidationInfo) -> float | ResidualStress:
+    """A stress, or a table of it."""
+    if isinstance(value, Mapping):
+        return ResidualStress.model_validate(value, context=info.context)
+    return value if isinstance(value, ResidualStress) else STRESS(value, info)
+
+
+Residual = Annotated[
+    float | ResidualStress,
+    PlainValidator(_residual),
+    PlainSerializer(lambda value: value.written() if isinstance(value, Settings) else STRESS.written(value)),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
+            "accepts": f"{STRESS.needed()}, or a group of two lists, depth and stress",
+        }
+    ),
+]
+"""A stress in Pa, or a table of it over depth."""
 
 
 class Body(OfMaterial):
@@ -132,9 +180,10 @@ class Body(OfMaterial):
         example="480 MPa",
     )
     """Fatigue limit in fully reversed bending."""
-    residual_stress: Stress | None = setting(None, default_text="none", example="-400 MPa")
+    residual_stress: Residual | None = setting(None, default_text="none", example="-400 MPa")
     """Equal normal stresses along x and y in the unloaded body, compression negative. They are added to
-    the mean stress in the criterion of Dang Van."""
+    the mean stress in the criterion of Dang Van. A group of two lists, `depth` and `stress`, is a table over
+    depth, linear between its rows and constant beyond them."""
     coating: Coating | None = setting(None, default_text="no coating")
     """Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are
     those below the coating."""

@@ -1,7 +1,7 @@
 """Settings of a height map: what its file does not state, and how it is treated."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, model_validator
@@ -142,7 +142,11 @@ class MapOptions(FileOptions):
     points: Whole | None = setting(None, default_text="those of the map", ge=2, le=MOST_POINTS)
     """Nodes on the longer edge of the map, by Fourier interpolation."""
     radius: LengthOrNumber | None = setting(None, default_text="the map alone", example="5 mm")
-    """Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map."""
+    """Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map; with
+    `radius_y` that along x."""
+    radius_y: LengthOrNumber | None = setting(None, default_text="that along x", example="120 mm")
+    """Radius along y of a form that has two, such as a ball in the groove of a ring: both are the combined
+    radii of the bodies."""
     form: Literal["sphere", "cylinder"] = setting("sphere")
     """Form to which the radius belongs."""
     cylinder_axis: Literal["y", "x"] = setting("y")
@@ -154,6 +158,20 @@ class Map(MapOptions):
 
     file: Source = setting(..., example="steel.x3p")
     """Height map of an instrument, peaks upward."""
+    crop: LengthOrNumber | None = setting(None, default_text="the whole map", example="150 um")
+    """Edge of the square part of the map that is used; an edge of the map that is shorter is kept whole."""
+    crop_at: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
+        None,
+        default_text="the middle of the map",
+        accepts="two lengths > 0 (y, x) with their units such as 80 um, or numbers > 0",
+        example=["80 um", "120 um"],
+    )
+    """Position (y, x) of the middle of the part that is used, from the first point of the map."""
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        """A place without a part."""
+        if self.crop_at is not None and self.crop is None:
+            yield "crop_at", ": needs crop"
 
     @model_validator(mode="before")
     @classmethod

@@ -65,14 +65,15 @@ class Quantity:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         """A check by this object; written as text with the unit."""
-        written = core_schema.plain_serializer_function_ser_schema(self._written, when_used="json")
+        written = core_schema.plain_serializer_function_ser_schema(self.written, when_used="json")
         return core_schema.with_info_plain_validator_function(self, serialization=written)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         """Description of the quantity as text."""
         return {"type": "string", "format": self.dimension, "accepts": self.needed()}
 
-    def _written(self, value: float) -> Any:
+    def written(self, value: float) -> Any:
+        """The value as text with its unit."""
         from asperity.core.units import DIMENSIONS, shown_si
 
         return "inf" if math.isinf(value) else shown_si(value, DIMENSIONS[self.dimension].unit, 15)
@@ -120,7 +121,8 @@ Area = Annotated[float, Quantity("area")]
 Volume = Annotated[float, Quantity("volume")]
 Pressure = Annotated[float, Quantity("pressure")]
 Hardness = Annotated[float, Quantity("pressure", infinite=True)]
-Stress = Annotated[float, Quantity("pressure", positive=False)]
+STRESS = Quantity("pressure", positive=False)
+Stress = Annotated[float, STRESS]
 Force = Annotated[float, Quantity("force")]
 LengthOrNumber = Annotated[Number, Field(gt=0), Written("length", "512 um")]
 """A length with its unit, or a number whose unit the setting states; both stay as they are written."""

@@ -15,8 +15,12 @@ def add_sphere(
     length: Grid | float | tuple[float, float],
     radius: float,
     centre: tuple[float, float] | None = None,
+    *,
+    radius_y: float | None = None,
 ) -> Array:
     """Height of a rough sphere: the paraboloid r²/(2R) is added to the lower face of the indenter.
+
+    With `radius_y` it is the elliptic paraboloid x²/(2R) + y²/(2R_y).
 
     As in Hertz's theory the sphere is approximated by a paraboloid. The sphere itself is higher by about
     r⁴/(8R³): by 0.25 % of r²/(2R) at a distance of a tenth of the radius from its lowest point.
@@ -33,6 +37,8 @@ def add_sphere(
     centre : (y, x), optional
         Position of the lowest point, measured from the first node. By default the middle between the first
         and the last node, on both axes.
+    radius_y : float, optional
+        Radius of curvature along y, if it differs from that along x.
 
     Returns
     -------
@@ -52,7 +58,8 @@ def add_sphere(
            [20., 10., 20.]])
     """
     y, x = _from_centre(height, length, centre)
-    return _added("add_sphere", height, y[:, None] ** 2 + x**2, radius)
+    ratio = 1.0 if radius_y is None else magnitude("radius", radius) / magnitude("radius_y", radius_y)
+    return _added("add_sphere", height, ratio * y[:, None] ** 2 + x**2, radius)
 
 
 def add_cylinder(

@@ -260,6 +260,10 @@ def core_roughness(height: Array) -> CoreRoughness:
     return CoreRoughness(-float(slope), *reduced)
 
 
+STRONG_LAY = 0.3
+"""Texture aspect ratio below which a lay is strong (ISO 25178-2)."""
+
+
 def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, float]:
     """Autocorrelation length Sal, texture aspect ratio Str and direction of the lay of ISO 25178-2.
 
@@ -283,7 +287,30 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
         slope is smallest, after a Gaussian filter that leaves out noise much shorter than `shortest`. The
         direction of the longest length differs from it where the edges of the map cut the autocorrelation.
     """
-    from scipy.ndimage import gaussian_filter, map_coordinates
+    from scipy.ndimage import gaussian_filter
+
+    (ny, nx), (_, ends) = height.shape, correlated_lengths(height, spacing)
+    centred, shortest = height - height.mean(), float(ends.min())
+    if np.isnan(shortest):
+        return np.nan, np.nan, np.nan
+    width = max(LAY_FILTER * shortest, LEAST_FILTER * max(spacing))
+    blur = [min(width / step, n / 4) for step, n in zip(spacing, height.shape, strict=True)]
+    # The filter continues the map beyond its edges.
+    cut = [min(int(2 * pixels), (n - 1) // 2) for pixels, n in zip(blur, height.shape, strict=True)]
+    inside = slice(cut[0], ny - cut[0]), slice(cut[1], nx - cut[1])
+    slope_y = gaussian_filter(centred, blur, (1, 0))[inside] / spacing[0]
+    slope_x = gaussian_filter(centred, blur, (0, 1))[inside] / spacing[1]
+    steepest = np.arctan2(2 * np.sum(slope_y * slope_x), np.sum(slope_x**2) - np.sum(slope_y**2)) / 2
+    return shortest, shortest / float(ends.max()), float(np.degrees(steepest) + 90) % 180
+
+
+def correlated_lengths(height: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:
+    """Directions in radians from x towards y, and the lengths along them over which heights are correlated.
+
+    Over these the autocorrelation falls to `CORRELATED`; it is known up to half of each edge. NaN for a flat
+    surface.
+    """
+    from scipy.ndimage import map_coordinates
 
     ny, nx = height.shape
     centred = height - height.mean()
@@ -293,9 +320,9 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     rows, columns = np.arange(ny // 2 + 1), np.arange(-(nx // 2), nx // 2 + 1)
     shared = (ny - rows)[:, None] * (nx - np.abs(columns))
     correlation = product[rows[:, None], columns] / shared
-    if not correlation[0, nx // 2] > 0:
-        return np.nan, np.nan, np.nan
     angle = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    if not correlation[0, nx // 2] > 0:
+        return angle, np.full(DIRECTIONS, np.nan)
     farthest = np.hypot(rows[-1] * spacing[0], columns[-1] * spacing[1])
     step = max(min(spacing) / 2, farthest / (MOST_STEPS * max(ny, nx)))
     # The last radii lie beyond the map, where the autocorrelation ends for every direction.
@@ -306,17 +333,7 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     along = map_coordinates(correlation, [y, x + nx // 2], order=1, cval=-1.0) / correlation[0, nx // 2]
     after = np.argmax(along < CORRELATED, axis=1)
     above, below = (along[np.arange(DIRECTIONS), after - step] for step in (1, 0))
-    ends = (after - (CORRELATED - below) / (above - below)) * step
-    shortest = float(ends.min())
-    width = max(LAY_FILTER * shortest, LEAST_FILTER * max(spacing))
-    blur = [min(width / step, n / 4) for step, n in zip(spacing, height.shape, strict=True)]
-    # The filter continues the map beyond its edges.
-    cut = [min(int(2 * pixels), (n - 1) // 2) for pixels, n in zip(blur, height.shape, strict=True)]
-    inside = slice(cut[0], ny - cut[0]), slice(cut[1], nx - cut[1])
-    slope_y = gaussian_filter(centred, blur, (1, 0))[inside] / spacing[0]
-    slope_x = gaussian_filter(centred, blur, (0, 1))[inside] / spacing[1]
-    steepest = np.arctan2(2 * np.sum(slope_y * slope_x), np.sum(slope_x**2) - np.sum(slope_y**2)) / 2
-    return shortest, shortest / float(ends.max()), float(np.degrees(steepest) + 90) % 180
+    return angle, (after - (CORRELATED - below) / (above - below)) * step
 
 
 def finest_tip(height: Array, spacing: tuple[float, float]) -> float:

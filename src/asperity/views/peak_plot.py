@@ -40,7 +40,7 @@ def plot_peaks(
     poisson: float | None = None,
     *,
     axes: Axes | Sequence[Axes] | None = None,
-    yield_stress: float | None = None,
+    yield_stress: float | tuple[Array, Array] | None = None,
 ) -> Figure:
     """Magnitude and depth of the stress peaks, each a point; those under a contact in another colour.
 
@@ -57,8 +57,8 @@ def plot_peaks(
         One of the analysed Poisson's ratios, by default that of the contact.
     axes : Axes or sequence of Axes, optional
         Where to draw, one for each result; by default in a new figure.
-    yield_stress : float, optional
-        It is marked, and the depth down to which it is reached is shown.
+    yield_stress : float or (depths, stresses), optional
+        It is marked, and the depth down to which it is reached is shown; under a coating it depends on depth.
 
     Returns
     -------
@@ -97,7 +97,8 @@ def plot_peaks(
     deepest = robust_limits(large if any(depth.any() for depth in large) else depths, 0.0).high
     for _, profile in found:
         if yield_stress is not None and profile is not None:
-            deepest = profile[0][profile[1] > yield_stress].max(initial=deepest)
+            limit = np.interp(profile[0], *yield_stress) if isinstance(yield_stress, tuple) else yield_stress
+            deepest = profile[0][profile[1] > limit].max(initial=deepest)
     unit = measure(limits.high, "stress", system)
     length = measure(deepest, "length", system)
     in_surface = not any(depth.any() for depth in depths)
@@ -110,8 +111,11 @@ def plot_peaks(
                 axis.set(xlim=(0, high), ylabel="number of peaks")
                 axis.locator_params(axis="y", integer=True)
             else:
-                if yield_stress is not None:
-                    axis.axvline(yield_stress / unit.factor, color="C6", lw=0.8, label="yield stress")
+                line: dict[str, Any] = {"color": "C3", "lw": 0.8, "label": "yield stress"}
+                if isinstance(yield_stress, tuple):
+                    axis.plot(yield_stress[1] / unit.factor, yield_stress[0] / length.factor, **line)
+                elif yield_stress is not None:
+                    axis.axvline(yield_stress / unit.factor, **line)
                 _draw_points(axis, data, profile, (limits.high, deepest), unit, length)
             axis.locator_params(axis="x", nbins=TICKS)
             axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))

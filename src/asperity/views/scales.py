@@ -97,10 +97,11 @@ QUANTILE_MARGIN = 0.25
 values lie 4.6 standard deviations from the mean; of 512² independent values one is expected beyond them."""
 
 SEQUENTIAL = "viridis"
-"""Colours from dark (small) to light (large); perceptually uniform, for any colour vision."""
+"""Colours from dark (small) to light (large), as those of stresses; perceptually uniform, for any colour
+vision."""
 
-ON_WHITE = "viridis_r"
-"""Colours from light (small) to dark (large), where white means no value."""
+FALLING = "viridis_r"
+"""Colours from light (small) to dark (large), of heights of a lower face, whose lowest points are peaks."""
 
 STRESS = "inferno"
 """Colours of stresses that have one sign."""

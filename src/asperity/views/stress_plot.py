@@ -249,11 +249,11 @@ def draw_sections(
     look: Look,
     system: str | None,
     axes: Axes | Sequence[Axes] | None,
-    level: float | None = None,
 ) -> Figure:
     """Draw stresses (depth, along) below each other in common colours; their names are the titles.
 
-    The coordinate ``contact`` says where the surface above touches; `level` is the value of a contour.
+    The coordinate ``contact`` says where the surface above touches; a contour is drawn where the stress
+    reaches the coordinate ``limit`` (depth), if there is one.
     """
     limits = look.limits(section.values for section in sections)
     unit = measure([limits.low, limits.high], "stress", system)
@@ -263,7 +263,7 @@ def draw_sections(
         float(np.ptp(section["depth"].values) / np.ptp(nodes))
         for section, nodes in zip(sections, positions, strict=True)
     ]
-    scale = Scale(look, limits, unit, length, level)
+    scale = Scale(look, limits, unit, length)
     with canvas(shapes, axes, columns=1, bar="bottom") as (figure, panels, bar):
         for axis, section in zip(panels, sections, strict=True):
             _draw(axis, section, scale)
@@ -346,14 +346,17 @@ def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
     at_face = np.diff(section["depth"].values) <= np.spacing(section["depth"].values[:-1])
     for face in depth[:-1][at_face]:
         axis.axhline(face, color="0.6", lw=0.6)  # the interface under a coating
-    draw_contour(axis, values, scale.level, CONTOUR_COLOUR, 0.8, position, depth)
+    if "limit" in section.coords:
+        over = values / section["limit"].values[:, None]
+        ends = np.append(np.flatnonzero(at_face), depth.size - 1)
+        for first, last in zip([0, *(ends[:-1] + 1)], ends + 1, strict=True):  # coating and base
+            draw_contour(axis, over[first:last], 1.0, CONTOUR_COLOUR, 0.8, position, depth[first:last])
     # The contacts are bars on the upper edge, as thick as two spines.
     touching = np.flatnonzero(np.maximum.reduceat(section["contact"].values, starts))
     ends = np.append(position, 2 * position[-1] - position[-2])
     half = (ends[touching + 1] - ends[touching]) / 2
-    axis.hlines(
-        0 * half, position[touching] - half, position[touching] + half, "k", lw=3, clip_on=False, zorder=5
-    )
+    first, last = (np.clip(position[touching] + side * half, *position[[0, -1]]) for side in (-1, 1))
+    axis.hlines(0 * half, first, last, "k", lw=3, clip_on=False, zorder=5, capstyle="butt")
     axis.set(
         xlim=(position[0], position[-1]),
         ylim=(depth[-1], 0),

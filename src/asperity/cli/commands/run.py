@@ -37,6 +37,11 @@ class Job(NamedTuple):
 def run(options: argparse.Namespace) -> None:
     """Compute the answers, print them, and write results, pictures and reports; compare or pool several."""
     _check_names(options)
+    if len(options.map) == 2 and all(os.path.isdir(path) for path in options.map):
+        from asperity.engineering.several_answers import compare_samples
+
+        print(compare_samples([Path(path) for path in options.map]))
+        return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     from asperity.engineering.case_file import MAP_FILES, SUFFIXES, at, load_case, names_of_maps
 
@@ -59,6 +64,10 @@ def run(options: argparse.Namespace) -> None:
             path = options.map[0] if listed else options.map[number]
             counter = counters[number % len(counters)]
             jobs[name] = _job(options, path, counter, None if folder is None else folder / name, number)
+    if options.pooled and jobs and all(job.case is not None for job in jobs.values()):
+        first, *_ = jobs.values()  # all slide along the lay of the first map
+        sliding = first.case.sliding
+        jobs = {name: job._replace(case=job.case.replaced(sliding=sliding)) for name, job in jobs.items()}
     problems = [problem for job in jobs.values() for problem in job.problems]
     problems += _problems_of_several(options, folder, names, jobs)
     if options.save:
@@ -280,7 +289,7 @@ def _job(
             counter_map = None if case is None else case.counter_map
             rough = read_face(surface, counter_map, shared=folder is not None)
             if case is not None:
-                case = case.with_maps(rough.options or case.map, rough.counter)
+                case = case.on_face(rough)
                 problems += map(named, problems_on_map(case, rough))
         except SettingsError as error:
             problems += map(named, error.found)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Picture, Question, Row, per_cent
+from asperity.settings.body import ResidualStress
 from asperity.settings.model import Number, Whole, setting
 from asperity.settings.quantities import Volume
 
@@ -54,6 +55,12 @@ class Cycles(Question):
 
     Without shifts a body with fatigue limits is taken as smooth, under a rough one that slides along x or y.
     """
+
+    TILES = (
+        *("largest Dang Van stress over limit", "shakedown factor, at least"),
+        *("probability of no crack on the map",),
+    )
+    LEAD = "cycles"
 
     shifts: Whole | None = setting(
         None,
@@ -163,6 +170,32 @@ class Cycles(Question):
             found[body] = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
         elif body in found:
             found[body] = found[body].dataset()
+
+    def verdict(self, answer: Answer) -> str:
+        """Fatigue and shakedown of the body with the worst cycles."""
+        worst = {
+            name: [cycles.attrs[f"worst_{name}"][0] for cycles in answer.of(self).values() if name in cycles]
+            for name in WORDS
+        }
+        found = []
+        if worst["dang_van"]:
+            ratio = max(worst["dang_van"])
+            found.append(
+                f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+                if ratio > 1
+                else f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
+            )
+        if worst["shakedown_lower"] and worst["shakedown_upper"]:
+            low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
+            between = f"{low:.2g} to {high:.2g} times the load"
+            if low >= 1:
+                shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
+            elif high < 1:
+                shakes = f"plastic strain returns in each pass; it would end below {between}"
+            else:
+                shakes = f"whether plastic strain ends is not decided; it ends below {between}"
+            found.append(shakes)
+        return "; ".join(found)
 
     def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
         """The worst cycles, volumes above shares of the limit, and the probability that no crack starts."""
@@ -300,15 +333,18 @@ class Cycles(Question):
         axis, source = axis_of(cycles), source_of(answer)
         rows = slice(0, source.grid.shape["yx".index(axis)])
         section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
-        touching = (source.field("pressure") > 0).any(axis="xy".index(axis))
-        section = section.isel({axis: rows}).assign_coords(contact=(axis, touching)).rename(source.title)
+        # Every row meets a contact somewhere: bars of the contact would say nothing.
+        section = section.isel({axis: rows}).rename(source.title)
+        touching = np.zeros(section.sizes[axis], dtype=bool)
+        over_depth = np.full(section.sizes["depth"], limit)
+        section = section.assign_coords(contact=(axis, touching), limit=("depth", over_depth))
         # Cycles in a Hertz contact go deeper than the picture, which ends at half of the edge of the map.
         section = section.sel(depth=slice(0, max(answer.face.grid.length) / 2))
         look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
         faded = min(FADED * float(section.max()), limit)
-        figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None, limit)
+        figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None)
         caption = (
-            f"Largest Dang Van stress of each row across {axis}; bars are rows with contact, the line is the "
+            f"Largest Dang Van stress of each row across {axis}; the line is the "
             f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {_title(answer.case, body)}."
         )
         yield Picture(f"cycles{answer.suffix_of(body)}", caption, figure, body)
@@ -317,7 +353,10 @@ class Cycles(Question):
 def _limits(body: Body) -> dict[str, Any]:
     """Limits and residual stress of a body, as `asperity.stress.stress_cycles` takes them."""
     names = ("fatigue_torsion", "fatigue_bending", "yield_stress")
-    return {name: getattr(body, name) for name in names} | {"residual_stress": body.residual_stress or 0.0}
+    residual: Any = body.residual_stress or 0.0
+    if isinstance(residual, ResidualStress):
+        residual = residual.depth, residual.stress
+    return {name: getattr(body, name) for name in names} | {"residual_stress": residual}
 
 
 def _problems_of_limits(bodies: Mapping[str, Body]) -> Iterator[tuple[str, str]]:

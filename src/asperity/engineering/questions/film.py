@@ -117,6 +117,10 @@ class Film(Question):
         )
         return replace(loaded, background=lambda depth: film if smooth is None else smooth(depth) + film)
 
+    def verdict(self, answer: Answer) -> str:
+        """Share of the load on the asperities."""
+        return f"the film carries {per_cent(self.share)} of the load, and the asperities the rest"
+
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Share of the film, and the pressures of film and asperities."""
         share, carried = self.share, answer.contact.mean_pressure

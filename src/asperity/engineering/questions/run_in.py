@@ -97,6 +97,11 @@ class RunIn(Question):
         elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
         return case.replaced(**elastic), rough._replace(face=face), RunInResult(first, depths)
 
+    def verdict(self, answer: Answer) -> str:
+        """How far the first load flattens the map."""
+        depth = answer.of(self).depths[0]
+        return f"the first load flattens peaks by up to {shown_si(depth, 'm', 3)}" if depth else ""
+
     def rows(self, answer: Answer) -> Iterator[Row]:
         """The contact before, how far the map was flattened, and what another load would do."""
         found: RunInResult = answer.of(self)

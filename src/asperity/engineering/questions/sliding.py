@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import PlainValidator, WithJsonSchema
+from pydantic import PlainValidator, PrivateAttr, WithJsonSchema
 
 from asperity.engineering.question import Advice, Question
 from asperity.settings.model import NeededError, Number, setting
@@ -15,6 +15,7 @@ from asperity.settings.model import NeededError, Number, setting
 if TYPE_CHECKING:
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
+    from asperity.surface.treatment.treatment import TreatedMap
 
 NEGLECTED_COUPLING = 0.1
 """Relative change of a displacement by friction that is worth a warning."""
@@ -50,9 +51,26 @@ class Sliding(Question):
     friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
     """Coefficient of friction in full sliding. It enters the stress; the pressure is computed without
     friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
-    direction: Direction = setting("x")
+    direction: Direction | None = setting(
+        None, default_text="with friction the axis nearest to the lay of the map; x without a lay"
+    )
     """Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards
     y. The traction on the body has this direction."""
+    _chosen: str = PrivateAttr("")
+
+    def along_lay(self, face: TreatedMap) -> Sliding:
+        """The same friction in the given direction, else along the axis nearest to the lay of a map."""
+        from asperity.surface.roughness import STRONG_LAY, texture
+
+        if self.direction is not None or not self.friction:
+            return self
+        _, ratio, lay = texture(face.height, face.grid.spacing)
+        has_lay = ratio < STRONG_LAY
+        found = self.replaced(direction="y" if has_lay and 45 < lay < 135 else "x")
+        found._chosen = (
+            f"the lay of the map is at {lay:.0f}° from x" if has_lay else "the map has no strong lay"
+        )
+        return found
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
@@ -67,9 +85,13 @@ class Sliding(Question):
                 )
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
-        """Change of the displacement by friction, which the contact neglects."""
+        """Direction that was not given; change of the displacement by the neglected friction."""
         if not self.friction:
             return
+        if self._chosen:
+            along = f"sliding.direction is not given: the faces slide along {self.direction}"
+            text = f"{along}, as {self._chosen}. The stress depends on the direction."
+            yield Advice(False, "direction of sliding", text)
         import numpy as np
 
         from asperity.core.units import shown_si

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row
+from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row, per_cent
 
 if TYPE_CHECKING:
-    from asperity.core.types import Progress
+    from asperity.core.types import Array, Progress
     from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
+    from asperity.engineering.places import Blocks
     from asperity.stress.planes.stream import LinearPlane
 
 
@@ -32,16 +33,38 @@ class Yielded:
         Depths between which there are such points.
     fraction : float
         That volume over the volume from the surface to the last of these depths.
+    of_places : float
+        Relative error of the volume from place to place; NaN where it is not known.
     """
 
     volume: float
     error: float
     depths: tuple[float, float] | None
     fraction: float
+    of_places: float
+
+
+class _OfBlocks:
+    """Mean depth above a limit in each block of the map, by trapezoids between planes."""
+
+    def __init__(self, limit: float, blocks: Blocks) -> None:
+        self._limit, self._blocks = limit, blocks
+        self._last: tuple[float, Array] | None = None
+        self.means = np.zeros(blocks.shape)
+
+    def add(self, depth: float, values: Array) -> None:
+        """Add the next plane downward, its values on the map."""
+        share = self._blocks.means(values > self._limit)
+        if self._last is not None:
+            self.means += (depth - self._last[0]) * (share + self._last[1]) / 2
+        self._last = depth, share
 
 
 class Yielding(Question):
     """Volume above the yield stress of the bodies; below its coating of a coated body."""
+
+    TILES = ("largest von Mises stress", "volume above yield per area", "share above yield")
+    LEAD = "section"
 
     @classmethod
     def is_implied(cls, case: Case) -> bool:
@@ -65,11 +88,17 @@ class Yielding(Question):
         if limit is None:
             return None
         exceedance = Exceedance(limit, answer.face.boundary == "periodic")
-        answer.of(self)[body] = exceedance
+        of_blocks = None
+        if answer.blocks is not None:
+            of_blocks = _OfBlocks(limit, answer.blocks)
+        answer.of(self)[body] = exceedance, of_blocks
 
         def add(plane: LinearPlane) -> None:
             if plane.depth > below:
-                exceedance.add(plane.depth, plane.grid, plane.field("von_mises", loaded.layer.poisson))
+                values = plane.field("von_mises", loaded.layer.poisson)
+                exceedance.add(plane.depth, plane.grid, values)
+                if of_blocks is not None:
+                    of_blocks.add(plane.depth, values[answer.face.part_of(plane.grid)])
 
         return add
 
@@ -81,13 +110,40 @@ class Yielding(Question):
         limit, part, area = answer.case.bodies[body].yield_stress, answer.bodies[body], answer.face.grid.area
         if limit is None:
             return
-        found = answer.of(self)[body]
+        found, of_blocks = answer.of(self)[body]
         top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
         found.finish(largest_von_mises_between(part.stress, top, np.inf).value)
         count = int((select_peaks(part.stress, "von_mises")["peak_value"] > limit).sum())
         error = found.error(part.limits, count) * area
         fraction = found.volume / found.depths[1] if found.depths else 0.0
-        answer.of(self)[body] = Yielded(found.volume * area, error, found.depths, fraction)
+        of_places = np.nan
+        if answer.blocks is not None and of_blocks is not None and found.volume:
+            of_places = answer.blocks.error(of_blocks.means)
+        answer.of(self)[body] = Yielded(found.volume * area, error, found.depths, fraction, of_places)
+
+    def verdict(self, answer: Answer) -> str:
+        """What yields, of the materials of each body."""
+        found, bodies, several = [], list(answer.case.bodies.values()), len(answer.case.different_bodies) > 1
+        alike = bodies[0].is_like(bodies[-1])
+        for name in [*answer.case.different_bodies][: 1 if alike else None]:
+            yielded: Yielded | None = answer.of(self).get(name)
+            for material, part in answer.bodies[name].materials.items():
+                limit = part.body.yield_stress
+                if limit is None:
+                    continue
+                what = f"the {material}" if material else "the material"
+                what += f" of the {name} body" if several and not alike else ""
+                ratio = (
+                    f"{part.largest_von_mises / limit:.3g} times its yield stress, {shown_si(limit, 'Pa', 3)}"
+                )
+                if part.largest_von_mises <= limit:
+                    found.append(f"{what} stays elastic, with at most {ratio}")
+                elif material == "coating" or yielded is None or yielded.depths is None:
+                    found.append(f"{what} yields, with up to {ratio}")
+                else:
+                    share, last = per_cent(yielded.fraction), shown_si(yielded.depths[1], "m", 3)
+                    found.append(f"{what} yields: {share} of it down to {last}, with up to {ratio}")
+        return "; ".join(found)
 
     def attributes(self, answer: Answer, body: str) -> Mapping[str, Any]:
         """Yield stress, and the volume above it."""
@@ -126,9 +182,10 @@ class Yielding(Question):
             share = f"{100 * found.fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
             between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
             yield row("volume above yield", found.volume, "m^3", shown_si(found.volume, "m^3", 3))
-            yield per_area
+            yield per_area.of_places(found.of_places)
             error = found.error / (map_area * last)
-            yield row("share above yield", found.fraction, "1", share).by(error, source)
+            fraction = row("share above yield", found.fraction, "1", share).by(error, source)
+            yield fraction.of_places(found.of_places)
             yield row("deepest point above yield", last, "m", between)
         peaks = answer.peaks().query("body == @body and quantity == 'von_mises'")
         below = peaks["depth_m"] > (part.layer.interface or -1.0)
@@ -167,7 +224,4 @@ class Yielding(Question):
                     )
                 else:
                     text += depths
-                short = (
-                    f"elastic limit: the largest stress{of} is {stress / limit:.3g} times the yield stress"
-                )
-                yield Advice(True, "stress beyond yield", f"{text}.", short, stress / limit - 1)
+                yield Advice(True, "stress beyond yield", f"{text}.")

@@ -20,13 +20,16 @@ with the centre free along xx alone, and an upper bound with an unrestricted cen
 not change along y, exactly ρ_xx, ρ_yy and ρ_xy are free: the factor with these is exact.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from asperity.core.arguments import magnitude, number, require_finite
+from asperity.core.arguments import finite_array, magnitude, number, require_finite
 from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
@@ -90,14 +93,23 @@ class Criteria:
     fatigue_torsion: float | None = None
     fatigue_bending: float | None = None
     yield_stress: float | None = None
-    residual_stress: float = 0.0
+    residual_stress: float | tuple[Sequence[float], Sequence[float]] = 0.0
 
     def __post_init__(self) -> None:
         if self.has_fatigue:
             hydrostatic_factor(self.fatigue_torsion, self.fatigue_bending)
         if self.yield_stress is not None:
             magnitude("yield_stress", self.yield_stress)
-        number("residual_stress", self.residual_stress, "a finite number", lambda value: True)
+        if isinstance(self.residual_stress, tuple):
+            finite_array("residual_stress", np.array(self.residual_stress, dtype=float))
+        else:
+            number("residual_stress", self.residual_stress, "a finite number", lambda value: True)
+
+    def at(self, depth: float) -> Criteria:
+        """The limits with the residual stress at a depth; beyond its table it is that of the table's end."""
+        if not isinstance(self.residual_stress, tuple):
+            return self
+        return replace(self, residual_stress=float(np.interp(depth, *self.residual_stress)))
 
     @property
     def has_fatigue(self) -> bool:
@@ -123,6 +135,7 @@ class Criteria:
 
     def over_limit(self, dang_van: Array) -> Array:
         """Dang Van stress including the residual stress, over the limit in torsion."""
+        assert not isinstance(self.residual_stress, tuple)
         return (dang_van + self.alpha * 2 / 3 * self.residual_stress) / (self.fatigue_torsion or 1.0)
 
     def above(self, dang_van: Array) -> Array:
@@ -194,16 +207,16 @@ class CycleMaps:
         first : float
             Distance of the first row from the edge of the plane, in rows.
         """
-        rows, nodes = reduced.shape[1], self._positions.size
+        rows, nodes, criteria = reduced.shape[1], self._positions.size, self.criteria.at(depth)
         nearest = np.rint((np.arange(nodes) + first) * (rows / nodes) - first).astype(int) % rows
         self._depths.append(depth)
-        self._values.append(self.criteria.numbers(reduced)[:, nearest])
+        self._values.append(criteria.numbers(reduced)[:, nearest])
         if along is not None:
             self._along.append(along[:, nearest])
         if "dang_van" in self.names:
             points = reduced[1] if dang_van is None else dang_van
-            self._above.append(self.criteria.above(points))
-            self._means.append(self.criteria.power_means(points))
+            self._above.append(criteria.above(points))
+            self._means.append(criteria.power_means(points))
 
     def dataset(self) -> xr.Dataset:
         """The result of `asperity.stress.stress_cycles` from the planes so far."""

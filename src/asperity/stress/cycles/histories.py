@@ -232,7 +232,8 @@ class Histories(CycleMaps):
         found = super().dataset()
         halves = np.zeros((5, 2))
         halves[:3] = self._halves.T
-        few = self.criteria.numbers(halves).mean(axis=1)
+        worst_depth = found.attrs["worst_dang_van" if "dang_van" in self.names else "worst_shear_range"][1]
+        few = self.criteria.at(worst_depth).numbers(halves).mean(axis=1)
         worst = {name: found.attrs[f"worst_{name}"][0] for name in self.names if name in NUMBERS[:3]}
         changes = [
             abs(float(few[NUMBERS.index(name)]) - value) / max(abs(value), 1e-300)

@@ -9,6 +9,7 @@ body under a translating rough one, at the nodes of the row. Histories of two ro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -105,7 +106,7 @@ def stress_cycles(
     yield_stress: float | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
-    residual_stress: float = 0.0,
+    residual_stress: float | tuple[Sequence[float], Sequence[float]] = 0.0,
     tolerance: float = PLANE_TOLERANCE,
     threads: int = 1,
     progress: Progress | None = None,
@@ -128,8 +129,9 @@ def stress_cycles(
         In the unit of the pressure.
     friction, sliding_direction
         As for `stress_planes`; the direction is also that of the motion, along x or along y.
-    residual_stress : float
-        Equal normal stress along x and y in the unloaded body, compression negative. The cycle after
+    residual_stress : float or (depths, stresses)
+        Equal normal stress along x and y in the unloaded body, compression negative, or a table of it over
+        depth, which is linear between its rows and constant beyond them. The cycle after
         shakedown does not depend on it; two thirds of it add to the mean stress in the Dang Van stress.
 
     Returns

@@ -117,6 +117,12 @@ class TreatedMap:
         ny, nx = self.height.shape
         return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
 
+    def part_of(self, grid: Grid) -> tuple[slice, slice]:
+        """Rows and columns of the map on a grid of the map, or of the whole cell of a mirrored map."""
+        images = 2 if self.grid.mirrored and not grid.mirrored else 1
+        rows, columns = (slice(0, count // images) for count in grid.shape)
+        return rows, columns
+
     def map_alone(self) -> TreatedMap:
         """The surface without its periodic images and mirror images: nothing surrounds it."""
         return replace(self, grid=Grid(self.grid.shape, self.grid.length), boundary="free")
@@ -200,9 +206,9 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
     grid, target = _grids(surface, options)
-    shortest, radius = _lengths(surface, options, grid, target)
+    shortest, radii = _lengths(surface, options, grid, target)
     levelled = _levelled(surface, options)
-    if levelled.is_flat and radius is None:
+    if levelled.is_flat and radii is None:
         raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
     level, filtered, words = _filtered(levelled.height, surface, options, grid)
     step, altered = levelling.edge_step(level), 0.0
@@ -247,7 +253,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         surface.name,
         "free" if options.periodic == "none" else "periodic",
     )
-    return treated if radius is None else _with_form(treated, options, radius, surface)
+    return treated if radii is None else _with_form(treated, options, radii, surface)
 
 
 class _Levelled(NamedTuple):
@@ -335,9 +341,9 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     ----------
     surface : HeightMap
     options : MapOptions, optional
-        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, `radius`, `s_filter` and
-        `l_filter` are in units of the longer edge of the cell, which has twice the edges of the map if it is
-        mirrored, and `points` are the nodes on that edge.
+        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, radii, `s_filter` and `l_filter`
+        are in units of the longer edge of the cell, which has twice the edges of the map if it is mirrored,
+        and `points` are the nodes on that edge.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 
@@ -367,7 +373,8 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
     edge = cell_edge(surface, options)
     lengths: dict[str, Any] = {
-        name: getattr(options, name) for name in ("wavelength_short", "radius", "s_filter", "l_filter")
+        name: getattr(options, name)
+        for name in ("wavelength_short", "radius", "radius_y", "s_filter", "l_filter")
     }
     for name, length in lengths.items():
         if isinstance(length, str):
@@ -410,11 +417,12 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
 
 def _lengths(
     surface: HeightMap, options: MapOptions, grid: Grid, target: Grid
-) -> tuple[float | None, float | None]:
-    """Shortest wavelength and radius of the form in the unit of the map, checked; None if not given."""
-    given = ("wavelength_short", options.wavelength_short), ("radius", options.radius)
-    wavelength, radius = (
-        None if length is None else surface.in_map_unit(name, length) for name, length in given
+) -> tuple[float | None, tuple[float, float | None] | None]:
+    """Shortest wavelength and radii (x, y) of the form in the unit of the map, checked; None if not given."""
+    wavelength, radius, radius_y = (
+        None if length is None else surface.in_map_unit(name, length)
+        for name in ("wavelength_short", "radius", "radius_y")
+        for length in [getattr(options, name)]
     )
     shortest, longest = _two_nodes(grid, target), max(grid.length)
     if options.periodic == "mirrored":
@@ -423,7 +431,7 @@ def _lengths(
         low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, wavelength))
         problem = f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"
         raise MapError(surface.name, [problem])
-    return wavelength, radius
+    return wavelength, None if radius is None else (radius, radius_y)
 
 
 def _filtered(
@@ -491,13 +499,19 @@ def _two_nodes(grid: Grid, target: Grid) -> float:
     return 2 * max(*grid.spacing, *target.spacing)
 
 
-def _with_form(treated: TreatedMap, options: MapOptions, radius: float, surface: HeightMap) -> TreatedMap:
+def _with_form(
+    treated: TreatedMap, options: MapOptions, radii: tuple[float, float | None], surface: HeightMap
+) -> TreatedMap:
     """The surface with the form of a sphere or cylinder."""
-    flat, part, word = np.zeros(treated.grid.shape), treated.map_alone().grid, "a sphere"
+    part, (radius, radius_y) = treated.map_alone().grid, radii
+    flat, word = np.zeros(part.shape), "a sphere"
     if options.form == "sphere":
-        form = add_sphere(flat, part, radius)
+        form = add_sphere(flat, part, radius, radius_y=radius_y)
     else:
         form = add_cylinder(flat, part, radius, axis=options.cylinder_axis)
         word = f"a cylinder along {options.cylinder_axis}"
     line = f"form of {word} of radius {surface.shown_length(radius, digits=4)} added"
+    if radius_y is not None:
+        shown_x, shown_y = (surface.shown_length(each, digits=4) for each in (radius, radius_y))
+        line = f"form of radius {shown_x} along x and {shown_y} along y added"
     return replace(treated, height=treated.height + form, done=(*treated.done, line))

@@ -1,0 +1,174 @@
+"""Which input matters: change of the main numbers for one per cent of each input, by one more answer each.
+
+An input that is given with a tolerance, such as ``210 GPa ± 5 %``, adds its part to the errors: its tolerance
+times this change. Inputs are taken as independent.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from pydantic import Field
+
+from asperity.engineering.question import Question, Row
+from asperity.settings.model import ContradictionError, Number
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from asperity.engineering.answer import Answer
+    from asperity.engineering.case import Case
+
+GROUP = "change for one per cent more of an input"
+
+STEP = 0.01
+"""Relative change of an input."""
+
+OF_BODY = ("young", "hardness", "yield_stress", "coating.young", "coating.thickness", "fatigue_torsion")
+"""Constants of a body that are varied, if it has them."""
+
+OTHERS = ("sliding.friction", "film.load_share", "film.lambda_ratio", "run_in.hardness")
+"""Other inputs that are varied, if they are given."""
+
+_TOLERANCE = re.compile(r"(.+?)\s*(?:±|\+/?-)\s*(\d+(?:\.\d+)?)\s*%")
+
+
+class Change(NamedTuple):
+    """Relative change of a number for one per cent of an input."""
+
+    group: str
+    number: str
+    input: str
+    change: float
+
+
+class Sensitivity(Question):
+    """Change of the main numbers of the answer for one per cent of each input.
+
+    Every input takes one more answer: load, moduli, hardness, yield stress, friction, film and coating, as
+    far as the case has them.
+    """
+
+    tolerances: Mapping[str, Number] = Field(default_factory=dict)
+    """Dotted key of an input → its relative tolerance; filled from inputs such as `210 GPa ± 5 %`."""
+
+    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+        """Tolerances of other settings."""
+        known = inputs_of(case)
+        for key in self.tolerances:
+            if key not in known:
+                yield key, f": a tolerance is accepted for {', '.join(known)}"
+
+    def other_cases(self, case: Case) -> dict[str, Case]:
+        """The cases with one per cent more of an input, by its key."""
+        alone = case.replaced(sensitivity=None, load_curve=None)
+        return {key: varied(alone, key) for key in inputs_of(case)}
+
+    def of_other_cases(self, answer: Answer, others: Mapping[str, Answer]) -> list[Change]:
+        """The changes."""
+        from asperity.engineering.answer import tile_names
+
+        names, found = tile_names(answer.case), []
+        rows = {(row.group, row.name): row for row in answer.rows if row.name in names}
+        for key, other in others.items():
+            for changed in other.rows:
+                own = rows.get((_group_like(changed.group, rows), changed.name))
+                if own is not None and own.value:
+                    found.append(Change(own.group, own.name, key, changed.value / own.value - 1))
+        del answer.rows  # made again, with the errors by the inputs
+        return found
+
+    def relative_error(self, answer: Answer, row: Row) -> float:
+        """Relative error of a number by the tolerances of the inputs; NaN without any."""
+        changes: list[Change] = answer.of(self) or []
+        parts = [
+            each.change / STEP * self.tolerances[each.input]
+            for each in changes
+            if (each.group, each.number) == (row.group, row.name) and each.input in self.tolerances
+        ]
+        return math.hypot(*parts) if parts else math.nan
+
+    def rows(self, answer: Answer) -> Iterator[Row]:
+        """Changes of each number, the largest first."""
+        changes: list[Change] = answer.of(self) or []
+        for number in dict.fromkeys((each.group, each.number) for each in changes):
+            own = sorted(
+                (each for each in changes if (each.group, each.number) == number),
+                key=lambda each: -abs(each.change),
+            )
+            shown = ", ".join(f"{each.input} {100 * each.change:+.2g} %" for each in own)
+            name = number[1] + (", upper body" if "upper body" in number[0] else "")
+            yield Row(GROUP, f"{name}: change", own[0].change, "1", shown)
+
+    def files(self, case: Case) -> list[str]:
+        """The table."""
+        return ["sensitivity.csv"]
+
+    def tables(self, answer: Answer) -> Mapping[str, pd.DataFrame]:
+        """Relative change of each number for one per cent of each input."""
+        import pandas as pd
+
+        return {"sensitivity": pd.DataFrame(answer.of(self), columns=Change._fields)}
+
+
+def _group_like(group: str, rows: Mapping[tuple[str, str], Row]) -> str:
+    """The group of the answer that stands for a group of a varied one, whose heading holds its constants."""
+    start = group.partition(" (")[0]
+    return next((own for own, _ in rows if own.partition(" (")[0] == start), group)
+
+
+def inputs_of(case: Case) -> list[str]:
+    """Dotted keys of the inputs that a case has."""
+    found = [f"load.{case.load.kind}"]
+    for name in case.groups_of_bodies:
+        found += [f"{name}.{key}" for key in OF_BODY]
+    return [
+        key
+        for key in [*found, *OTHERS]
+        if isinstance(value := _at(case, key), float) and 0 < value < math.inf
+    ]
+
+
+def _at(settings: Any, key: str) -> Any:
+    """The setting of a dotted key; None if a group of it is not given."""
+    for part in key.split("."):
+        settings = getattr(settings, part, None)
+    return settings
+
+
+def varied(settings: Any, key: str) -> Any:
+    """The settings with one per cent more of an input."""
+    name, _, rest = key.partition(".")
+    value = getattr(settings, name)
+    changes = {name: varied(value, rest) if rest else value * (1 + STEP)}
+    if name == "fatigue_torsion":  # the ratio of the limits stays
+        changes["fatigue_bending"] = settings.fatigue_bending * (1 + STEP)
+    return settings.replaced(**changes)
+
+
+def split_tolerances(value: Mapping[str, Any]) -> dict[str, Any]:
+    """The groups of a case with inputs such as ``210 GPa ± 5 %`` split into value and tolerance."""
+    tolerances: dict[str, float] = {}
+
+    def plain(each: Any, key: str) -> Any:
+        if isinstance(each, Mapping):
+            return {name: plain(part, f"{key}.{name}" if key else str(name)) for name, part in each.items()}
+        if not (isinstance(each, str) and "±" in each):
+            return each
+        if (found := _TOLERANCE.fullmatch(each.strip())) is None:
+            text = f" = {each}: a tolerance in per cent is needed, such as 210 GPa ± 5 %"
+            raise ContradictionError((key, text))
+        tolerances[key] = float(found[2]) / 100
+        try:
+            return float(found[1])
+        except ValueError:
+            return found[1]
+
+    groups = plain(value, "")
+    if tolerances:
+        asked = groups.get("sensitivity") or {}
+        groups["sensitivity"] = {**asked, "tolerances": {**asked.get("tolerances", {}), **tolerances}}
+    return dict(groups)

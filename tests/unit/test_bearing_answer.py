@@ -1,0 +1,126 @@
+"""Answers for a bearing: a part of a map in a Hertz contact, forms with two radii, and what they say."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import asperity as asp
+from asperity.engineering.output import headline
+from asperity.engineering.places import Blocks
+from asperity.settings.model import SettingsError
+
+STEEL = {"young": "207 GPa", "poisson": 0.3, "yield_stress": "2 GPa"}
+BALL = {"force": "166.7 N", "radius_x": "3.776 mm", "radius_y": "123.8 mm"}
+
+
+def ground(shape=(96, 128), pixel=2e-6, seed=1):
+    """A map ground along y, as 300 x 400 µm of an instrument."""
+    edges = shape[0] * pixel, shape[1] * pixel
+    height = asp.self_affine((shape[1], shape[1]), 0.8, edges[1] / 4, 8 * pixel, 1e-7, seed, length=edges[1])
+    along = np.repeat(height[: shape[0] // 8], 8, axis=0)
+    return asp.HeightMap(along, edges, unit="m", name="ring")
+
+
+def test_map_wider_than_its_hertz_contact_names_both_remedies():
+    with pytest.raises(SettingsError, match=r'map\.crop = "66 µm".*map\.radius and map\.radius_y'):
+        asp.run(ground(), STEEL, STEEL, load=BALL)
+
+
+def test_part_of_a_map_is_pressed_and_said():
+    answer = asp.run(
+        {"file": ground(), "crop": "66 um", "crop_at": ("80 um", "120 um")}, STEEL, STEEL, load=BALL
+    )
+    assert answer.face.grid.length == pytest.approx((66e-6, 66e-6))
+    assert any(
+        "cropped to 66 µm x 66 µm" in line and "around 81 µm x 121 µm" in line for line in answer.face.done
+    )
+    assert answer.contact.mean_pressure == pytest.approx(1.255e9, rel=1e-3)
+
+
+def test_elliptic_body_with_a_free_boundary_is_as_hertz_says():
+    """Radii of 1 and 4 mm on pixels of a/20; the approach of the paraboloid has no image to disturb it."""
+    edges, shape, load = (200e-6, 120e-6), (200, 120), 2.0
+    flat = asp.HeightMap(np.zeros(shape), edges, unit="m", name="ball")
+    answer = asp.run(
+        {"file": flat, "radius": "1 mm", "radius_y": "4 mm", "periodic": "none"}, STEEL, force=load
+    )
+    exact = asp.stress.HertzContact.from_radii(
+        1e-3, 4e-3, asp.Solid(207e9, 0.3).effective_modulus, force=load
+    )
+    assert answer.numbers.largest_pressure == pytest.approx(exact.largest_pressure, rel=0.01)
+    area = np.pi * exact.half_width_x * exact.half_width_y
+    assert answer.numbers.contact_area == pytest.approx(area, rel=0.02)
+
+
+def test_friction_without_a_direction_slides_along_the_lay():
+    case = {"sliding": {"friction": 0.08}, "mean_pressure": "100 MPa"}
+    answer = asp.run({"file": ground(), "crop": "100 um"}, STEEL, **case)
+    assert answer.case.sliding_direction == "y"
+    assert any("sliding.direction is not given" in advice.text for advice in answer.advice)
+    isotropic = asp.self_affine((64, 64), 0.8, 2e-5, 8e-6, 1e-7, seed=1, length=1e-4)
+    answer = asp.run(asp.HeightMap(isotropic, (1e-4, 1e-4), unit="m"), STEEL, **case)
+    assert answer.case.sliding_direction == "x"
+
+
+def test_blocks_give_the_interval_of_a_ratio():
+    """Under equal loads that of Student's t for independent blocks, a tenth wider."""
+    means = np.random.default_rng(1).random((5, 4)) + 1
+    found = Blocks((5, 4), np.full((5, 4), 3.0)).error(means)
+    interval = stats.t.interval(0.95, 19, means.mean(), stats.sem(means, axis=None))
+    assert found * means.mean() == pytest.approx(1.1 * (interval[1] - interval[0]) / 2)
+    assert Blocks((5, 4), means).error(7 * means) == pytest.approx(0)  # in proportion to the load
+
+
+@pytest.mark.parametrize(("long", "known"), [(20e-6, True), (100e-6, False)])
+def test_single_map_says_which_error_it_has(long, known):
+    height = asp.self_affine((160, 160), 0.8, long, 8e-6, 1e-7, seed=1, length=160e-6)
+    surface = asp.HeightMap(height[:96, :96], (96e-6, 96e-6), unit="m", name="ground")
+    answer = asp.run(surface, {**STEEL, "yield_stress": "500 MPa"}, mean_pressure="100 MPa")
+    tiles = {name: errors for name, _, errors in headline(answer)}
+    assert any("for vanishing pixels" in text for text in tiles["real contact"])
+    for name in ("real contact", "volume above yield per area"):
+        assert any(text.startswith("±") and "from place to place" in text for text in tiles[name]) == known
+    assert "from place to place: not known" in tiles["largest pressure"]
+    assert answer.verdicts[0].startswith("The material yields: ")
+    assert not any("elastic limit" in text for text in answer.uncertainties)
+    assert "one place of the surface" in answer.text()
+
+
+def test_residual_stress_over_depth_is_that_of_each_plane():
+    """A table of equal stresses is their number; a table counts at the depth of the worst cycle."""
+    height = asp.surface.add_cylinder(np.zeros((8, 128)), (0.0625, 1.0), 1.0, axis="y")
+    contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), (0.0625, 1.0), area_fraction=0.1)
+    limits = {"fatigue_torsion": 0.01, "fatigue_bending": 0.016}
+    depths = [0.005, 0.02, 0.05]
+    values = [
+        asp.stress.stress_cycles(contact, depths, residual_stress=residual, **limits)["dang_van"].values
+        for residual in (-0.01, ((0.0, 1.0), (-0.01, -0.01)), 0.0, ((0.0, 0.05), (-0.01, 0.0)))
+    ]
+    np.testing.assert_array_equal(values[0], values[1])
+    shares = np.interp(depths, [0, 0.05], [1, 0])[:, None]
+    np.testing.assert_allclose(values[3], values[2] + shares * (values[0] - values[2]), atol=1e-12)
+
+
+def test_residual_stress_in_a_case_is_a_number_or_a_table():
+    limits = {"fatigue_torsion": "500 MPa", "fatigue_bending": "800 MPa"}
+    table = {"depth": ["0 um", "50 um"], "stress": ["-600 MPa", "0 MPa"]}
+    body = asp.Body.read({**STEEL, **limits, "residual_stress": table})
+    assert body.residual_stress.stress == (-6e8, 0.0)
+    assert asp.Body.read(body.written()) == body
+    with pytest.raises(SettingsError, match=r"residual_stress.depth: two or more rising depths"):
+        asp.Body.read({**STEEL, **limits, "residual_stress": {**table, "depth": ["50 um", "0 um"]}})
+
+
+def test_frame_holds_the_largest_stress(monkeypatch):
+    """Also if the close-ups around the highest pressures miss it."""
+    monkeypatch.setattr("asperity.engineering.body_stress.BOXES", 1)
+    height = asp.self_affine((128, 128), 0.8, 4e-5, 8e-6, 1e-7, seed=3, length=2e-4)
+    surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    answer = asp.run(surface, STEEL, mean_pressure="100 MPa", fields=("von_mises", "principal_1"))
+    boxes, largest = answer.bodies["lower"].close_ups, answer.bodies["lower"].largest
+    assert len(boxes) > 1
+    for field in answer.case.fields:
+        place = largest[field]
+        assert any(box.node(place.y, place.x) is not None for box in boxes)
+    at_nodes = [max(np.abs(plane["von_mises"]).max() for plane in box.planes) for box in boxes]
+    assert max(at_nodes) == pytest.approx(np.abs(answer.bodies["lower"].planes["von_mises"][2]).max())
