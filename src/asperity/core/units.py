@@ -122,7 +122,7 @@ def shown_si(value: float, unit: str, digits: int = 4) -> str:
     value : float
         In `unit`.
     unit : str
-        ``m``, ``m^2``, ``m^3``, ``Pa``, ``N`` or ``1``.
+        ``1``, or a unit that takes prefixes: ``m``, ``m^2``, ``m^3``, ``Pa``, ``N``, ``Ω``, ``m^3/s``.
     digits : int
         Significant digits.
     """
@@ -143,7 +143,7 @@ def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
     values : array
         In `unit`; infinite and missing values are left out.
     unit : str
-        ``m``, ``m^2``, ``m^3``, ``Pa`` or ``N``.
+        ``m``, ``m^2``, ``m^3``, ``Pa``, ``N``, ``Ω`` or one of them per another unit, as ``m^3/s``.
 
     Returns
     -------
@@ -157,7 +157,7 @@ def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
     array = np.abs(np.asarray(values, dtype=float)).ravel()
     array = array[np.isfinite(array)]
     largest = float(array.max()) if array.size else 0.0
-    power = int(unit.partition("^")[2] or 1)
+    power = int(unit.partition("/")[0].partition("^")[2] or 1)
     exponent = 0
     if largest > 0:
         # The next larger unit is used from 0.1 of it for an area, and from 0.01 of it for a volume.
@@ -169,5 +169,6 @@ def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
 
 
 def _symbol(exponent: int, unit: str) -> str:
+    unit, per, other = unit.partition("/")
     base, _, power = unit.partition("^")
-    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[power]}"
+    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[power]}{per}{other}"

@@ -143,7 +143,7 @@ class Question(Settings):
         """Case and surface that are pressed, and the result of this stage."""
         return case, rough, None
 
-    def of_contact(self, answer: Answer) -> Any:
+    def of_contact(self, answer: Answer, progress: Progress) -> Any:
         """Result that follows from the contact; `Answer.found` keeps it."""
         return None
 

@@ -101,12 +101,12 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     for name, question in case.questions.items():
         case, rough, found[name] = question.before_contact(case, rough, _part(progress, 0.0, 0.1))
     face = rough.face
-    contact = press(face, case, _part(progress, 0.1, 0.5))
+    contact = press(face, case, _part(progress, 0.1, 0.4))
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)
     answer = Answer(asked, case, rough, contact, solved_on_half(contact), spots, numbers, found)
     for name, question in case.questions.items():
-        if (result := question.of_contact(answer)) is not None:
+        if (result := question.of_contact(answer, _part(progress, 0.45, 0.5))) is not None:
             found[name] = result
     share = (0.1 if case.load_curve else 0.5) / len(case.different_bodies)
     for number, name in enumerate(case.different_bodies):

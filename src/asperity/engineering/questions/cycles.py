@@ -132,7 +132,7 @@ class Cycles(Question):
             keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
             yield (keys[name], f"{equals}{rest}") if name in keys else ("cycles", f": {error}")
 
-    def of_contact(self, answer: Answer) -> dict[str, Any]:
+    def of_contact(self, answer: Answer, progress: Progress) -> dict[str, Any]:
         """Body → its cycles; filled as the bodies are analysed."""
         return {}
 
