@@ -77,7 +77,7 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
 
 
 def interface_rows(contact: asp.Contact, elastic: float) -> Iterator[tuple[str, str, float]]:
-    """Partial slip, percolation and flow; the flow needs reynoldsflow, and is timed once."""
+    """Partial slip, percolation and flow; the flow needs pyamg, and is timed once."""
     push = partial(asp.contact.partial_slip, contact, 0.4, tangential_force=0.2 * contact.force)
     slip = push()
     yield "partial slip", "elastic contact", seconds(lambda: push().displacement) / elastic

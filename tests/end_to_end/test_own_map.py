@@ -157,8 +157,8 @@ def test_every_case_of_the_pages_runs(name, answers, tmp_path):
     case = yaml.safe_load(file.read_text(encoding="utf-8"))
     for group, values in yaml.safe_load(f"{{{shown}}}").items():
         assert case[group] == values or values.items() <= case[group].items()
-    if name == "leak" and absent(["reynoldsflow"]):
-        pytest.skip("needs reynoldsflow")
+    if name == "leak" and absent(["pyamg"]):
+        pytest.skip("needs pyamg")
     effect = EFFECTS[name]
     assert main(["run", f"{name}.yaml", *([] if effect else ["--check"])]) == 0
     assert effect is None or effect(answers[-1])

@@ -118,7 +118,7 @@ COMMANDS = [
     (
         f"{RUN} --mean-pressure 1,2GPa",
         2,
-        "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma) is need",
+        "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma: 1.2GPa) is need",
     ),
     (f"{RUN} --mean-pressure 1MPa --hardness 700HV", 2, "(kPa, MPa, GPa, N/mm^2; 700 HV is 6.865 GPa) or in"),
     ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
@@ -161,7 +161,7 @@ COMMANDS = [
     # pictures
     ("view {contact}", 1, "result files and one of height, pressure, gap, section, plane, peaks are needed"),
     ("view {stress} gap", 1, "a result of stress, one of contact is needed"),
-    ("view {contact} section y=0.1 x=0.1", 1, "y, x: a number for one of them"),
+    ("view {contact} section y=0.1 x=0.1", 1, "y, x: a number or max for one of them"),
     ("view {contact} height x=3", 1, "x = '3': a range such as 0-0.1 is needed"),
     ("view {contact} height --field xx", 1, "--field: not for height, only for section, plane and peaks"),
     ("view {contact_in_si} section y=205", 1, "y = '205': a number with a unit of length"),

@@ -149,7 +149,7 @@ def small_maps(tmp_path, monkeypatch):
 def test_template_runs_as_it_is(name, small_maps, capsys):
     """Its maps are replaced by smaller ones."""
     if name == "seal":
-        pytest.importorskip("reynoldsflow")
+        pytest.importorskip("pyamg")
     assert main(["case", name]) == 0
     lines = capsys.readouterr().out.splitlines()
     folder = str(files("asperity.engineering") / "maps") + "/"

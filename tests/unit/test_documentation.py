@@ -71,7 +71,7 @@ def test_page_example_runs(block, tmp_path, monkeypatch):
 def test_gallery_example_runs(path, monkeypatch):
     """Each ends with checks of its physics."""
     if "film_flow" in path.read_text("utf-8"):
-        pytest.importorskip("reynoldsflow")
+        pytest.importorskip("pyamg")
     monkeypatch.chdir(path.parent)
     runpy.run_path(str(path), run_name="__main__")
     for number in plt.get_fignums():

@@ -86,7 +86,7 @@ def test_percolation_is_that_of_the_map():
     assert "leakage along y" not in found
 
 
-@pytest.mark.skipif(bool(absent(["reynoldsflow"])), reason='pip install "asperity[flow]"')
+@pytest.mark.skipif(bool(absent(["pyamg"])), reason='pip install "asperity[flow]"')
 def test_leak_through_a_mirrored_map(tmp_path):
     """Its edges across the flow are reservoirs, the others are sealed: as without surroundings; solver."""
     answer = run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
@@ -104,10 +104,10 @@ def test_leak_through_a_mirrored_map(tmp_path):
 
 
 def test_missing_solver_is_named_before_the_contact(monkeypatch):
-    hidden = {"reynoldsflow": None}
+    hidden = {"pyamg": None}
     monkeypatch.setattr("asperity.core.packages.find_spec", lambda module: hidden.get(module, module))
     monkeypatch.setattr(sys.modules[run.__module__], "press", None)
-    with pytest.raises(MissingPackageError, match="not installed: reynoldsflow"):
+    with pytest.raises(MissingPackageError, match="not installed: pyamg"):
         run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
 
 

@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from importlib import import_module
 from types import FrameType
 from typing import NoReturn
@@ -57,7 +57,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _run(arguments)
         sys.stdout.flush()
     except Interrupted as interrupted:
-        return fail(INTERRUPTED, 128 + interrupted.args[0])
+        status = fail(INTERRUPTED, 128 + interrupted.args[0])
+        if arguments is None:  # ends now: running threads and modules would be waited for, for seconds
+            with suppress(OSError, ValueError):
+                sys.stdout.flush()
+            os._exit(status)
+        return status
     except InputError as error:
         return max(map(fail, error.lines), default=1)
     except MissingPackageError as error:

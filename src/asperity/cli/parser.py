@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import os
 import re
 import sys
 from collections import Counter
@@ -51,9 +52,15 @@ class Parser(argparse.ArgumentParser):
         sys.exit(fail(f"{message} (see {self.prog} --help)", 2))
 
 
+_NUMBER = re.compile(r"(?:^|=)[+-]?(?:\d+[.,]?\d*|\.\d+)(?:[eE][+-]?\d+)?\Z")
+
+_UNIT = re.compile(r"[pnuµμmckMGT]?(?:m|Pa|N|bar|psi)(?:[/^]?(?:m?m)?\^?[23²³]?)?|HV|HRC|HB|HBW|HK")
+"""Units of quantities of the command line, which may stand as a word of their own after a number."""
+
+
 def parse(words: Sequence[str] | None) -> argparse.Namespace:
     """The options of a command line; refuses repeated options, and suggests the nearest for unknown ones."""
-    words = sys.argv[1:] if words is None else words
+    words = with_units(sys.argv[1:] if words is None else words)
     command = next((word for word in words if word in COMMANDS), "")
     entry = COMMANDS.get(command, {})
     known = {
@@ -76,6 +83,25 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
             return found
     near = did_you_mean(unknown[0], known)
     sys.exit(fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {command} --help)", 2))
+
+
+def with_units(words: Sequence[str]) -> list[str]:
+    """Words of a command line, in which a number and its unit after an option are one word."""
+    joined: list[str] = []
+    in_option = False
+    for word in words:
+        in_option = in_option or word.startswith("--")
+        if (
+            in_option
+            and joined
+            and _NUMBER.search(joined[-1])
+            and _UNIT.fullmatch(word)
+            and not os.path.exists(word)
+        ):
+            joined[-1] += f" {word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def make_parser(only: str | None = None, explained: bool = True) -> Parser:

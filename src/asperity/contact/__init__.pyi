@@ -1,7 +1,7 @@
 from .certificate import Certificate as Certificate
 from .certificate import verify_contact as verify_contact
-from .gap import film_flow as film_flow
 from .gap import percolation as percolation
+from .reynolds import film_flow as film_flow
 from .slip import partial_slip as partial_slip
 from .solution import Contact as Contact
 from .solve import METHODS as METHODS

@@ -48,6 +48,14 @@ _HARDNESS_NUMBER = re.compile(r"(\d+(?:\.\d+)?)\s*(HV|HB|HBW|HK)[\d.]*")
 KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE = 9.80665e6
 """In Pa: the unit of numbers of hardness after Vickers, Brinell and Knoop (ISO 6507-1, 6506-1, 4545-1)."""
 
+_ROCKWELL = re.compile(r"(\d+(?:\.\d+)?)\s*HRC")
+
+ROCKWELL_TO_VICKERS = {
+    **{20: 238, 25: 266, 30: 302, 35: 345, 40: 392, 45: 446},
+    **{50: 513, 55: 595, 60: 697, 65: 832, 68: 940},
+}
+"""Rockwell C → Vickers hardness of steels that are not austenitic (ASTM E140, table 1)."""
+
 _USUAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([pnuµμmkMGT]?)(m|Pa|N)")
 """A number, a prefix and an SI unit."""
 
@@ -92,13 +100,29 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
     )
 
 
-def misread(value: Any, dimension: str) -> str:
+def misread(value: Any, dimension: str = "") -> str:
     """Addition to the message on a value that has a comma, or is a number of hardness; empty for others."""
     text = str(value).strip()
     if dimension == "pressure" and (found := _HARDNESS_NUMBER.fullmatch(text)):
         pressure = float(found[1]) * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE
         return f"; {float(found[1]):g} {found[2]} is {shown_si(pressure, 'Pa')}"
-    return "; with a decimal point, not a comma" if re.match(r"[+-]?\d+,\d", text) else ""
+    if dimension == "pressure" and (found := _ROCKWELL.fullmatch(text)):
+        return f"; {_from_rockwell(float(found[1]))}"
+    if re.match(r"[+-]?\d+,\d", text):
+        return f"; with a decimal point, not a comma: {text.replace(',', '.', 1)}"
+    return ""
+
+
+def _from_rockwell(number: float) -> str:
+    """The pressure of a hardness after Rockwell C in words."""
+    import numpy as np
+
+    known = [*ROCKWELL_TO_VICKERS]
+    if not known[0] <= number <= known[-1]:
+        return f"{number:g} HRC is outside of the scale, {known[0]} to {known[-1]} HRC"
+    vickers = float(np.interp(number, known, [*ROCKWELL_TO_VICKERS.values()]))
+    pressure = shown_si(vickers * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE, "Pa", 2)
+    return f"{number:g} HRC is about {vickers:.0f} HV on steel, {pressure}"
 
 
 def _by_pint(value: Any, unit: str) -> float:
@@ -122,7 +146,7 @@ def shown_si(value: float, unit: str, digits: int = 4) -> str:
     value : float
         In `unit`.
     unit : str
-        ``m``, ``m^2``, ``m^3``, ``Pa``, ``N`` or ``1``.
+        ``1``, or a unit that takes prefixes: ``m``, ``m^2``, ``m^3``, ``Pa``, ``N``, ``Ω``, ``m^3/s``.
     digits : int
         Significant digits.
     """
@@ -143,7 +167,7 @@ def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
     values : array
         In `unit`; infinite and missing values are left out.
     unit : str
-        ``m``, ``m^2``, ``m^3``, ``Pa`` or ``N``.
+        ``m``, ``m^2``, ``m^3``, ``Pa``, ``N``, ``Ω`` or one of them per another unit, as ``m^3/s``.
 
     Returns
     -------
@@ -157,7 +181,7 @@ def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
     array = np.abs(np.asarray(values, dtype=float)).ravel()
     array = array[np.isfinite(array)]
     largest = float(array.max()) if array.size else 0.0
-    power = int(unit.partition("^")[2] or 1)
+    power = int(unit.partition("/")[0].partition("^")[2] or 1)
     exponent = 0
     if largest > 0:
         # The next larger unit is used from 0.1 of it for an area, and from 0.01 of it for a volume.
@@ -169,5 +193,6 @@ def scaled_unit(values: "ArrayLike", unit: str) -> tuple[float, str]:
 
 
 def _symbol(exponent: int, unit: str) -> str:
+    unit, per, other = unit.partition("/")
     base, _, power = unit.partition("^")
-    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[power]}"
+    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[power]}{per}{other}"

@@ -2,13 +2,14 @@
 
 It writes one beside every answer. Besides the groups of `asperity.Case` a file may have ``out``, the folder
 of the answer, and ``checksums`` of the maps, with which a case is refused once they have changed. Names of
-files are relative to the folder of the file. ``map.file`` may be a list of several maps; then the map of the
-counter body may be a list, too.
+files are relative to the folder of the file. ``map.file`` may be a list of several maps, or a pattern such as
+``ring_*.x3p``; then the map of the counter body may be a list, too.
 """
 
 from __future__ import annotations
 
 import copy
+import glob
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -55,7 +56,11 @@ def load_case(path: str | Path) -> dict[str, Any]:
     for keys in (*MAP_FILES, (OUT,), ("materials",)):
         given = at(content, keys)
         if isinstance(given, str):
-            put(content, keys, str(path.parent / given))
+            put(
+                content,
+                keys,
+                matches(str(path.parent / given)) if keys in MAP_FILES else str(path.parent / given),
+            )
         elif isinstance(given, list):
             if not (given and isinstance(maps, list) and len(given) == len(maps)) or not all(
                 isinstance(each, str) and each for each in given
@@ -66,6 +71,14 @@ def load_case(path: str | Path) -> dict[str, Any]:
                 )
             put(content, keys, [str(path.parent / each) for each in given])
     return content
+
+
+def matches(name: str) -> str | list[str]:
+    """Files that match a pattern such as ``ring_*.x3p``, in order; the name itself if less than two match."""
+    if glob.has_magic(name) and not os.path.exists(name):
+        found = sorted(glob.glob(name))
+        return found if len(found) > 1 else (found or [name])[0]
+    return name
 
 
 def case_of_map(content: Mapping[str, Any], number: int) -> dict[str, Any]:

@@ -64,7 +64,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
 def compared_pictures(answers: Mapping[str, Answer]) -> Iterator[Picture]:
     """Heights, pressure and a section of the stress of several answers, each in one scale."""
     found = {name: replace(source_of(answer), title=name) for name, answer in answers.items()}
-    wholes = {name: whole_map(answer, found[name].grid) for name, answer in answers.items()}
+    wholes = {name: answer.face.part_of(found[name].grid) for name, answer in answers.items()}
     for field, (look, caption) in MAPS.items():
         if field != "plastic_depth":
             maps = [map_of(source, field, wholes[name]) for name, source in found.items()]

@@ -189,7 +189,7 @@ class Question(Settings):
         """Case and surface that are pressed, and the result of this stage."""
         return case, rough, None
 
-    def of_contact(self, answer: Answer) -> Any:
+    def of_contact(self, answer: Answer, progress: Progress) -> Any:
         """Result that follows from the contact; `Answer.found` keeps it."""
         return None
 
@@ -287,7 +287,7 @@ def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, 
     return Advice(
         size > RESOLUTION_CHANGE,
         "pixels of the interface",
-        f"halving the pixels changed {changed} (from a second solution with pixels twice as large).",
-        f"pixels: halving them changes {what} by a factor of {most:.3g}",
+        f"pixels as they are, instead of twice as large ones, changed {changed} (from a second solution).",
+        f"pixels: those twice as large change {what} by a factor of {1 / most if most else math.inf:.3g}",
         size,
     )

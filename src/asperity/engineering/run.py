@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from asperity.engineering.press import imposed_load, plastic_contact, press
 from asperity.engineering.question import IN_FULL_CONTACT
 from asperity.settings.load import UNITS
 from asperity.settings.model import Problem, SettingsError
+from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.treatment.treatment import TreatedMap
 
 SEPARATE_SHARE = 0.4
@@ -37,9 +39,11 @@ def run(
 
     Parameters
     ----------
-    map : path, HeightMap, mapping or Case
-        File of a map, a map in metres, or a group with options of its treatment. By default points without
-        data are filled, and a map that is not declared periodic is mirrored. Or a whole case alone.
+    map : path, HeightMap, array, mapping or Case
+        File of a map, a map in metres, or a group with options of its treatment. An array of heights in
+        metres, peaks upward, needs `length`, its edges (y, x), as a keyword or beside `file` in the group. By
+        default points without data are filled, and a map that is not declared periodic is mirrored. Or a
+        whole case alone.
     body : Body or mapping
     counter_body : Body or mapping, optional
         By default the other body is rigid. Which of the two is rough does not matter, as long as the slopes
@@ -74,11 +78,27 @@ def run(
     """
     if isinstance(map, Case):
         return answer_of(map, progress=progress)
+    map = _with_heights(map, groups.pop("length", None))
     groups = {name: group for name, group in groups.items() if group is not None}
     imposed = {name: groups.pop(name) for name in UNITS if name in groups}
     groups |= {"load": imposed} if imposed or "load" not in groups else {}
     groups |= {"counter_body": counter_body} if counter_body is not None else {}
     return answer_of(Case(map=map, body=body, **groups), progress=progress)
+
+
+def _with_heights(map: Any, length: Any) -> Any:
+    """A map, or its group, with heights of an array as a `HeightMap`."""
+    group = dict(map) if isinstance(map, Mapping) else {"file": map}
+    source, length = group.get("file"), group.pop("length", length)
+    if isinstance(source, (np.ndarray, list, tuple)):
+        if length is None:
+            raise ValueError("length: the edges (y, x) of the map in m are needed with an array of heights")
+        group["file"] = HeightMap(np.asarray(source, dtype=float), length, unit="m", name="map")
+    elif length is not None:
+        raise ValueError("length: not accepted with a file or a HeightMap, which have their own")
+    else:
+        return map
+    return group
 
 
 def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | None = None) -> Answer:
@@ -102,24 +122,26 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     if wrong := problems_on_map(case, rough):
         raise SettingsError("", wrong)
     asked, found = case, {}
+    part = _Parts(progress, work_of(case))
     for name, question in case.questions.items():
-        case, rough, found[name] = question.before_contact(case, rough, _part(progress, 0.0, 0.1))
+        case, rough, found[name] = question.before_contact(case, rough, part.next(f"before {name}"))
     face = rough.face
-    contact = press(face, case, _part(progress, 0.1, 0.5))
+    contact = press(face, case, part.next("contact"))
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)
+    part.next("half of the nodes")
     answer = Answer(asked, case, rough, contact, solved_on_half(contact), spots, numbers, found)
     for name, question in case.questions.items():
-        if (result := question.of_contact(answer)) is not None:
+        if (result := question.of_contact(answer, part.next(name))) is not None:
             found[name] = result
-    share = (0.1 if case.load_curve else 0.5) / len(case.different_bodies)
-    for number, name in enumerate(case.different_bodies):
-        _analyse(answer, name, _part(progress, 0.5 + share * number, 0.5 + share * (number + 1)))
+    for name in case.different_bodies:
+        _analyse(answer, name, part.next(f"stress {name}"))
     for name in case.bodies:
         answer.bodies.setdefault(name, answer.bodies["lower"])
     for name, question in case.questions.items():
-        if (result := question.after_stress(answer, _part(progress, 0.6, 1.0))) is not None:
+        if (result := question.after_stress(answer, part.next(f"after {name}"))) is not None:
             found[name] = result
+    part.next("comparisons")
     if face.boundary == "periodic" and case.map.radius is not None and len(spots):
         answer.neighbours = neighbours_of(face, case, contact)
     answer.plastic = plastic_contact(face, case, contact)
@@ -136,9 +158,57 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     return answer
 
 
+STRESS, SLIP, FLOW = 2.0, 4.0, 2.0
+"""Work of the stress in a body, of partial slip and of the flow of a film, in that of the contact."""
+
+
+def work_of(case: Case) -> dict[str, float]:
+    """Stages of the answer of a case → their work, in units of that of its contact.
+
+    The contact takes about equal time at all loads but the largest. What a stage needs is known to a factor
+    of two: the numbers serve for the progress and for estimates of time.
+    """
+    bodies, cycles, curve, leak = case.different_bodies, case.cycles, case.load_curve, case.leak
+    work = {f"before {name}": 0.0 for name in case.questions}
+    if case.run_in is not None:
+        work["before run_in"] = case.run_in.loads + 1.0
+    work |= {"contact": 1.0, "half of the nodes": 0.3}
+    flow = FLOW if leak is not None and leak.viscosity is not None else 0.1 if leak is not None else 0.0
+    work |= dict.fromkeys(case.questions, 0.0)
+    work |= {"partial_slip": SLIP} if case.partial_slip is not None else {}
+    work |= {"leak": flow} if leak is not None else {}
+    moved = 0.0 if cycles is None or cycles.shifts is None else 1.0 + 2.0 * cycles.shifts
+    work |= {f"stress {name}": STRESS + moved for name in bodies}
+    work |= {f"after {name}": 0.0 for name in case.questions}
+    if curve is not None:
+        one = 1.0 + STRESS * len(bodies)
+        yields = sum(body.yield_stress is not None for body in bodies.values())
+        work["after load_curve"] = len(curve.path(case)) * (one + flow) + 4.0 * yields * (1.0 + STRESS)
+        work["after load_curve"] += 0.0 if leak is None else 10.0
+    work["comparisons"] = 1.0 if case.hardness is None else 0.1
+    return work
+
+
+class _Parts:
+    """Progress of stages one after the other, each a share of the whole by its work."""
+
+    def __init__(self, progress: Progress | None, work: Mapping[str, float]) -> None:
+        self._progress, self._work, self._done = progress, work, 0.0
+        self._total = sum(work.values())
+
+    def next(self, name: str) -> Progress:
+        """Progress of the next stage, which begins; those before it are done."""
+        work = self._work.get(name, 0.0)  # film and run-in may change what the other questions are
+        report = _part(self._progress, self._done / self._total, (self._done + work) / self._total)
+        self._done += work
+        report(0.0, 1.0)
+        return report
+
+
 def _analyse(answer: Answer, name: str, progress: Progress) -> None:
     """Add the stress in one body to an answer, and what the questions find in it."""
     questions = answer.case.questions.values()
+    alone = STRESS / work_of(answer.case)[f"stress {name}"]
     loaded, on_half = (answer.loaded_body(each, name) for each in (answer.contact, answer.half.contact))
     watched = [question.watch(answer, name, loaded) for question in questions]
     answer.bodies[name] = body_answer(
@@ -148,10 +218,10 @@ def _analyse(answer: Answer, name: str, progress: Progress) -> None:
         name,
         close_ups(answer.face, answer.contact, answer.numbers.typical_patch_width),
         [watch for watch in watched if watch is not None],
-        _part(progress, 0.0, 0.8),
+        _part(progress, 0.0, alone),
     )
     for question in questions:
-        question.of_body(answer, name, _part(progress, 0.8, 1.0))
+        question.of_body(answer, name, _part(progress, alone, 1.0))
 
 
 def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:

@@ -17,7 +17,7 @@ from pydantic import (
 from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
 from asperity.settings.materials import material
-from asperity.settings.model import Number, Settings, described, setting
+from asperity.settings.model import NeededError, Number, Settings, described, setting
 from asperity.settings.quantities import STRESS, Hardness, Length, Position, Pressure, Stress
 
 
@@ -152,6 +152,19 @@ class Body(OfMaterial):
     >>> steel.young, coated.young, coated.coating.thickness
     (210000000000.0, 210000000000.0, 2e-06)
     """
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_solid(cls, value: Any) -> Any:
+        """A half-space or layer of the library, `asperity.Solid`, is a body too."""
+        if isinstance(value, Layer):
+            raise NeededError("a Body with this layer, such as Body(young=2e9, poisson=0.4, layer=…),")
+        if isinstance(value, (Mapping, Settings)) or not hasattr(value, "poisson"):
+            return value
+        if getattr(value, "base", None) is not None:
+            raise NeededError("a Body with a coating, such as Body(young=…, poisson=…, coating={…}),")
+        layer = {} if value.height is None else {"layer": {"height": value.height, "bottom": value.bottom}}
+        return {"young": value.young, "poisson": value.poisson, **layer}
 
     hardness: Hardness | None = setting(
         None,

@@ -26,6 +26,8 @@ def _source(value: Any) -> Any:
         return value
     if isinstance(value, (str, os.PathLike)) and os.fspath(value):
         return os.fspath(value)
+    if hasattr(value, "ndim"):
+        raise NeededError("an asperity.HeightMap or, in asperity.run, an array beside its length")
     raise NeededError("the name of a file")
 
 

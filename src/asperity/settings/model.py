@@ -34,6 +34,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError, core_schema
 
 from asperity.core.errors import InputError, did_you_mean, shown
+from asperity.core.units import misread
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass as _Metaclass
@@ -481,7 +482,7 @@ def _needed(error: Any, entry: Entry) -> str:
         return str(cause)
     if error["type"] == "too_long" and isinstance(error["input"], (list, tuple)):
         return f"a list of at most {error['ctx']['max_length']} values"
-    return accepted(entry)
+    return accepted(entry) + misread(error["input"])
 
 
 def _below(entry: Entry, part: Any) -> Entry | None:

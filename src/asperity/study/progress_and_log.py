@@ -24,7 +24,7 @@ SECONDS_BETWEEN_LINES = 10.0
 
 
 class ProgressBar:
-    """A progress bar if stderr is a terminal; in any case a log line at most every ten seconds.
+    """A progress bar if stderr is a terminal; otherwise or in a log a line at most every ten seconds.
 
     Parameters
     ----------
@@ -61,7 +61,14 @@ class ProgressBar:
         now = time.monotonic()
         if now - self._last >= SECONDS_BETWEEN_LINES:
             self._last = now
-            logger.info("%s: %3.0f %% after %.0f s", self._label, 100 * part, now - self._began)
+            elapsed = now - self._began
+            line = f"{self._label}: {100 * part:3.0f} % after {elapsed:.0f} s"
+            if part > 0:
+                line += f", about {elapsed * (1 - part) / part:.0f} s left"
+            if logger.isEnabledFor(logging.INFO):
+                logger.info(line)
+            elif self._bar.disable:  # of a command whose output is not a terminal
+                print(line, file=sys.stderr, flush=True)
 
 
 @contextmanager

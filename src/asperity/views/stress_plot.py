@@ -150,11 +150,7 @@ def _plane(
     label = "depth"
     if depth == "max":
         label = "depth of the largest"
-        depths = default_depths(solid)
-        planes = stress_planes(
-            solid, depths, fields=(field,), tolerance=SEARCH_TOLERANCE, progress=progress, **stress.settings
-        )
-        depth = -max((float(np.abs(plane.fields[field]).max()), -plane.depth) for plane in planes)[1]
+        depth = _largest(stress, progress)[0]
     place = float(depth)
     deepest = solid.layer.extent or MAX_DEPTH * max(solid.grid.length)
     if not 0 <= place <= deepest:
@@ -164,6 +160,24 @@ def _plane(
     (plane,) = stress_planes(solid, [place], fields=(field,), tolerance=0.0, **stress.settings)
     note = f"{label}: {measure(place, 'length', source.system).text(place)}"
     return Map(source, part, plane.fields[field][0][part], note)
+
+
+def _largest(stress: Stress, progress: Progress | None) -> tuple[float, tuple[int, int]]:
+    """Depth and node (y, x) of the largest magnitude of the field on the default planes."""
+    found: tuple[float, float, int] = (-1.0, 0.0, 0)
+    for plane in stress_planes(
+        stress.solid,
+        default_depths(stress.solid),
+        fields=(stress.field,),
+        tolerance=SEARCH_TOLERANCE,
+        progress=progress,
+        **stress.settings,
+    ):
+        values = np.abs(plane.fields[stress.field][0])
+        node = int(values.argmax())
+        found = max(found, (float(values.flat[node]), -plane.depth, node))
+    y, x = divmod(found[2], stress.solid.grid.shape[1])
+    return -found[1], (y, x)
 
 
 MAX_SHAPE = 0.25
@@ -185,8 +199,8 @@ SECTION_TOLERANCE = 1e-5
 
 def plot_section(
     contact: Any,
-    y: float | Span | None = None,
-    x: float | Span | None = None,
+    y: float | str | Span | None = None,
+    x: float | str | Span | None = None,
     depth: float | None = None,
     field: str = "von_mises",
     poisson: float | None = None,
@@ -201,9 +215,10 @@ def plot_section(
     ----------
     contact : dataset, `Contact`, sequence of them, or mapping from titles to them
         Results of stage contact; sections of several are drawn below each other in the same colours.
-    y, x : float or (first, last), optional
-        A number for one of them is the place of the section, rounded to a node; a pair for the other the
-        part that is drawn. By default the section runs along x through the largest contact pressure.
+    y, x : float, "max" or (first, last), optional
+        A number for one of them is the place of the section, rounded to a node, "max" the place of the
+        largest magnitude of the field; a pair for the other is the part that is drawn. By default the section
+        runs along x through the largest contact pressure.
     depth : float, optional
         Lower end of the section. By default it is chosen so that the stress is seen, at most a quarter of
         the length and the height of the layer.
@@ -273,23 +288,25 @@ def draw_sections(
 
 def _section(
     stress: Stress,
-    y: float | Span | None,
-    x: float | Span | None,
+    y: float | str | Span | None,
+    x: float | str | Span | None,
     depth: float | None,
     progress: Progress | None,
 ) -> xr.DataArray:
     """Stress (depth, along), with the nodes in contact as coordinate ``contact``, and its title as name."""
     source, solid = stress.source, stress.solid
     given = {"y": y, "x": x}
-    across = "x" if isinstance(x, Real) or not (y is None or isinstance(y, Real)) else "y"
+    across = "x" if isinstance(x, (Real, str)) or not (y is None or isinstance(y, (Real, str))) else "y"
     along = "x" if across == "y" else "y"
     place, span = given[across], given[along]
-    if isinstance(span, Real) or not (place is None or isinstance(place, Real)):
-        raise ValueError("y, x: a number for one of them and at most a pair for the other are needed")
+    if isinstance(span, (Real, str)) or not (place in (None, "max") or isinstance(place, Real)):
+        raise ValueError("y, x: a number or max for one of them and at most a pair for the other are needed")
     axis, other = "yx".index(across), "yx".index(along)
     kept = source.part(**{along: span})[other]  # type: ignore[arg-type]
     if place is None:
         node = int(np.unravel_index(source.field("pressure").argmax(), source.grid.shape)[axis])
+    elif isinstance(place, str):
+        node = _largest(stress, progress)[1][axis]
     else:
         node = source.node(across, place)
     height = solid.layer.extent or np.inf

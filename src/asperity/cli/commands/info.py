@@ -2,6 +2,7 @@
 
 import argparse
 
+from asperity.cli.commands.run import FLAGS
 from asperity.cli.parser import flag, section
 from asperity.core.errors import one_line
 from asperity.settings.map import MapOptions
@@ -23,6 +24,12 @@ def run(options: argparse.Namespace) -> None:
     lists = {"look at": found.warnings, "every calculation needs": found.needed, chosen: found.choices}
     for heading, texts in lists.items():
         if texts:
-            print(heading, *(f"  {text}" for text in MapError("", texts).renamed(flag).problems), sep="\n")
+            named = flag if texts is found.choices else _of_run
+            print(heading, *(f"  {text}" for text in MapError("", texts).renamed(named).problems), sep="\n")
     if not found.needed and not found.choices:
         print("A calculation needs nothing else.")
+
+
+def _of_run(name: str) -> str:
+    """Option of ``asperity run`` for an option of a map; those without a flag are set by their key."""
+    return flag(name) if f"map.{name}" in FLAGS else f"--set map.{name}=…"

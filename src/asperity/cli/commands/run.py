@@ -75,6 +75,7 @@ def run(options: argparse.Namespace) -> None:
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
     if options.check:
+        print(_cost_in_words([*jobs.values()]))
         return
     _compute(options, folder, jobs)
 
@@ -99,7 +100,10 @@ def _compute(options: argparse.Namespace, folder: Path | None, jobs: Mapping[str
         if options.pooled and folder is not None:
             _pool_answers(options, folder, jobs)
             return
-        answers = {job.out.name: _answered(job, options.save) for job in jobs.values()}
+        answers = {}
+        for number, job in enumerate(jobs.values(), 1):
+            place = f"{number} of {len(jobs)} " if len(jobs) > 1 else ""
+            answers[job.out.name] = _answered(job, options.save, place)
         if folder is not None:
             from asperity.engineering.several_answers import write_comparison
 
@@ -114,11 +118,11 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
     from asperity.engineering.case_file import holds_answer
     from asperity.engineering.several_answers import read_sample, write_sample
 
-    for job in jobs.values():
+    for number, job in enumerate(jobs.values(), 1):
         if options.resume and holds_answer(job.out, job.case, job.rough.files):
             print(f"{one_line(str(job.out))}: kept")
         else:
-            _answered(job, None)
+            _answered(job, None, f"{number} of {len(jobs)} ")
     if not options.only:
         first, *_ = jobs.values()
         sample = read_sample(folder, list(jobs), first.case)
@@ -126,8 +130,8 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
         print(write_sample(sample, folder, cases))
 
 
-def _answered(job: Job, save: str | None) -> Any:
-    """The answer of a case, printed and written."""
+def _answered(job: Job, save: str | None, place: str) -> Any:
+    """The answer of a case, printed and written; `place` is that among several."""
     from asperity.engineering.case_file import save_case
     from asperity.engineering.output import write_answer
     from asperity.engineering.run import answer_of
@@ -135,7 +139,7 @@ def _answered(job: Job, save: str | None) -> Any:
 
     if save and not _is_written(save, job.out):
         save_case(job.case, Path(save), job.out, job.rough.files)
-    with ProgressBar(one_line(f"run {job.case.map.file}")) as progress:
+    with ProgressBar(one_line(f"run {place}{job.case.map.file}")) as progress:
         answer = answer_of(job.case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
     files = write_answer(answer, job.out)
@@ -144,6 +148,24 @@ def _answered(job: Job, save: str | None) -> Any:
         names = " ".join(str(path) for path in files if path.suffix in suffixes)
         print(f"{kind:<10}{one_line(names)}")
     return answer
+
+
+def _cost_in_words(jobs: Sequence[Job]) -> str:
+    """Nodes, time and memory of some cases, as far as they are known before."""
+    from asperity.engineering.run import work_of
+    from asperity.study.cost.model import answer_cost, minutes, time_factor
+
+    costs = [
+        answer_cost(sum(work_of(job.case).values()), job.rough.face.height.size, job.rough.face.boundary)
+        for job in jobs
+    ]
+    ny, nx = max((job.rough.face.grid.shape for job in jobs), key=lambda shape: shape[0] * shape[1])
+    seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
+    maps = "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
+    return (
+        f"nothing wrong was found; {maps}, {ny} × {nx} nodes, about "
+        f"{minutes(seconds)} of one processor and {max(cost.memory for cost in costs) / 1e9:.1f} GB"
+    )
 
 
 def _is_written(save: str, out: Path) -> bool:

@@ -30,6 +30,9 @@ POSITIONS: dict[str, tuple[str, ...]] = {
 }
 """View → positions that it takes."""
 
+HIGHEST = {"plane": ("depth",), "section": ("y", "x")}
+"""View → positions that may be ``max``, that of the largest magnitude of the field."""
+
 STAGES = {"height": ("surface", "contact"), "peaks": ("stress",)}
 """View → stages whose results it shows, if not only the contact."""
 
@@ -83,8 +86,10 @@ def _draw(
         _refuse(view, "section and plane", body=None if options.body == "lower" else options.body, **friction)
     places: dict[str, Any] = {}
     for name, text in given.items():
-        if name == "depth":
-            places[name] = text if text == "max" and view == "plane" else length("depth", text, si)
+        if text == "max" and name in HIGHEST.get(view, ()):
+            places[name] = text
+        elif name == "depth":
+            places[name] = length("depth", text, si)
         else:
             places[name] = (length_or_span if view == "section" else span)(name, text, si)
     if view in MAPS:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from asperity.core.units import shown_si
 from asperity.engineering.question import IN_FULL_CONTACT, Question, Row
 
 if TYPE_CHECKING:
@@ -53,13 +54,34 @@ class Conduction(Question):
             yield "conduction", ": conductivity or resistivity of both bodies is needed"
 
     def rows(self, answer: Answer) -> Iterator[Row]:
-        """Conductance per nominal area."""
+        """Conductances per nominal area, the electrical resistance, and what it leaves out."""
+        area = answer.face.grid.area
         for name, resistivity in resistivities(answer.case).items():
             value, unit = answer.contact.conductance(resistivity), UNITS[name]
             number = IN_FULL_CONTACT if math.isinf(value) else f"{value:.4g} {unit}"
-            yield Row(
-                "contact", name.replace("_", " contact "), value, unit, f"{number}, without films and gap"
-            )
+            if name == "electrical_conductance":
+                yield from _resistance(value, resistivity, area, answer.face.boundary == "free")
+            yield Row("conduction", name.replace("_", " contact "), value, unit, f"{number}, without films")
+
+    def assumption(self, answer: Answer) -> str:
+        """What conduction leaves out."""
+        return "Heat and current pass through the real contact alone, not through films, oxides or the gap."
+
+
+def _resistance(conductance: float, resistivity: float, area: float, is_whole: bool) -> Iterator[Row]:
+    """Resistance of the real contact on the nominal area, and that of the bodies around this area.
+
+    The latter is (ρ₁ + ρ₂) / (4 α) for a circle of radius α (R. Holm, Electric Contacts, 1967, §1;
+    J. A. Greenwood, Br. J. Appl. Phys. 17 (1966) 1621, DOI 10.1088/0508-3443/17/12/310).
+    """
+    if conductance > 0:
+        value, nominal = 1 / (conductance * area), shown_si(area, "m^2")
+        words = f"{shown_si(value, 'Ω')} of the nominal area of {nominal}, without films"
+        yield Row("conduction", "electrical contact resistance", value, "Ω", words)
+    if not is_whole:
+        around = resistivity / (4 * math.sqrt(area / math.pi))
+        words = f"{shown_si(around, 'Ω', 3)} more (Holm), if the bodies are wider and touch only on this area"
+        yield Row("conduction", "constriction of the nominal area", around, "Ω", words)
 
 
 def resistivities(case: Case) -> dict[str, float]:

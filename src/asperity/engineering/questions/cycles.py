@@ -139,7 +139,7 @@ class Cycles(Question):
             keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
             yield (keys[name], f"{equals}{rest}") if name in keys else ("cycles", f": {error}")
 
-    def of_contact(self, answer: Answer) -> dict[str, Any]:
+    def of_contact(self, answer: Answer, progress: Progress) -> dict[str, Any]:
         """Body → its cycles; filled as the bodies are analysed."""
         return {}
 
@@ -165,7 +165,7 @@ class Cycles(Question):
             from asperity.engineering.body_stress import STRESS_TOLERANCE
             from asperity.stress.cycles.stress_cycles import stress_cycles
 
-            moving = moving_contact(answer.case, answer.rough, answer.nominal_pressure)
+            moving = moving_contact(answer.case, answer.rough, answer.nominal_pressure, progress)
             limits = _limits(answer.case.bodies[body])
             found[body] = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
         elif body in found:
@@ -370,7 +370,9 @@ def _problems_of_limits(bodies: Mapping[str, Body]) -> Iterator[tuple[str, str]]
             yield f"{name}.fatigue_torsion", str(error).removeprefix("fatigue_torsion")
 
 
-def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> MovingContact:
+def moving_contact(
+    case: Case, rough: RoughFace, mean_pressure: float, progress: Progress | None = None
+) -> MovingContact:
     """The faces of a case as they move against each other."""
     import numpy as np
 
@@ -396,6 +398,7 @@ def moving_contact(case: Case, rough: RoughFace, mean_pressure: float) -> Moving
         hardness=case.hardness,
         film_share=0.0 if case.film is None else case.film.share,
         wavelength_short=rough.face.wavelength_short,
+        progress=progress,
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,8 +13,12 @@ from asperity.settings.model import Number, setting
 from asperity.settings.quantities import Pressure
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from asperity.contact import Contact
-    from asperity.contact.gap import FilmFlow, Percolation
+    from asperity.contact.gap import Percolation
+    from asperity.contact.reynolds import FilmFlow
+    from asperity.core.types import Array, Progress
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
     from asperity.engineering.face import RoughFace
@@ -21,24 +27,43 @@ if TYPE_CHECKING:
 GROUP = "gap"
 
 FLOW_CAPTION = (
-    "Film that leaks through the gap: volume per time and width over its mean, and pressure. The gap is "
-    "closed in the black parts."
+    "Film that leaks through the gap: volume per time and width over its mean, and pressure. In the black "
+    "parts the gap is closed, or no path leads to an edge."
 )
 
 LEAST_FLUX = 1e-3
 """Flux over the mean one at the lower end of the colours."""
 
 
+SEALING_ERROR = 0.01
+"""Relative error of the load that seals; half of the error costs one contact more."""
+
+CLOSE_UP = 20
+"""Pixels to each side of the narrowest constriction in its picture."""
+
+
 @dataclass(frozen=True, eq=False)
 class LeakResult:
     """Percolation of contact and gap, flow through the map, and leakage on half of the nodes.
 
-    The flow is None without a viscosity, and where the contact closes the gap: nothing leaks.
+    The flow is None without a viscosity.
     """
 
     paths: Percolation
     flow: FilmFlow | None
     on_half: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sealing:
+    """Mean pressure that seals the gap, that on half of the nodes, and a contact just below it.
+
+    The pressure is 0 if all loads of the curve seal, and infinite if none does; then there is no contact.
+    """
+
+    load: float
+    on_half: float
+    last_open: Contact | None
 
 
 class Leak(Question):
@@ -63,34 +88,73 @@ class Leak(Question):
             yield f"leak.{given[0]}", f": needs leak.{({*names} - {*given}).pop()}"
 
     def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
-        """A map on which the flow cannot be solved."""
+        """The flow needs a package."""
+        from asperity.core.packages import require
+
         if self.viscosity is not None:
-            from asperity.contact.gap import check_film_grid
-            from asperity.core.packages import require
+            require(["pyamg"])
+        return iter(())
 
-            require(["reynoldsflow"])
-            try:
-                check_film_grid(rough.face.grid)
-            except ValueError as error:
-                yield "map", str(error).removeprefix("map")
-
-    def of_contact(self, answer: Answer) -> LeakResult:
+    def of_contact(self, answer: Answer, progress: Progress) -> LeakResult:
         """Percolation, and the flow on the map and on half of its nodes."""
         from asperity.contact.gap import percolation
 
-        flow = self._flow(answer.contact, answer.face)
-        on_half = self._flow(answer.half.contact, answer.face)
-        return LeakResult(percolation(answer.contact), flow, 0.0 if on_half is None else on_half.flow_rate)
+        flow = self._flow(answer.contact, lambda done, total: progress(0.8 * done, total))
+        on_half = self._flow(answer.half.contact)
+        paths = percolation(answer.contact)
+        return LeakResult(paths, flow, 0.0 if on_half is None else on_half.flow_rate)
 
-    def _flow(self, contact: Contact, face: TreatedMap) -> FilmFlow | None:
-        """Flow of the film through one map of the cell; None where the gap is closed."""
-        from asperity.contact.gap import film_flow, open_along
+    def _flow(self, contact: Contact, progress: Progress | None = None) -> FilmFlow | None:
+        """Flow of the film through the map; None without a film."""
+        from asperity.contact.reynolds import film_flow
 
         if self.viscosity is None or self.pressure_difference is None:
             return None
-        if not open_along(contact)["yx".index(self.direction)]:
-            return None
-        return film_flow(contact, self.viscosity, self.pressure_difference, self.direction)
+        return film_flow(contact, self.viscosity, self.pressure_difference, self.direction, progress)
+
+    def under_load(self, answer: Answer, contact: Contact) -> dict[str, float]:
+        """Constriction and leakage of a contact of a load curve, also on half of the nodes."""
+        from asperity.engineering.continuum import solved_on_half
+
+        found, half = {}, solved_on_half(contact).contact
+        for name, each in (("", contact), ("_on_half", half)):
+            found[f"constriction{name}"] = self._constriction(each)
+            if (flow := self._flow(each)) is not None:
+                found[f"leakage{name}"] = flow.flow_rate
+        return found
+
+    def _constriction(self, contact: Contact) -> float:
+        """Narrowest constriction along the direction of the leak; 0 if the gap is sealed."""
+        from asperity.contact.gap import percolation
+
+        return percolation(contact).constriction["yx".index(self.direction)]
+
+    def sealing(self, answer: Answer, curve: Dataset, progress: Progress) -> Sealing:
+        """The mean pressure that seals the gap, by bisection between loads of a curve."""
+        from asperity.contact.half_grid import solve_on_half
+        from asperity.engineering.press import press
+
+        face, case, loads = answer.face, answer.case, curve["mean_pressure"].values
+
+        def pressed(load: float) -> Contact:
+            return press(face, case.under(mean_pressure=load))
+
+        def on_half(load: float) -> Contact:
+            given = {"mean_pressure": load, "hardness": case.hardness}
+            return solve_on_half(face.height, case.solid, face.grid, face.boundary, **given)[0]
+
+        found: dict[str, float] = {}
+        for number, (name, solved) in enumerate((("", pressed), ("_on_half", on_half))):
+            opened = curve[f"constriction{name}"].values > 0
+
+            def is_open(load: float, solved: Callable[[float], Contact] = solved) -> bool:
+                return self._constriction(solved(load)) > 0
+
+            found[name] = _last_open_load(loads, opened, is_open)
+            progress(number + 1, 2)
+        load = found[""]
+        last_open = pressed(load * (1 - SEALING_ERROR)) if 0 < load < math.inf else None
+        return Sealing(load, found["_on_half"], last_open)
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Percolation, the narrowest constriction, and the leakage."""
@@ -111,29 +175,26 @@ class Leak(Question):
                 at = f"x = {shown_si(float(x), 'm')}, y = {shown_si(float(y), 'm')}"
                 words = f"{shown_si(width, 'm')} at {at}"
             yield Row(GROUP, f"narrowest constriction along {'yx'[axis]}", width, "m", words)
-        if self.viscosity is None:
-            return
         if flow is None:
-            yield Row(
-                GROUP,
-                f"leakage along {self.direction}",
-                0.0,
-                "m^3/s",
-                "0, sealed: the contact closes the gap",
-            )
             return
-        shown = f"{1e9 * flow.flow_rate:.4g} mm³/s, to {100 * flow.conservation_error:.1g} % of it"
-        yield Row(GROUP, f"leakage along {self.direction}", flow.flow_rate, "m^3/s", shown)
+        name, rate = f"leakage along {self.direction}", flow.flow_rate
+        if rate == 0:
+            words = "0, sealed: the contact closes the gap"
+            if answer.case.load_curve is None:
+                words += "; a load_curve from smaller loads finds the load that seals"
+            yield Row(GROUP, name, 0.0, "m^3/s", words)
+            return
+        row = Row(GROUP, name, rate, "m^3/s", shown_si(rate, "m^3/s"))
+        yield row.by(abs(rate - found.on_half))
         words = f"{flow.flow_factor:.4g} of the flow between planes at the mean gap"
         yield Row(GROUP, "pressure flow factor", flow.flow_factor, "1", words)
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Error of the leakage by the pixels."""
         found: LeakResult = answer.of(self)
-        if self.viscosity is not None:
+        if found.flow is not None and found.flow.flow_rate > 0:
             name = f"leakage along {self.direction}"
-            fine = 0.0 if found.flow is None else found.flow.flow_rate
-            yield advice_on_pixels("leakage", {name: fine}, {name: found.on_half})
+            yield advice_on_pixels("leakage", {name: found.flow.flow_rate}, {name: found.on_half})
 
     def assumption(self, answer: Answer) -> str:
         """What the flow assumes."""
@@ -142,41 +203,119 @@ class Leak(Question):
         return "The film is laminar, fills the gap and does not open it."
 
     def files(self, case: Case) -> list[str]:
-        """The picture of the flow."""
-        return [] if self.viscosity is None else ["flow.png"]
+        """The pictures of the narrowest constriction and of the flow."""
+        return ["constriction.png", *([] if self.viscosity is None else ["flow.png"])]
 
     def pictures(self, answer: Answer) -> Iterator[Picture]:
-        """Maps of the flux of the film and of its pressure."""
-        if (flow := answer.of(self).flow) is not None:
-            yield Picture("flow", FLOW_CAPTION, _maps(answer.face, flow))
+        """The gap around the narrowest constriction, and maps of the flux of the film and of its pressure."""
+        contact, under = answer.contact, "under the load"
+        curve = answer.found.get("load_curve")
+        if curve is not None and curve.sealing is not None and curve.sealing.last_open is not None:
+            contact, under = curve.sealing.last_open, "just below the load that seals"
+        if self._constriction(contact) > 0:
+            yield self._picture_of_constriction(contact, under)
+        if (flow := answer.of(self).flow) is not None and flow.flow_rate > 0:
+            yield Picture("flow", FLOW_CAPTION, _maps_of_flow(answer.face, flow))
+
+    def _picture_of_constriction(self, contact: Contact, under: str) -> Picture:
+        """The gap around the narrowest constriction of the best path along the direction of the leak."""
+        import numpy as np
+        from matplotlib.colors import LogNorm
+
+        from asperity.contact.gap import open_gap, percolation
+        from asperity.core.units import scaled_unit, shown_si
+
+        grid, paths, axis = contact.grid, percolation(contact), "yx".index(self.direction)
+        narrowest, (y, x) = paths.constriction[axis], paths.place[axis]
+        nodes = [round(place / step) for place, step in zip((y, x), grid.spacing, strict=True)]
+        part = tuple(slice(max(node - CLOSE_UP, 0), node + CLOSE_UP + 1) for node in nodes)
+        gap = open_gap(contact)[part]
+        factor, symbol = scaled_unit(gap.max(), "m")
+        edges = [step * (each.start - 0.5) for step, each in zip(grid.spacing, part, strict=True)]
+        lengths = [step * size for step, size in zip(grid.spacing, gap.shape, strict=True)]
+        with _panels(1, lengths[0] / lengths[1]) as (figure, (panel,)):
+            shown = np.ma.masked_where(gap <= 0, gap / factor)
+            colours = {"norm": LogNorm(narrowest / factor, 1.01 * shown.max(), clip=True)}
+            label = f"gap ({symbol})"
+            scale = _draw(
+                figure, panel, shown, (edges[0], edges[1]), (lengths[0], lengths[1]), label, colours
+            )
+            panel.plot(x / scale, y / scale, "o", mfc="none", mec="red", ms=12, mew=1.5)
+        caption = (
+            f"Gap around the narrowest constriction along {self.direction}, {shown_si(narrowest, 'm', 3)} in "
+            f"the ring, {under} (mean pressure {shown_si(contact.mean_pressure, 'Pa', 3)}). The contact is "
+            "black."
+        )
+        return Picture("constriction", caption, figure)
 
 
-def _maps(face: TreatedMap, flow: FilmFlow) -> Any:
+def _last_open_load(loads: Array, opened: Array, is_open: Callable[[float], bool]) -> float:
+    """Load above which a gap is closed, to `SEALING_ERROR`; 0 below all loads, and infinite above them."""
+    if opened.all():
+        return math.inf
+    first = int(opened.argmin())
+    if first == 0:
+        return 0.0
+    low, high = float(loads[first - 1]), float(loads[first])
+    while high / low > 1 + 2 * SEALING_ERROR:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if is_open(middle) else (low, middle)
+    return math.sqrt(low * high)
+
+
+def _maps_of_flow(face: TreatedMap, flow: FilmFlow) -> Any:
     """Maps of the flux of the film over its mean, and of its pressure; black where the gap is closed."""
     import numpy as np
     from matplotlib.colors import LogNorm
-    from matplotlib.figure import Figure
 
     from asperity.core.units import scaled_unit
-    from asperity.views.style import MILLIMETRE, PAGE, style
 
-    (ny, nx), (length, unit) = flow.pressure.shape, scaled_unit(max(face.grid.length), "m")
     factor, symbol = scaled_unit(float(np.nanmax(flow.pressure)), "Pa")
     relative = np.hypot(*flow.flux) / np.hypot(*flow.flux.mean(axis=(1, 2)))
-    edges = [edge / length for edge in face.grid.length]
     panels: list[tuple[str, Any, dict[str, Any]]] = [
-        ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max())}),
+        ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max(), clip=True)}),
         (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),
     ]
-    with style():
-        height = min(0.4 * ny / nx, 1.0) * PAGE + 30 * MILLIMETRE
-        figure = Figure(figsize=(PAGE, height), layout="compressed")  # with a colour bar below each panel
-        axes = figure.subplots(1, 2)
+    lengths = face.grid.length
+    with _panels(2, lengths[0] / lengths[1]) as (figure, axes):
         for axis, (label, values, colours) in zip(axes, panels, strict=True):
-            axis.set_facecolor("black")
             shown = np.ma.masked_where(np.isnan(flow.pressure), values)
-            place: dict[str, Any] = {"origin": "lower", "extent": (0, edges[1], 0, edges[0])}
-            image = axis.imshow(shown, **place, **colours)
-            axis.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
-            figure.colorbar(image, ax=axis, label=label, location="bottom")
+            _draw(figure, axis, shown, (0.0, 0.0), lengths, label, colours)
     return figure
+
+
+@contextmanager
+def _panels(count: int, shape: float) -> Iterator[tuple[Any, list[Any]]]:
+    """A new figure with panels beside each other, of a height over width, each with a colour bar below."""
+    from matplotlib.figure import Figure
+
+    from asperity.views.panels import SINGLE
+    from asperity.views.style import MILLIMETRE, PAGE, style
+
+    width = SINGLE if count == 1 else PAGE
+    with style():
+        height = min(0.8 * shape / count, 1.0) * width + 30 * MILLIMETRE
+        figure = Figure(figsize=(width, height), layout="compressed")
+        yield figure, list(figure.subplots(1, count, squeeze=False)[0])
+
+
+def _draw(
+    figure: Any,
+    axis: Any,
+    values: Array,
+    corner: tuple[float, float],
+    lengths: tuple[float, float],
+    label: str,
+    colours: dict[str, Any],
+) -> float:
+    """Draw values of the map in a panel, black where they are masked; returns the unit of its axes in m."""
+    from asperity.core.units import scaled_unit
+
+    factor, unit = scaled_unit([start + length for start, length in zip(corner, lengths, strict=True)], "m")
+    (bottom, left), (top, right) = corner, (corner[0] + lengths[0], corner[1] + lengths[1])
+    extent = [edge / factor for edge in (left, right, bottom, top)]
+    axis.set_facecolor("black")
+    image = axis.imshow(values, origin="lower", extent=extent, **colours)
+    axis.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+    figure.colorbar(image, ax=axis, label=label, location="bottom")
+    return factor

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,9 +14,10 @@ from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
 from asperity.contact import Contact
 from asperity.core.types import Array, Progress
-from asperity.core.units import shown_si
+from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row
+from asperity.engineering.questions.leak import SEALING_ERROR
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, setting
 
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
+    from asperity.engineering.questions.leak import Sealing
 
 COLUMNS = {
     "mean_pressure": "mean_pressure_Pa",
@@ -36,6 +39,12 @@ COLUMNS = {
     "plastic_area": "plastic_area",
     "thermal_conductance": "thermal_conductance_W_m2_K",
     "electrical_conductance": "electrical_conductance_S_m2",
+    "electrical_resistance": "electrical_resistance_ohm",
+    "force": "force_N",
+    "constriction": "narrowest_constriction_m",
+    "constriction_on_half": "narrowest_constriction_on_half_m",
+    "leakage": "leakage_m3_s",
+    "leakage_on_half": "leakage_on_half_m3_s",
 }
 """Variable of a load curve → column of its table."""
 
@@ -43,13 +52,27 @@ YIELD_LOAD_ERROR = 0.005
 """Relative error of the load where yield begins; a third of the error costs one or two contacts more."""
 
 
+YIELD_CONTACTS, SEALING_CONTACTS = 4, 8
+"""Usual numbers of contacts to find the load where yield begins, and the load that seals."""
+
 MAX_LOADS, RISING = 100, "a list of rising values"
 """Most loads of a load curve, and their description in messages."""
 
 CAPTION = (
     "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against "
-    "the mean pressure. A dotted line marks a load where yield begins."
+    "the mean pressure. A dotted line marks a load where yield begins, or that seals the gap."
 )
+
+PANELS = {
+    "area_fraction": ("real contact", "%"),
+    "mean_gap": ("mean gap", "m"),
+    "largest_pressure": ("largest pressure", "Pa"),
+    "stiffness": ("stiffness", "Pa/m"),
+    "largest_von_mises_stress": ("von Mises stress", "Pa"),
+    "leakage": ("leakage", "m^3/s"),
+    "electrical_resistance": ("electrical resistance", "Ω"),
+}
+"""Number of a load curve → its label and unit in the picture."""
 
 WIDE = 10
 """Largest over smallest value of a number above which its axis is logarithmic."""
@@ -78,10 +101,13 @@ class AnswerCurve:
         As of `load_curve`, in SI units; the approach is that since first touch.
     yield_loads : dict
         Body → mean pressure at which it begins to yield, as of `yield_load`.
+    sealing : Sealing, optional
+        Mean pressure that seals the gap, if a leak is asked.
     """
 
     numbers: xr.Dataset
     yield_loads: Mapping[str, float]
+    sealing: Sealing | None = None
 
     def frame(self) -> pd.DataFrame:
         """The curve as a table; the columns are described in ``docs/tables.md``."""
@@ -147,33 +173,48 @@ class LoadCurve(Question):
         return [*read, case.load.value]
 
     def after_stress(self, answer: Answer, progress: Progress) -> AnswerCurve:
-        """The load curve, and the loads where yield begins."""
+        """The load curve, and the loads where yield begins and where the gap is sealed."""
         from asperity.engineering.press import press
         from asperity.engineering.questions.conduction import resistivities
 
-        case, face, path = answer.case, answer.face, self.path(answer.case)
+        case, face, path, leak = answer.case, answer.face, self.path(answer.case), answer.case.leak
+        names = list(case.different_bodies)
+        limits = {name: case.bodies[name].yield_stress for name in names}
+        yields = {name: limit for name, limit in limits.items() if limit is not None}
+        parts = len(path) + YIELD_CONTACTS * len(yields) + (0 if leak is None else SEALING_CONTACTS)
 
         def contacts() -> Iterator[Contact]:
             for number, load in enumerate(path):
                 under = case.under(**{case.load.kind: load})
-                yield answer.contact if load == path[-1] else press(face, under)
-                progress(number + 1, len(path))
+                reported = partial(_within, progress, number, number + 0.5, parts)
+                yield answer.contact if load == path[-1] else press(face, under, reported)
+                progress(number + 1, parts)
 
-        names = list(case.different_bodies)
+        def more(contact: Contact) -> dict[str, float]:
+            found = {"force": contact.mean_pressure * face.grid.area}
+            if (current := resistivities(case).get("electrical_conductance")) is not None:
+                found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
+            return found if leak is None else found | leak.under_load(answer, contact)
+
         sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
-        curve = load_curve(contacts(), names, resistivities(case), case.loaded_body, **sliding)
-        begins = {}
-        for name in names:
-            if (limit := case.bodies[name].yield_stress) is not None:
+        curve = load_curve(contacts(), names, resistivities(case), case.loaded_body, more, **sliding)
+        begins, done = {}, len(path)
+        for name, limit in yields.items():
+            steps = iter(range(done, done + YIELD_CONTACTS))
 
-                def stress_under(load: float, name: str = name) -> float:
-                    under_load = press(face, case.under(mean_pressure=load))
-                    return largest_von_mises(case.loaded_body(under_load, name), name, **sliding)
+            def stress_under(load: float, name: str = name, steps: Iterator[int] = steps) -> float:
+                progress(next(steps, parts), parts)
+                under_load = press(face, case.under(mean_pressure=load))
+                return largest_von_mises(case.loaded_body(under_load, name), name, **sliding)
 
-                stresses = curve["largest_von_mises_stress"].sel(body=name).values
-                begins[name] = yield_load(curve["mean_pressure"].values, stresses, limit, stress_under)
+            stresses = curve["largest_von_mises_stress"].sel(body=name).values
+            begins[name] = yield_load(curve["mean_pressure"].values, stresses, limit, stress_under)
+            done += YIELD_CONTACTS
+        sealing = None
+        if leak is not None:
+            sealing = leak.sealing(answer, curve, partial(_within, progress, done, parts, parts))
         lowest = float(answer.contact.height.min())
-        return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins)
+        return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins, sealing)
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Stiffness at the last load, and loads where yield begins."""
@@ -190,6 +231,8 @@ class LoadCurve(Question):
                 words = f"{'below' if load == 0 else 'above'} {shown_si(value, 'Pa', 3)}, beyond the curve"
             subject = f"the {name} body yields" if len(answer.case.bodies) > 1 else "yield begins"
             yield Row(group, f"mean pressure where {subject}", value, "Pa", words)
+        if curve.sealing is not None:
+            yield _row_of_sealing(group, curve.sealing, loads)
 
     def files(self, case: Case) -> list[str]:
         """Table and picture."""
@@ -209,6 +252,7 @@ def load_curve(
     bodies: Sequence[str] = (),
     resistivities: Mapping[str, float] | None = None,
     loaded: Callable[[Contact, str], LoadedSolid] = Contact.in_body,
+    more: Callable[[Contact], Mapping[str, float]] | None = None,
     **sliding: Any,
 ) -> xr.Dataset:
     """Numbers of contacts against their load; each contact is released before the next is solved.
@@ -223,6 +267,8 @@ def load_curve(
         Name of a conductance → sum of the resistivities of both bodies; see `asperity.Contact.conductance`.
     loaded : callable, optional
         Contact and name of a body → the loaded body; by default under the contact alone.
+    more : callable, optional
+        Contact → further numbers by name.
     **sliding
         `friction` and `sliding_direction` on the lower body, as for `asperity.analyse_stress`.
 
@@ -258,7 +304,7 @@ def load_curve(
         if math.isfinite(contact.hardness):
             row["plastic_area"] = contact.plastic_area
         row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
-        rows.append(row)
+        rows.append(row | dict(more(contact) if more else {}))
         stresses.append([largest_von_mises(loaded(contact, body), body, **sliding) for body in bodies])
     if not rows:
         raise ValueError("contacts: at least one is needed")
@@ -325,37 +371,74 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
     )
 
 
+def _within(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:
+    """Report the progress of a part of a work."""
+    progress(begin + (end - begin) * (done / of if of else 1.0), total)
+
+
+def _row_of_sealing(group: str, sealing: Sealing, loads: Array) -> Row:
+    """The load that seals, with its error by the pixels."""
+    name = "mean pressure that seals"
+    if not 0 < sealing.load < math.inf:
+        value = float(loads[-1] if sealing.load else loads[0])
+        words = f"{'above' if sealing.load else 'below'} {shown_si(value, 'Pa', 3)}, beyond the curve"
+        return Row(group, name, value, "Pa", words)
+    row = Row(group, name, sealing.load, "Pa", shown_si(sealing.load, "Pa", 3))
+    if 0 < sealing.on_half < math.inf:
+        return row.by(max(abs(sealing.load - sealing.on_half), SEALING_ERROR * sealing.load))
+    side = "below" if sealing.on_half == 0 else "above"
+    return row._replace(shown=f"{row.shown}; on half of the nodes {side} the loads of the curve")
+
+
 def _drawn(curve: AnswerCurve) -> Any:
-    """Numbers of a load curve against the mean pressure."""
+    """Numbers of a load curve against the mean pressure, the electrical resistance against the force."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
     from asperity.views.panels import canvas
 
-    numbers = curve.numbers
-    loads = numbers["mean_pressure"].values
-    panels = {
-        "area_fraction": ("real contact", 1.0),
-        "mean_gap": ("mean gap (nm)", 1e9),
-        "largest_pressure": ("largest pressure (GPa)", 1e-9),
-        "stiffness": ("stiffness (GPa/µm)", 1e-15),
-        "largest_von_mises_stress": ("von Mises stress (GPa)", 1e-9),
-    }
+    numbers, panels = curve.numbers, [name for name in PANELS if name in curve.numbers]
+    margin = max(float(numbers["mean_pressure"][-1] / numbers["mean_pressure"][0]) ** 0.05, 1.01)
     with canvas([0.8] * len(panels), None) as (figure, axes, _):
-        for axis, (name, (label, factor)) in zip(axes, panels.items(), strict=True):
-            values = factor * numbers[name].values.reshape(loads.size, -1)
-            margin = max((loads[-1] / loads[0]) ** 0.05, 1.01)
-            limits = 1e-6 * loads[0] / margin, 1e-6 * loads[-1] * margin
-            axis.set(xscale="log", xlim=limits, xlabel="mean pressure (MPa)", ylabel=label)
+        for axis, name in zip(axes, panels, strict=True):
+            label, unit = PANELS[name]
+            against = ("force", "N") if name == "electrical_resistance" else ("mean_pressure", "Pa")
+            shown = [
+                numbers[name].values,
+                *([numbers["leakage_on_half"].values] if name == "leakage" else []),
+            ]
+            values, along = np.column_stack(shown), numbers[against[0]].values
+            if name == "leakage":  # a logarithmic axis shows no sealed gap
+                values = np.where(values > 0, values, np.nan)
+            factor, symbol = (0.01, unit) if unit == "%" else scaled_unit(values, unit)
+            per, of = scaled_unit(along, against[1])
             for column, marker in zip(values.T, "os", strict=False):
-                axis.plot(1e-6 * loads, column, f"-{marker}", ms=3)
-            finite = values[np.isfinite(values)]  # the stiffness is infinite in full contact
+                axis.plot(along / per, column / factor, f"-{marker}", ms=3)
+            axis.set(xscale="log", xlim=(along[0] / per / margin, along[-1] / per * margin))
+            axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axis.xaxis.set_minor_formatter(NullFormatter())
+            axis.set_xlabel(f"{against[0].replace('_', ' ')} ({of})")
+            axis.set_ylabel(f"{label} ({symbol})")
+            finite = values[np.isfinite(values)] / factor  # the stiffness is infinite in full contact
             highest = finite.max(initial=0)
             if highest > WIDE * finite.min(initial=np.inf) > 0:
                 axis.set_yscale("log")
             elif highest > 0:
                 axis.set_ylim(0, 1.1 * highest)
-        bodies = [str(body) for body in numbers["body"].values]
+            _mark_loads(curve, name, axis, per)
+    return figure
+
+
+def _mark_loads(curve: AnswerCurve, name: str, axis: Any, unit: float) -> None:
+    """Dotted lines at the loads where yield begins, and that seal; a legend where there are two lines."""
+    marked, bodies = {}, [str(body) for body in curve.numbers["body"].values]
+    if name == "leakage":
+        axis.legend(["all nodes", "half of the nodes"], loc="lower left")
+        marked = {"C0": 0.0 if curve.sealing is None else curve.sealing.load}
+    if name == "largest_von_mises_stress":
         if len(bodies) > 1:
             axis.legend([f"{body} body" for body in bodies])
-        for name, load in curve.yield_loads.items():
-            if 0 < load < np.inf:
-                axis.axvline(1e-6 * load, color=f"C{bodies.index(name)}", ls=":", lw=1)
-    return figure
+        marked = {f"C{bodies.index(body)}": load for body, load in curve.yield_loads.items()}
+    for colour, load in marked.items():
+        if 0 < load < np.inf:
+            axis.axvline(load / unit, color=colour, ls=":", lw=1)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from asperity.contact import Contact
     from asperity.contact.slip import PartialSlip as Slip
+    from asperity.core.types import Progress
     from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.engineering.answer import Answer
     from asperity.engineering.case import Case
@@ -84,7 +85,7 @@ class PartialSlip(Question):
                 ": half-spaces are needed, or a tangential_force on layers",
             )
 
-    def of_contact(self, answer: Answer) -> SlipResult:
+    def of_contact(self, answer: Answer, progress: Progress) -> SlipResult:
         """The contact under the tangential load."""
         import pandas as pd
 

@@ -76,7 +76,7 @@ class Yielding(Question):
         if not self.is_implied(case):
             yield "yielding", ": a yield_stress of a body is needed"
 
-    def of_contact(self, answer: Answer) -> dict[str, Any]:
+    def of_contact(self, answer: Answer, progress: Progress) -> dict[str, Any]:
         """Body → `Yielded`; filled as the bodies are analysed."""
         return {}
 

@@ -1,0 +1,186 @@
+"""Leakage, the load that seals, resistance, progress; units as words, and arrays in place of files."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.cli.parser import with_units
+from asperity.contact.reynolds import film_flow
+from asperity.core.packages import absent
+from asperity.core.units import misread
+from asperity.engineering.questions.leak import on_map_alone
+from asperity.study import progress_and_log
+
+EDGES = (30e-6, 50e-6)
+HEIGHT = asp.self_affine((24, 32), 0.8, 15e-6, 6e-6, rms_height=2e-7, seed=3, length=EDGES)
+RUBBER = {"young": "10 MPa", "poisson": 0.49}
+LEAK = {"viscosity": 0.03, "pressure_difference": "5 bar"}
+flows = pytest.mark.skipif(bool(absent(["pyamg"])), reason='pip install "asperity[flow]"')
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A working folder with the map of a shaft, 24 × 32 points that are not square."""
+    monkeypatch.chdir(tmp_path)
+    np.save("shaft.npy", 1e6 * HEIGHT)
+    return tmp_path
+
+
+def run(*words):
+    """Run the command of a seal: the numbers of the answer by name."""
+    seal = ["--unit", "um", "--physical-size", "30", "um", "50um", "--young", "10MPa", "--poisson", "0.49"]
+    seal += ["--set", "leak.viscosity=0.03", "--set", "leak.pressure_difference=5 bar", "--despike", "8"]
+    assert main(["run", "shaft.npy", *seal, "--out", "out", *words]) == 0
+    return pd.read_csv("out/answer.csv").set_index("name")["value"]
+
+
+@flows
+def test_leakage_of_a_map_that_is_not_square(folder, capsys):
+    """The command of the seal; the mirrored cell leaks as the map alone with two sealed edges."""
+    found = run("--mean-pressure", "20", "kPa")
+    assert found["leakage along x"] > 0
+    assert "by the pixels" in capsys.readouterr().out
+    assert (folder / "out" / "flow.png").is_file()
+    answer = asp.run(HEIGHT, RUBBER, length=EDGES, mean_pressure=2e4, leak=LEAK)
+    whole, alone = answer.contact, on_map_alone(answer.contact, answer.face)
+    assert alone.grid.shape == (24, 32)
+    mirrored, own = (film_flow(each, 0.03, fall).flow_rate for each, fall in ((whole, 1e6), (alone, 5e5)))
+    assert mirrored == pytest.approx(2 * own, rel=1e-6)
+    assert answer.found["leak"].flow.flow_rate == pytest.approx(own, rel=1e-9)
+
+
+@flows
+def test_sealed_gap_is_an_answer_with_the_load_that_seals(folder, capsys):
+    """A closed gap leaks nothing, ends no load curve, and the gap is open below the load that seals."""
+    found = run(
+        "--mean-pressure", "1 MPa", "--set", "load_curve.loads=[10 kPa]", "--set", "load_curve.steps=4"
+    )
+    assert found["leakage along x"] == 0
+    assert "0, sealed" in capsys.readouterr().out
+    curve = pd.read_csv("out/curve.csv")
+    assert len(curve) == 4
+    assert (curve["leakage_m3_s"].diff()[1:] <= 0).all()
+    assert curve["leakage_m3_s"].iloc[0] > curve["leakage_m3_s"].iloc[-1] == 0
+    seals = found["mean pressure that seals"]
+    for factor, is_open in ((0.97, True), (1.03, False)):
+        answer = asp.run(HEIGHT, RUBBER, length=EDGES, mean_pressure=factor * seals, leak={})
+        assert answer.found["leak"].paths.gap[1] == is_open
+    assert (folder / "out" / "constriction.png").is_file()
+
+
+def test_resistance_of_an_electrical_contact():
+    """The resistance is one over conductance and area, and Holm's of a circle of the nominal area."""
+    gold = {"young": "78 GPa", "poisson": 0.42, "resistivity": 2.4e-8}
+    answer = asp.run(HEIGHT, gold, gold, length=EDGES, force="20 mN", load_curve={"loads": ["5 mN"]})
+    rows = {row.name: row for row in answer.rows}
+    area = EDGES[0] * EDGES[1]
+    expected = 1 / (answer.contact.conductance(4.8e-8) * area)
+    resistance = rows["electrical contact resistance"]
+    assert resistance.value == pytest.approx(expected)
+    assert "Ω of the nominal area of 1500 µm², without films" in resistance.shown
+    around = rows["constriction of the nominal area"]
+    assert around.value == pytest.approx(4.8e-8 / 4 / np.sqrt(area / np.pi))
+    curve = answer.found["load_curve"].frame()
+    np.testing.assert_allclose(curve["force_N"], [5e-3, 20e-3])
+    assert curve["electrical_resistance_ohm"].iloc[-1] == pytest.approx(expected)
+    assert curve["electrical_resistance_ohm"].is_monotonic_decreasing
+
+
+def test_check_says_time_and_memory(folder, capsys):
+    given = "--unit um --physical-size 30um 50um --young 10MPa --poisson 0.49 --mean-pressure 20kPa --check"
+    assert main(["run", "shaft.npy", *given.split()]) == 0
+    said = capsys.readouterr().out
+    assert "1 map, 48 × 64 nodes, about " in said
+    assert "s of one processor and 0.3 GB" in said
+    assert not (folder / "shaft_run").exists()
+
+
+def test_progress_has_the_remaining_time(monkeypatch, capsys):
+    """Without a terminal a line tells what is done and left, and the stages never step back."""
+    monkeypatch.setattr(progress_and_log, "SECONDS_BETWEEN_LINES", 0.0)
+    parts = []
+    with progress_and_log.ProgressBar("run map") as bar:
+
+        def report(done, total):
+            parts.append(done / total)
+            bar(done, total)
+
+        asp.run(HEIGHT, RUBBER, length=EDGES, mean_pressure=2e4, progress=report)
+    assert parts == sorted(parts)
+    assert parts[-1] == 1
+    assert " s left" in capsys.readouterr().err
+
+
+def test_a_number_and_its_unit_are_two_words():
+    given = [
+        "run",
+        "m",
+        "--physical-size",
+        "30",
+        "um",
+        "50",
+        "um",
+        "--set",
+        "body.young=7",
+        "GPa",
+        "--points",
+        "5",
+    ]
+    joined = ["run", "m", "--physical-size", "30 um", "50 um", "--set", "body.young=7 GPa", "--points", "5"]
+    assert with_units(given) == joined
+    assert with_units(["run", "7", "m"]) == ["run", "7", "m"]  # names of maps
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("0,3", "not a comma: 0.3"), ("60HRC", "about 697 HV on steel, 6.8 GPa"), ("80 HRC", "outside of the")],
+)
+def test_misread_pressures_get_a_sentence(text, words):
+    assert words in misread(text, "pressure")
+    with pytest.raises(asp.SettingsError, match=words):
+        asp.Case(map="a.x3p", body={**RUBBER, "hardness": text}, load={"force": 1.0})
+
+
+def test_decimal_comma_of_a_number_gets_a_sentence():
+    with pytest.raises(asp.SettingsError, match=r"body.poisson = '0,3': .*not a comma: 0\.3"):
+        asp.Case.read(
+            {"map": "a.x3p", "body": {"young": "1 GPa", "poisson": "0,3"}, "load": {"force": "1 N"}}
+        )
+
+
+def test_info_names_options_that_run_takes(folder, capsys):
+    height = 1e6 * HEIGHT
+    height[3:9, 3:9] = -9999
+    np.savetxt("map.txt", height)
+    assert main(["info", "map.txt"]) == 0
+    advised = capsys.readouterr().out.partition("look at")[2].partition("need")[0]
+    assert "--set map.missing=" in advised
+    assert "--missing:" not in advised
+
+
+def test_arrays_solids_and_patterns(folder):
+    """An array needs its length; a solid of the library is a body; a pattern lists maps."""
+    with pytest.raises(ValueError, match="length: the edges"):
+        asp.run(HEIGHT, RUBBER, mean_pressure=2e4)
+    one = asp.run({"file": HEIGHT, "length": EDGES}, asp.Solid(1e7, 0.49, 1e-5), mean_pressure=2e4)
+    layer = {"young": 1e7, "poisson": 0.49, "layer": {"height": 1e-5}}
+    assert one.case.body == asp.Body(**layer)
+    with pytest.raises(asp.SettingsError, match="a Body with this layer"):
+        asp.run(HEIGHT, one.case.body.layer, length=EDGES, mean_pressure=2e4)
+    np.save("shaft_2.npy", 1e6 * HEIGHT[::-1])
+    (folder / "all.yaml").write_text("map: shaft*.npy\nbody: {}\n")
+    from asperity.engineering.case_file import load_case
+
+    assert load_case("all.yaml")["map"]["file"] == ["shaft.npy", "shaft_2.npy"]
+
+
+def test_section_through_the_largest_stress():
+    contact = asp.solve_contact(HEIGHT, asp.Solid(1e7, 0.49), EDGES, mean_pressure=2e4)
+    figure = asp.views.plot_section(contact, y="max")
+    stress = asp.analyse_stress(contact.in_body("lower"), quantities=("von_mises",))
+    of_stress = stress.isel(peak=stress["peak_quantity"].values == "von_mises")
+    peak = of_stress.isel(peak=int(of_stress["peak_value"].values.argmax()))
+    place = float(figure.axes[0].get_title(loc="left").split("=")[-1].split()[0])
+    assert place == pytest.approx(float(peak["peak_y"]), abs=1.5 * EDGES[0] / 24)
