@@ -39,6 +39,9 @@ FEWEST_BINS = 10
 QUANTILES = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
 """Shares of the peaks at which quantiles are stored: every percent, above 99 % every tenth of a percent."""
 
+EDGE_ROUNDING = 1e-6
+"""Rounding of the position of a peak on a mirror line, over half of the spacing of the nodes."""
+
 LARGE_PATCH = 30
 """A patch of contact is large if it has more nodes than this."""
 
@@ -328,10 +331,14 @@ def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
     for name, variable in {"area": "path_area_fraction", "load": "path_mean_pressure"}.items():
         falls = float(np.sum(np.diff(contact[variable]) <= 0))
         checks[f"falls of the {name} along the load path"] = falls, 0
-    height, width = grid_of(contact).length
-    reach = {"depth": float(stress["plane_depth"].max()), "y": height, "x": width}
+    grid = grid_of(contact)
+    reach = {"depth": (0.0, float(stress["plane_depth"].max()))}
+    for axis, edge, spacing in zip("yx", grid.length, grid.spacing, strict=True):
+        least = -0.5 * spacing if grid.mirrored else 0.0  # the mirror line
+        reach[axis] = (1 + EDGE_ROUNDING) * least, edge + (1 - EDGE_ROUNDING) * least
     outside = [
-        np.sum((stress[f"peak_{axis}"] < 0) | (stress[f"peak_{axis}"] > reach[axis])) for axis in reach
+        np.sum((stress[f"peak_{axis}"] < low) | (stress[f"peak_{axis}"] > high))
+        for axis, (low, high) in reach.items()
     ]
     excess = [
         float(select_peaks(stress, "von_mises", ratio)["peak_value"].max() / largest.max() - 1)
