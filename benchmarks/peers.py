@@ -36,7 +36,7 @@ def aspher(
 
     backend = {"periodic": "periodic", "free": "h2" if hierarchical else "fft"}[boundary]
     settings = {"backend": backend, "active_set": hierarchical, "tol": tolerance}
-    settings["precision"] = "float_then_double"
+    settings["precision"] = "double" if hierarchical else "float_then_double"  # which candidates do not have
     result = aspher.solve_nested(len(height), height.ravel(), load, **settings)
     return np.asarray(result.pressure).reshape(height.shape), result.iterations
 
