@@ -43,7 +43,7 @@ from asperity.fourier.grid import Fourier, Grid
 
 LAYER = asp.Solid(1.0, 0.0)
 FRACTION = 0.05
-"""Mean pressure over E* times the rms gradient."""
+"""Mean pressure over E* times the rms gradient, unless given: 0.005 touches on 1 % of the map."""
 
 REFERENCE_TOLERANCE = 1e-10
 COMPILED_POINTS = 256
@@ -58,6 +58,7 @@ RUNS: dict[str, tuple[tuple[float, ...], int, int]] = {
     "active_set float32": ((1e-3, 1e-4), 2048, 4096),
     "gfmd float64": ((1e-3, 1e-5, 1e-7), 1024, 2048),
     "aspher": ((1e-5, 1e-6, 1e-7, 1e-8), 2048, 4096),
+    "aspher h2": ((1e-5, 1e-6, 1e-7, 1e-8), 2048, 4096),
     "tamaas": ((1e-5, 1e-6), 1024, 2048),
     "ContactMechanics": ((1e-3, 1e-5, 1e-7), 1024, 1024),
 }
@@ -76,9 +77,9 @@ def rough(points: int, hurst: float) -> Array:
     return asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
 
 
-def load_on(height: Array) -> float:
+def load_on(height: Array, fraction: float) -> float:
     """Mean pressure of the comparison."""
-    return FRACTION * asp.roughness_parameters(height).rms_gradient
+    return fraction * asp.roughness_parameters(height).rms_gradient
 
 
 class Transforms:
@@ -150,7 +151,7 @@ def solve(
 def run_once(options: argparse.Namespace) -> None:
     """Solve for the heights in a file, write the pressure beside it, and print the cost as JSON."""
     height, (solver,), (tolerance,) = np.load(options.run), options.solver, options.tolerance
-    load, spent, cost = load_on(height), 0.0, {"seconds": np.inf}
+    load, spent, cost = load_on(height, options.fraction), 0.0, {"seconds": np.inf}
     if solver not in peers.SOLVERS:
         for hurst in (0.2, 0.8):
             solve(solver, rough(COMPILED_POINTS, hurst), 5e-3, tolerance, options.boundary)
@@ -172,7 +173,7 @@ def run_once(options: argparse.Namespace) -> None:
             cost |= {"transform_seconds": transforms.processor, "transform_wall": transforms.wall}
             nodes = transforms.nodes
     if solver in peers.SOLVERS:
-        program = f"{solver} {version(solver)}"
+        program = f"{solver} {version(solver.split()[0])}"
         del cost["transform_seconds"], cost["transform_wall"]
     else:
         program = f"asperity {asp.__version__}"
@@ -190,7 +191,7 @@ def run_once(options: argparse.Namespace) -> None:
 def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """Run the solvers on one surface, each at its tolerances, in processes of their own."""
     height, truth = rough(points, hurst), None
-    load = load_on(height)
+    load = load_on(height, options.fraction)
     if points <= options.largest_reference:
         truth, _, _ = solve("active_set float64", height, load, REFERENCE_TOLERANCE, options.boundary)
     with tempfile.TemporaryDirectory() as folder:
@@ -199,15 +200,17 @@ def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[
         for solver in options.solver:
             tolerances, largest_of_all, largest = RUNS[solver]
             is_absent = solver in peers.SOLVERS and not peers.is_installed(solver)
-            if points > largest or is_absent or (solver.startswith("gfmd") and options.boundary == "free"):
+            other_boundary = {"gfmd float64": "periodic", "aspher h2": "free"}.get(solver, options.boundary)
+            if points > largest or is_absent or other_boundary != options.boundary:
                 continue
             few = tolerances if points <= largest_of_all else tolerances[-1:]
             for tolerance in options.tolerance or few:
                 command = [sys.executable, __file__, "--run", str(heights), "--solver", solver]
                 command += ["--tolerance", str(tolerance), "--boundary", options.boundary]
+                command += ["--fraction", str(options.fraction)]
                 printed = subprocess.PIPE if solver == "tamaas" else None
                 run = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=printed, text=True)
-                key = points, hurst, FRACTION, options.boundary, 1, solver, tolerance
+                key = points, hurst, options.fraction, options.boundary, 1, solver, tolerance
                 row = dict(zip(KEY, key, strict=True)) | json.loads(run.stdout.splitlines()[-1])
                 if solver == "tamaas":
                     row["iterations"] = peers.iterations_of_tamaas(run.stderr)
@@ -233,7 +236,7 @@ def keep(row: dict[str, Any], path: Path) -> None:
 def compare_threads(points: int, hurst: float, pairs: int = 9) -> dict[str, Any]:
     """Wall times of a contact and of its transforms on one thread and on two, alternately in one process."""
     height = rough(points, hurst)
-    load = load_on(height)
+    load = load_on(height, FRACTION)
     walls, transforms = np.empty((2, 2, pairs + 1))
     for number in range(pairs + 1):
         for threads in (1, 2):
@@ -263,6 +266,9 @@ def main() -> None:
     parser.add_argument("--points", type=int, nargs="+", default=[256, 1024], help="nodes on an edge")
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
     parser.add_argument("--boundary", default="periodic", choices=["periodic", "free"])
+    parser.add_argument(
+        "--fraction", type=float, default=FRACTION, help="mean pressure over E* × rms gradient"
+    )
     parser.add_argument("--solver", nargs="+", default=list(RUNS), choices=RUNS)
     parser.add_argument("--tolerance", type=float, nargs="+", help="instead of those listed in the script")
     parser.add_argument("--threads", action="store_true", help="compare one thread with two instead")

@@ -21,6 +21,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import psutil
+from contact import FRACTION
 from matplotlib.figure import Figure
 
 from asperity.core.markup import markdown
@@ -41,6 +42,7 @@ SOLVERS = {
     "active_set float32": ("#56B4E9", "^", "asperity, single precision"),
     "gfmd float64": ("#009E73", "s", "GFMD (asperity)"),
     "aspher": ("#E69F00", "P", "ASPHER"),
+    "aspher h2": ("#000000", "X", "ASPHER, candidate nodes"),
     "tamaas": ("#D55E00", "D", "tamaas"),
     "ContactMechanics": ("#CC79A7", "v", "ContactMechanics"),
 }
@@ -91,7 +93,7 @@ def read(name: str) -> pd.DataFrame:
 def contact_runs(boundary: str = "periodic") -> pd.DataFrame:
     """Runs over one boundary."""
     table = read("contact")
-    return table[table["boundary"] == boundary]
+    return table[(table["boundary"] == boundary) & (table["load"] == FRACTION)]
 
 
 def time_at_error(runs: pd.DataFrame) -> tuple[float, bool]:

@@ -13,6 +13,7 @@ import importlib.util
 import os
 import re
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -21,16 +22,21 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Fourier
 
 
-def aspher(height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
+def aspher(
+    height: Array, load: float, tolerance: float, boundary: str, hierarchical: bool = False
+) -> tuple[Array, float]:
     """Pressure by the nested grids of ASPHER, identified in single and polished in double precision.
 
-    The tolerance is that of its certificate: Frank–Wolfe gap, penetration and load.
+    The tolerance is that of its certificate: Frank–Wolfe gap, penetration and load. Over a free boundary it
+    transforms the padded map, or sums hierarchically over candidate nodes, which is faster where little
+    touches.
     """
     os.environ["OMP_NUM_THREADS"] = "1"  # read when the extension module is loaded
     import aspher
 
-    backend = {"periodic": "periodic", "free": "fft"}[boundary]
-    settings = {"backend": backend, "tol": tolerance, "precision": "float_then_double"}
+    backend = {"periodic": "periodic", "free": "h2" if hierarchical else "fft"}[boundary]
+    settings = {"backend": backend, "active_set": hierarchical, "tol": tolerance}
+    settings["precision"] = "double" if hierarchical else "float_then_double"  # which candidates do not have
     result = aspher.solve_nested(len(height), height.ravel(), load, **settings)
     return np.asarray(result.pressure).reshape(height.shape), result.iterations
 
@@ -85,6 +91,7 @@ def contact_mechanics(
 
 SOLVERS: dict[str, Callable[[Array, float, float, str], tuple[Array, float]]] = {
     "aspher": aspher,
+    "aspher h2": partial(aspher, hierarchical=True),
     "tamaas": tamaas,
     "ContactMechanics": contact_mechanics,
 }
@@ -124,6 +131,6 @@ def stress_difference(contact: asp.LoadedSolid, depths: Array) -> float:
     return worst / float(smooth.pressure.max())
 
 
-def is_installed(program: str) -> bool:
-    """True if a program can be run here."""
-    return importlib.util.find_spec(program) is not None
+def is_installed(solver: str) -> bool:
+    """True if the program of a solver can be run here."""
+    return importlib.util.find_spec(solver.split()[0]) is not None

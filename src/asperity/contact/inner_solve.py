@@ -15,6 +15,7 @@ every iteration (Notay 2000, 10.1137/S1064827599362314). New here is the precond
 correction, and the outer loop evaluates the gap anew in the precision of the fields.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -116,6 +117,12 @@ class InnerSolver:
                 out = np.zeros(compliance.shape)
                 np.divide(response.nodal_compliance, compliance, out=out, where=compliance > 0)
                 self.layer_stiffness = out
+
+    def with_response(self, response: InnerResponse) -> "InnerSolver":
+        """The same with other displacements."""
+        other = copy(self)
+        other._response, other.layer_stiffness = response, None
+        return other
 
     def operators(self, nodes: Array, before: Operators | None = None) -> Operators:
         """Operators on contact nodes; those before if the nodes are the same."""

@@ -46,18 +46,22 @@ class Pressure:
         Mean pressure to which they are brought at a given load.
     is_projected : bool
         True if this is done by the projection onto the admissible pressures, not by scaling.
+    includes_candidates : bool
+        True if the nodes without pressure are those that may touch.
     """
 
     nodes: Array
     values: Array
     load: float
     is_projected: bool = False
+    includes_candidates: bool = False
 
     @classmethod
-    def of_field(cls, field: Array, load: float) -> "Pressure":
-        """The positive values of a field [y, x]."""
-        nodes = np.flatnonzero(field > 0).astype(np.uint32)
-        return cls(nodes, field.reshape(-1)[nodes], load)
+    def of_field(cls, field: Array, load: float, margin: float = 0.0) -> "Pressure":
+        """The positive values of a field [y, x]; zero where it is above −margin."""
+        nodes = np.flatnonzero(field > -margin).astype(np.uint32)
+        values = np.maximum(field.reshape(-1)[nodes], 0)
+        return cls(nodes, values, load, includes_candidates=margin > 0)
 
 
 @dataclass(frozen=True)
@@ -121,8 +125,7 @@ class Iterate:
             if values.max(initial=0) >= problem.hardness:
                 problem.plastic.set()
             values = np.minimum(values, values.dtype.type(problem.hardness))
-        field = field_of(problem.grid.shape, nodes, values, out)
-        displacement = problem.response.displacement(field, field)
+        displacement = problem.displacement(nodes, values, out)
         if not control.fixes_load:
             pressure = values.astype(float, copy=False)
             work = dot(pressure, control.value - problem.height.reshape(-1)[nodes])
@@ -181,11 +184,19 @@ class Iterate:
         sides[at + np.arange(plastic.size)] = -1
         return HeldNodes(inserted(nodes, at, own), inserted(level, at, self.level[plastic]), sides)
 
+    def with_overlap(self, approach: float) -> Pressure:
+        """The pressure, that of plastic nodes with the pressure that their overlap corresponds to."""
+        values, plastic = self.pressure, self.pressure >= self.problem.hardness
+        if plastic.any():
+            overlap = np.where(plastic, approach - self.level, 0) / self.problem.own_compliance
+            values = values + np.maximum(overlap, 0).astype(values.dtype)
+        return Pressure(self.nodes, values, self.load)
+
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
         return field_of(self.problem.grid.shape, self.nodes, self.pressure)
 
-    def refined(self, approach: float, finer: Problem) -> Pressure:
+    def refined(self, approach: float, finer: Problem, margin: float = 0.0) -> Pressure:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
 
         Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
@@ -206,7 +217,7 @@ class Iterate:
             out[rows] -= stiffness * (finer.height[rows] - level)
 
         in_strips(subtract_gap, out.shape, finer.fourier.threads)
-        return Pressure.of_field(out, self.load)
+        return Pressure.of_field(out, self.load, margin)
 
 
 @dataclass(frozen=True)
@@ -429,10 +440,10 @@ def with_load(
     bearing = int(np.count_nonzero(values))
     if not bearing:
         nodes, values = nodes[:0], values[:0]
-    if needed > nodes.size:
+    if min(needed, problem.height.size) > nodes.size:
         heights = problem.height.reshape(-1).copy()
         heights[nodes] = np.inf
-        missing = needed - nodes.size
+        missing = min(needed, heights.size) - nodes.size
         lowest = np.sort(np.argpartition(heights, missing - 1)[:missing]).astype(np.uint32)
         at = np.searchsorted(nodes, lowest)
         nodes, values = np.insert(nodes, at, lowest), np.insert(values, at, wanted / missing)

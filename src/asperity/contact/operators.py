@@ -39,7 +39,7 @@ mean of σ.
 
 import math
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -129,10 +129,13 @@ class Operators:
 
     def __init__(self, nodes: Array, response: "InnerResponse", whole: "Preconditioner") -> None:
         self.nodes, self.response = nodes, response
-        self._indices = response.indices(nodes)
-        self.precondition = NodePreconditioner(whole, nodes)
+        self.precondition = NodePreconditioner(whole, response.in_map(nodes))
         self.uniform = self.precondition.uniform
         self.uniform_sum = sum_parts(added, whole.threads, self.uniform)
+
+    @cached_property
+    def _indices(self) -> Any:
+        return self.response.indices(self.nodes)
 
     def displacement(self, pressure: Array, at: Array | None = None) -> Array:
         """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
@@ -153,20 +156,29 @@ class InnerResponse:
 
     def __init__(self, response: Response, products: StencilProduct, divided: bool = True) -> None:
         self._grid, self._unit = response.grid, response.nodal_compliance
-        self._products = products
-        self._far: FarField | None = None
-        self._response: Response | None = None
-        if divided and _can_be_divided(response):
-            self._far = FarField(response, 1 / self._unit)
-            self._stencil = near_stencil(
-                type(response),  # type: ignore[arg-type]
-                response.solid,
-                _spacing_of_stencils(response),
-                response.fourier.engine,
-            )
-        else:
-            single = response.fourier.real == np.float32
-            self._response = response if single else response.in_precision("float32")
+        self._products, self._whole = products, response
+        self._is_divided = divided and _can_be_divided(response)
+
+    # Made when they are first needed: contacts that touch little do without them.
+
+    @cached_property
+    def _far(self) -> "FarField | None":
+        return FarField(self._whole, 1 / self._unit) if self._is_divided else None
+
+    @cached_property
+    def _stencil(self) -> Array:
+        response = self._whole
+        kind: Any = type(response)
+        return near_stencil(kind, response.solid, _spacing_of_stencils(response), response.fourier.engine)
+
+    @cached_property
+    def _response(self) -> Response:
+        single = self._whole.fourier.real == np.float32
+        return self._whole if single else self._whole.in_precision("float32")
+
+    def in_map(self, nodes: Array) -> Array:
+        """Indices of nodes in the flattened map."""
+        return nodes
 
     def indices(self, nodes: Array) -> Array | None:
         """Indices of nodes among the coarse-grid nodes, which `displacement` needs."""
@@ -191,7 +203,6 @@ class InnerResponse:
         at : array, optional
         """
         if self._far is None:
-            assert self._response is not None
             field = field_of(self._grid.shape, nodes, pressure)
             self._response.displacement(field, field)
             return field.reshape(-1)[nodes if at is None else at] * np.float32(1 / self._unit)

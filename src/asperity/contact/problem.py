@@ -12,6 +12,7 @@ from threading import Event
 
 import numpy as np
 
+from asperity.contact.contact_nodes import field_of
 from asperity.contact.response import Response
 from asperity.core.parallel import in_strips
 from asperity.core.types import Array, Progress
@@ -117,6 +118,11 @@ class Problem:
         """The same problem in single precision."""
         response = self.response.in_precision("float32")
         return Problem(self.height, response, self.hardness, self.plastic)
+
+    def displacement(self, nodes: Array, values: Array, out: Array | None = None) -> Array:
+        """Displacement of the whole grid under pressures on some nodes; `out` is an array for it."""
+        field = field_of(self.grid.shape, nodes, values, out)
+        return self.response.displacement(field, field)
 
     def full_contact(self) -> State:
         """The least load at which all nodes touch: every mode but the uniform one has û = −ĥ."""

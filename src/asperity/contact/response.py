@@ -215,11 +215,7 @@ class FreeResponse(Response):
 
     @cached_property
     def half_compliance(self) -> Array:
-        return self.compliance[: self.mode_grid.shape[0] // 2 + 1].astype(self.fourier.real)
-
-    @property
-    def compliance(self) -> Array:
-        return compliance_modes(self.grid, self.solid.effective_modulus)
+        return compliance_modes(self.grid, self.solid.effective_modulus).astype(self.fourier.real, copy=False)
 
     @property
     def mode_grid(self) -> Grid:

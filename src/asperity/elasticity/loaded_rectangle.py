@@ -29,6 +29,9 @@ from asperity.core.types import Array, ArrayLike
 from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Fourier, Grid
 
+# Distance over half of the longer edge beyond which sixth moments of a rectangle are below rounding errors.
+_FAR = 200.0
+
 # Columns at the end of the padded rows, so that the same elements of several rows do not compete for the same
 # lines of the processor's cache.
 _UNUSED_COLUMNS = 16
@@ -111,8 +114,18 @@ def _part(edge: float, low: float, high: float) -> float:
 
 @compiled
 def _fill_compliance(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> None:
-    """∫∫ dξ dη / ρ over the rectangle, at points with y, x ≥ 0."""
+    """∫∫ dξ dη / ρ over the rectangle, at points with y, x ≥ 0; far from it by multipoles, to 1e-13."""
+    area, far = 4 * half_y * half_x, (_FAR * max(half_y, half_x)) ** 2
     for i in range(out.size):
+        square = y[i] ** 2 + x[i] ** 2
+        if square > far:
+            a, b = half_y**2 / square, half_x**2 / square
+            s, t = y[i] ** 2 / square, x[i] ** 2 / square
+            second = (a * (3 * s - 1) + b * (3 * t - 1)) / 6
+            along = a**2 * (105 * s**2 - 90 * s + 9) + b**2 * (105 * t**2 - 90 * t + 9)
+            fourth = along / 120 + a * b * (105 * s * t - 12) / 36
+            out[i] = area * (1 + second + fourth) / np.sqrt(square)
+            continue
         y1, y2, x1, x2 = y[i] - half_y, y[i] + half_y, x[i] - half_x, x[i] + half_x
         along_x = _part(x2, y1, y2) - _part(x1, y1, y2)
         out[i] = along_x + _part(y2, x1, x2) - _part(y1, x1, x2)
@@ -187,15 +200,19 @@ def padded_grid(grid: Grid) -> Grid:
 def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
     """Real factors that turn the padded coefficients of a pressure into those of its displacement.
 
-    Of the `mode_shape` of `padded_grid`.
+    Of the `half_shape` of `padded_grid`. The compliance is even in y and in x: they are the part that is even
+    in ky of the coefficients of a quarter of it, with half of the values on the lines of symmetry.
     """
-    y, x = _distances(grid)
-    # The compliance is even in y and in x: a quarter of the distances is enough.
-    row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in padded_grid(grid).shape)
-    quarter = rectangle_compliance(
-        y[: row.max() + 1, None], x[: column.max() + 1], grid.spacing, effective_modulus
-    )
-    return _modes(quarter[row[:, None], column], grid).real.copy()
+    padded, (y, x) = padded_grid(grid), _distances(grid)
+    rows, columns = (nodes // 2 + 1 for nodes in padded.shape)
+    part = np.zeros((rows, padded.shape[1]))
+    quarter = part[:, :columns]
+    quarter[:] = rectangle_compliance(y[:rows, None], x[:columns], grid.spacing, effective_modulus)
+    for line in (quarter[0], quarter[-1], quarter[:, 0], quarter[:, -1]):
+        line *= 0.5
+    coefficients = np.empty(padded.mode_shape, complex)
+    Fourier(padded).engine.forward(part, coefficients)
+    return (coefficients.real[:rows] + coefficients.real[-padded.ky[:rows]]) * (2 * padded.size)
 
 
 def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
