@@ -6,6 +6,7 @@ psutil is imported when it is needed: without it the command line still names mi
 import hashlib
 import os
 import re
+import shlex
 import socket
 import subprocess
 import sys
@@ -107,9 +108,12 @@ def compile_in_parallel() -> None:
     """Compile the library in a process for each part; what fails there is left to the caller."""
     given = os.environ | {COMPILING: "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     code = "from asperity.study.preflight_and_manifest import warm_up; warm_up({!r})"
+    python = sys.executable
+    if not Path(python).is_file():  # snakemake puts a path with blanks in quotes
+        python = shlex.split(python)[0]
     parts = [
         subprocess.Popen(
-            [sys.executable, "-c", code.format(part)],
+            [python, "-c", code.format(part)],
             env=given,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
