@@ -329,10 +329,18 @@ def _figure_number(text: str) -> int:
     return int(number)
 
 
+def _port(text: str) -> int:
+    """Number of a port."""
+    if not (text.isdecimal() and int(text) < 2**16):
+        raise argparse.ArgumentTypeError(f"{shown(text)}: a number from 0 to {2**16 - 1} is needed")
+    return int(text)
+
+
 TYPES: dict[str, Callable[[str], Any]] = {
     "text": str,
     "number": _number,
     "positive": partial(_number, above=0),
+    "port": _port,
     "seed": lambda text: value_of("seeds", [text])[0],
     "direction": _direction,
     "figure": _figure_number,

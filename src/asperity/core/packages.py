@@ -30,7 +30,11 @@ PACKAGES = {
 }
 """Extra → module that is imported → package that provides it. Each extra includes all before it."""
 
-ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}, "flow": {"pyamg": "pyamg"}}
+ALTERNATIVES = {
+    "fftw": {"pyfftw": "pyfftw"},
+    "flow": {"pyamg": "pyamg"},
+    "app": {"bokeh": "bokeh"},
+}
 """Extras outside that order, in the same form; each is needed only for the option that names it."""
 
 NAMES = {

@@ -1,0 +1,210 @@
+"""The form: which settings of a case stand in which step of the page, and the case that it makes."""
+
+import shlex
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any, NamedTuple
+
+import yaml
+
+from asperity.engineering.case import Case
+from asperity.engineering.case_file import at, put
+from asperity.settings.model import Entry, accepted, described, entries, item_of, scalar
+
+LOADS = {
+    "mean_pressure": ("mean_pressure",),
+    "force": ("force",),
+    "approach": ("approach",),
+    "area_fraction": ("area_fraction",),
+    "hertz": ("hertz_pressure", "force", "mean_pressure", "radius_x", "radius_y", "at"),
+}
+"""Kind of the load → settings of the group `load`."""
+
+COUNTER_BODIES = {
+    "flat": "rigid and flat",
+    "rigid map": "rigid, with a map",
+    "elastic": "elastic and flat",
+    "elastic map": "elastic, with a map",
+}
+"""Kind of the counter body → its words."""
+
+QUESTIONS = {
+    "yielding": "Where does it yield?",
+    "partial_slip": "Does it slip under a tangential load?",
+    "leak": "Does the gap leak?",
+    "conduction": "How well does the contact conduct?",
+    "load_curve": "How does it change with the load?",
+    "film": "Does a lubricant film carry a part?",
+    "run_in": "What remains after run-in?",
+    "cycles": "Does it fatigue, sliding or rolling?",
+}
+"""Group of a question → how the page asks it."""
+
+SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding")} | {
+    f"use.{body}.{part}": f"{body}.{part}"
+    for body in ("body", "counter_body")
+    for part in ("coating", "layer")
+}
+"""Key of a check box of the page → the group that it adds to the case."""
+
+CHOICES: dict[str, tuple[str, ...]] = {
+    "choose.load": tuple(LOADS),
+    "choose.counter_body": tuple(COUNTER_BODIES),
+}
+"""Key of a choice of the page → its values; the first holds at the start."""
+
+FIRST = {
+    "map": ("unit", "physical_size", "despike", "detrend", "periodic", "scan_lines"),
+    "body": ("material", "young", "poisson", "yield_stress", "hardness"),
+    "counter_body": ("material", "young", "poisson", "yield_stress", "hardness"),
+    "counter_body.map": ("file", "turned_about", "shift", "unit", "physical_size"),
+}
+"""Group → its settings that stand at the top; the others stand under "more settings"."""
+
+
+class Input(NamedTuple):
+    """A field of the form: dotted key, label, description, and what it accepts and proposes."""
+
+    key: str
+    label: str
+    text: str
+    accepts: str
+    proposed: str
+    options: tuple[str, ...]
+    is_first: bool
+
+
+@cache
+def settings() -> dict[str, Entry]:
+    """Dotted key → description of all settings that the form has; lists of maps are fields of text."""
+    known = dict(entries(described(Case)))
+    return {
+        key: entry
+        for key, entry in known.items()
+        if "properties" not in entry and not key.startswith("body.map.")
+    }
+
+
+def inputs(group: str) -> Iterator[Input]:
+    """Fields of the settings of a group, without those of groups in it."""
+    for key, entry in settings().items():
+        above, _, name = key.rpartition(".")
+        if above != group or key == "map.file":
+            continue
+        first = FIRST.get(group)
+        proposed = str(entry.get("default_text") or entry.get("default", ""))
+        if "example" in entry:
+            example = entry["example"]
+            proposed = ", ".join(map(str, example)) if isinstance(example, list) else str(example)
+            proposed = f"such as {proposed}"
+        options = tuple(map(str, entry.get("enum", ())))
+        yield Input(
+            key,
+            name.replace("_", " "),
+            entry["description"].replace("`", ""),
+            accepted(entry).replace("`", ""),
+            str(entry.get("default_text") or entry.get("default", "")) if options else proposed,
+            options,
+            first is None or name in first,
+        )
+
+
+def is_used(key: str, values: Mapping[str, str]) -> bool:
+    """True if a setting belongs to the case under the check boxes and choices of the page."""
+    for switch, group in SWITCHES.items():
+        if key.startswith(f"{group}.") and not values.get(switch):
+            return False
+    if key.startswith("load."):
+        return key.removeprefix("load.") in LOADS[chosen("choose.load", values)]
+    if key.startswith("counter_body."):
+        kind = chosen("choose.counter_body", values)
+        return ("map" if key.startswith("counter_body.map.") else "elastic") in kind
+    return True
+
+
+def chosen(key: str, values: Mapping[str, str]) -> str:
+    """Value of a choice of the page."""
+    given = values.get(key, "")
+    return given if given in CHOICES[key] else CHOICES[key][0]
+
+
+def content_of(values: Mapping[str, str]) -> dict[str, Any]:
+    """The groups of a case, as a case file holds them, from the texts of the form."""
+    content: dict[str, Any] = {}
+    for switch, group in SWITCHES.items():
+        if values.get(switch) and is_used(f"{group}.", values):
+            put(content, group.split("."), {})
+    for key, entry in settings().items():
+        text = values.get(key, "").strip()
+        if not text or not is_used(key, values):
+            continue
+        value: Any = scalar(text, entry)
+        if entry.get("type") == "array":
+            value = [scalar(each.strip(), item_of(entry)) for each in text.split(",")]
+        elif key == "map.file" and "\n" in text:
+            value = text.splitlines()
+        put(content, key.split("."), value)
+    if isinstance(at(content, ("map", "file")), list):
+        content.setdefault("sample", {})
+    return content
+
+
+def values_of(content: Mapping[str, Any]) -> dict[str, str]:
+    """Texts of the form from the groups of a case: the reverse of `content_of`."""
+    values: dict[str, str] = {}
+    for key in settings():
+        value = at(content, key.split("."))
+        if isinstance(value, list):
+            value = ("\n" if key == "map.file" else ", ").join(map(str, value))
+        if value is not None:
+            values[key] = str(value)
+    for switch, group in SWITCHES.items():
+        if at(content, group.split(".")) is not None:
+            values[switch] = "yes"
+    load, counter = content.get("load") or {}, content.get("counter_body") or {}
+    kinds = [kind for kind in LOADS if kind in load]
+    values["choose.load"] = (
+        "hertz" if {"radius_x", "hertz_pressure"} & load.keys() else (kinds or ["mean_pressure"])[0]
+    )
+    if counter:
+        elastic = "elastic" if counter.keys() - {"map"} else "rigid"
+        values["choose.counter_body"] = f"{elastic} map" if "map" in counter else "elastic"
+    return values
+
+
+def command_of(content: Mapping[str, Any], flags: Mapping[str, str], name: str | None = None) -> str:
+    """The command line that answers a case.
+
+    Parameters
+    ----------
+    content : mapping
+        Groups of the case.
+    flags : mapping
+        Dotted key → flag of ``asperity run``; all other settings are given by ``--set``.
+    name : str, optional
+        Name of the map in place of its path, for a map that was uploaded.
+    """
+    files = at(content, ("map", "file")) or "MAP"
+    files = files if isinstance(files, list) else [name or files]
+    words = ["asperity", "run", *files]
+    for key, value in _leaves(content):
+        if key == "map.file":
+            continue
+        if key == "sample" and not value:
+            words.append("--pooled")
+        elif key in flags:
+            words += [flags[key], *map(str, value if isinstance(value, list) else [value])]
+        else:
+            text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10_000)
+            text = text.removesuffix("\n").removesuffix("\n...")
+            words += ["--set", f"{key}={text}"]
+    return shlex.join(words)
+
+
+def _leaves(content: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted key and value of every setting; an empty group is one too."""
+    for name, value in content.items():
+        if isinstance(value, Mapping) and value:
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

@@ -1,0 +1,398 @@
+"""Requests that a worker answers: check a case and its map, compute an answer, show an answer of a folder."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.core.errors import InputError
+from asperity.core.types import Array
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.case import Case
+from asperity.engineering.case_file import CHECKSUMS, OUT, load_case
+from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.folder import CASE_FILE, names_in
+from asperity.engineering.run import answer_of, problems_on_map
+from asperity.fourier.grid import Grid, grid_of
+from asperity.settings.map import Map, MapOptions
+from asperity.settings.model import SettingsError
+from asperity.stress.planes.planes import StressPlane, stress_planes
+from asperity.study.cost.model import job_cost
+from asperity.surface.description import describe_map
+from asperity.surface.reading.map_file import open_map
+from asperity.surface.roughness import spectrum
+from asperity.views.maps import PIXELS, blocks, largest_magnitude
+from asperity.views.source import sources
+
+PLANE_TOLERANCE = 1e-3
+"""Error of a plane that is only looked at, relative to the rms of σ_zz in it."""
+
+MOST_KEPT = 2**30
+"""Bytes of planes that are kept for the depth slider."""
+
+BINS, POINTS, ROWS = 60, 400, 160
+"""Bins of a histogram, points of a profile, rows of a section."""
+
+FADED = 0.05
+"""A section ends where the stress is below this share of its largest value."""
+
+
+def picture(
+    values: Array, grid: Grid, edges: tuple[float, float], reduce: Callable[..., Array]
+) -> dict[str, Any]:
+    """A field on the map as the page draws it: at most `PIXELS` values along an edge, and its frame in m."""
+    rows, columns = (
+        min(count, round(edge / step))
+        for edge, step, count in zip(edges, grid.spacing, values.shape, strict=True)
+    )
+    values = values[:rows, :columns]
+    size = [max(1, -(-count // PIXELS)) for count in values.shape]
+    shown = blocks(values, size, reduce).astype(np.float32)
+    first = [float(axis[0]) - step / 2 for axis, step in zip(grid.coordinates(), grid.spacing, strict=True)]
+    height, width = (
+        count * block * step for count, block, step in zip(shown.shape, size, grid.spacing, strict=True)
+    )
+    return {"values": shown, "x": first[1], "y": first[0], "dw": width, "dh": height}
+
+
+def along(shown: Mapping[str, Any], ends: tuple[float, float, float, float]) -> tuple[Array, Array]:
+    """Distances in m and values along a line between two places (x, y, x, y) of a picture."""
+    from scipy.ndimage import map_coordinates
+
+    x, y = np.linspace(ends[0], ends[2], POINTS), np.linspace(ends[1], ends[3], POINTS)
+    rows, columns = shown["values"].shape
+    at = [(y - shown["y"]) / shown["dh"] * rows - 0.5, (x - shown["x"]) / shown["dw"] * columns - 0.5]
+    values = map_coordinates(shown["values"], at, order=1, mode="nearest")
+    return np.hypot(x - x[0], y - y[0]), values
+
+
+class MapJob:
+    """Checks a case as ``asperity run --check`` does, and describes its map as ``asperity info`` does."""
+
+    def __init__(self, reply: Callable[[str, Any], None]) -> None:
+        self._described: tuple[Any, Any] = (None, None)
+        self._shown: dict[str, Any] = {}
+
+    def work_ahead(self) -> bool:
+        """Nothing is done ahead."""
+        return False
+
+    def check(self, content: Mapping[str, Any], number: int) -> dict[str, Any]:
+        """Problems of a case, its map as it is pressed, and what follows from both before a computation."""
+        found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
+        given = dict(content)
+        maps = given.get("map", {}).get("file")
+        if isinstance(maps, list):  # of a sample the first map is shown
+            given["map"] = {**given["map"], "file": maps[0]}
+        case, surface = None, None
+        try:
+            case = Case.read(given)
+            surface = case.map
+        except SettingsError as error:
+            found["problems"] += error.found
+            try:
+                surface = Map.read(given.get("map", {}))
+            except SettingsError:
+                pass
+        if case is not None:
+            found |= self._of_case(case)
+        if surface is not None:
+            self._of_map(surface, case, found)
+        found["problems"] = [*dict.fromkeys((each[0], each[1]) for each in found["problems"])]
+        return found
+
+    def _of_map(self, options: Map, case: Case | None, found: dict[str, Any]) -> None:
+        """Add the description of a map, its treated heights, and problems of the case on it."""
+        if not os.path.exists(options.file):
+            found["problems"].append(("map.file", f" = {options.file}: no such file"))
+            return
+        try:
+            described = self._description(options)
+            found["info"], found["doubts"] = described.properties, described.warnings
+            found["problems"] += [_split(f"map.{text}") for text in described.needed]
+            rough = read_face(options, None if case is None else case.counter_map)
+            found["doubts"] = rough.doubts
+            found |= self._of_face(rough)
+            if case is not None:
+                found["problems"] += problems_on_map(case.replaced(map=rough.options or case.map), rough)
+                found["cost"] = _cost(case, rough)
+        except SettingsError as error:
+            found["problems"] += error.found
+        except (InputError, ValueError, OSError) as error:
+            found["problems"] += [_split(text) for text in getattr(error, "lines", None) or [str(error)]]
+            if "picture" not in found:
+                self._raw(options, found)
+
+    def _description(self, options: Map) -> Any:
+        """The description of a map, made again only if its file or the options of reading it change."""
+        own = {
+            name: getattr(options, name)
+            for name in MapOptions.model_fields
+            if name in options.model_fields_set
+        }
+        key = (
+            options.file,
+            os.stat(options.file).st_mtime_ns,
+            tuple(
+                sorted(
+                    (name, str(value))
+                    for name, value in own.items()
+                    if name not in ("despike", "detrend", "periodic", "scan_lines")
+                )
+            ),
+        )
+        if self._described[0] != key:
+            self._described = key, describe_map(options.file, MapOptions(**own))
+        return self._described[1]
+
+    def _of_face(self, rough: RoughFace) -> dict[str, Any]:
+        """Heights with peaks upward as they are pressed, their histogram and spectrum, and what was done."""
+        face = rough.face
+        height = -face.part(face.height)
+        self._shown = picture(height, face.grid, face.map_length, np.mean)
+        counts, edges = np.histogram(height, BINS)
+        wavenumber, power = spectrum(face.height, face.grid.length)
+        return {
+            "picture": self._shown,
+            "histogram": (counts / counts.sum() / np.diff(edges), edges),
+            "spectrum": (wavenumber, power),
+            "done": face.done,
+            "name": face.name,
+            "map_length": face.map_length,
+        }
+
+    def _raw(self, options: Map, found: dict[str, Any]) -> None:
+        """Add the heights as they are in the file, of a map that cannot be pressed yet."""
+        try:
+            surface = open_map(options.file, options).map
+        except (InputError, ValueError, OSError):
+            return
+        height = np.nan_to_num(surface.height)
+        self._shown = picture(height, Grid(height.shape, surface.length), surface.length, np.mean)
+        found |= {"picture": self._shown, "done": ("as in the file",), "is_raw": True}
+
+    def _of_case(self, case: Case) -> dict[str, Any]:
+        """Constants of the bodies, and the smooth Hertz contact."""
+        bodies = {
+            name: {each: body.__class__.model_fields[each] and getattr(body, each) for each in body.of_table}
+            for name, body in case.groups_of_bodies.items()
+        }
+        hertz = None
+        if (contact := case.hertz_contact) is not None:
+            shear, depth = contact.largest_shear(case.body.poisson)
+            hertz = {
+                "half_width_x": contact.half_width_x,
+                "half_width_y": contact.half_width_y,
+                "pressure": contact.largest_pressure,
+                "shear": shear,
+                "depth": depth,
+                "at": case.load.at,  # type: ignore[attr-defined]
+            }
+        return {"constants": bodies, "hertz": hertz}
+
+    def profile(self, ends: tuple[float, float, float, float]) -> dict[str, Any]:
+        """Heights along a line on the map."""
+        distance, values = along(self._shown, ends)
+        return {"distance": distance, "values": values}
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Dotted key and the rest of a message that begins with the key; of others the key of the map."""
+    found = re.match(r"(map\.[a-z_]+|[a-z_]+(?=:| =))", text)
+    if found is None:
+        return "map.file", f": {text}"
+    key = found[0] if found[0].startswith("map.") else f"map.{found[0]}"
+    return (
+        (key, text[found.end() :])
+        if key.removeprefix("map.") in Map.model_fields
+        else ("map.file", f": {text}")
+    )
+
+
+def _cost(case: Case, rough: RoughFace) -> tuple[float, float]:
+    """Seconds of processor time and bytes of contact and stress, by the cost model of the study."""
+    nodes, bodies = rough.face.height.size, len(case.different_bodies)
+    loads = (
+        1
+        + (len(case.load_curve.loads) if case.load_curve else 0)
+        + ((case.cycles and case.cycles.shifts) or 0)
+    )
+    contact, stress = job_cost("contact", nodes), job_cost("stress", nodes)
+    seconds = contact.seconds * 1.25 * loads + stress.seconds * bodies
+    return seconds, max(contact.memory, stress.memory)
+
+
+class AnswerJob:
+    """Computes an answer into a folder, and shows the answer that a folder holds.
+
+    Planes are computed for the depths of the answer, ahead of the slider that asks for them.
+    """
+
+    def __init__(self, reply: Callable[[str, Any], None]) -> None:
+        self._reply = reply
+        self._planes: dict[tuple[str, str, float], dict[str, Any]] = {}
+        self._streams: dict[tuple[str, str], Iterator[StressPlane]] = {}
+        self._wanted: tuple[str, str] | None = None
+        self.folder = Path()
+
+    def run(self, content: Mapping[str, Any], folder: str) -> dict[str, Any]:
+        """Compute the answer of a case, write it into a folder, and show it."""
+        from asperity.engineering.output import write_answer
+
+        case = Case.read(content)
+        answer = answer_of(case, progress=lambda done, total: self._reply("progress", 0.9 * done / total))
+        self._reply("progress", 0.9)
+        write_answer(answer, folder)
+        del answer
+        return self.open(folder)
+
+    def sample(self, contents: Mapping[str, Mapping[str, Any]], folder: str) -> dict[str, Any]:
+        """Compute the answers of several maps of one surface and their means, as ``asperity run --pooled``."""
+        from asperity.engineering.case_file import holds_answer  # noqa: F401
+        from asperity.engineering.output import write_answer
+        from asperity.engineering.several_answers import read_sample, write_sample
+
+        cases, root = [], Path(folder)
+        for number, (name, content) in enumerate(contents.items()):
+            case = Case.read(content)
+            rough = read_face(case.map, case.counter_map, shared=True)
+            case = case.replaced(map=rough.options)
+            share = 0.95 / len(contents)
+            answer = answer_of(
+                case, rough, lambda done, total, n=number: self._reply("progress", share * (n + done / total))
+            )
+            write_answer(answer, root / name)
+            cases.append((case, rough.files))
+        text = write_sample(read_sample(root, list(contents), cases[0][0]), root, cases)
+        return self.open(str(root / next(iter(contents)))) | {"sample": str(text)}
+
+    def open(self, folder: str) -> dict[str, Any]:
+        """What the page shows of an answer before a plane is asked for."""
+        self.folder = Path(folder)
+        if CASE_FILE not in names_in(self.folder):
+            raise InputError(str(self.folder), ["the folder of an answer of asperity run is needed"])
+        content = load_case(self.folder / CASE_FILE)
+        content.pop(OUT, None)
+        content.pop(CHECKSUMS, None)
+        self._case = Case.read(content)
+        self._contact = xr.load_dataset(self.folder / "contact.nc")
+        rows = pd.read_csv(self.folder / "answer.csv")
+        report = (self.folder / "report.html").read_text(encoding="utf-8")
+        pressure, gap = (
+            picture(self._contact[name].values, self._grid, self._edges, np.fmax.reduce)
+            for name in ("pressure", "gap")
+        )
+        advice = re.findall(r'<div class="advice (\w+)"><b>(.*?)</b>(.*?)</div>', report, re.DOTALL)
+        return {
+            "folder": folder,
+            "title": html.unescape(" ".join(re.findall(r"<h1>(.*?)</h1>", report, re.DOTALL)[:1])),
+            "case": html.unescape(" ".join(re.findall(r'<p class="case">(.*?)</p>', report, re.DOTALL)[:1])),
+            "rows": rows.to_dict("records"),
+            "advice": [tuple(map(html.unescape, each)) for each in advice],
+            "pressure": pressure,
+            "gap": gap,
+            "bodies": list(self._case.different_bodies),
+            "fields": list(self._case.fields),
+            "depths": {body: self._depths(body) for body in self._case.different_bodies},
+            "yield": {name: body.yield_stress for name, body in self._case.bodies.items()},
+            "peaks": pd.read_csv(self.folder / "peaks.csv").to_dict("list"),
+            "names": sorted(names_in(self.folder)),
+        }
+
+    @cached_property
+    def _grid(self) -> Grid:
+        return grid_of(self._contact)
+
+    @cached_property
+    def _edges(self) -> tuple[float, float]:
+        """Edges of the map in the cell, which may hold its mirror images too."""
+        done = str(xr.open_dataset(self.folder / "surface.nc").attrs.get("map_treatment", ""))
+        images = 2 if "mirrored at two edges" in done and not self._grid.mirrored else 1
+        y, x = self._grid.length
+        return y / images, x / images
+
+    def _depths(self, body: str) -> list[float]:
+        suffix = f"_{body}" if len(self._case.different_bodies) > 1 else ""
+        with xr.open_dataset(self.folder / f"stress{suffix}.nc") as stress:
+            depths = stress["plane_depth"].values
+        return depths[depths <= max(self._edges)].tolist()
+
+    def _loaded(self, body: str) -> LoadedSolid:
+        """A body under the pressure of the answer, with what film and Hertz contact add."""
+        (source,) = sources(self._contact)
+        contact: Any = SimpleNamespace(
+            in_body=lambda name: source.loaded(name)[0], mean_pressure=float(self._contact["mean_pressure"])
+        )
+        if (film := self._case.film) is not None:
+            answer: Any = SimpleNamespace(case=self._case)
+            if (loaded := film.loaded(answer, contact, body)) is not None:
+                return loaded
+        return self._case.loaded_body(contact, body)
+
+    def _stream(self, body: str, field: str, depths: list[float]) -> Iterator[StressPlane]:
+        sliding = self._case.sliding_of(body)
+        return stress_planes(self._loaded(body), depths, None, (field,), PLANE_TOLERANCE, **sliding)
+
+    def _keep(self, body: str, field: str, plane: StressPlane) -> dict[str, Any]:
+        shown = picture(plane.fields[field][0], plane.grid, self._edges, largest_magnitude)
+        self._planes[body, field, plane.depth] = shown
+        return shown
+
+    def work_ahead(self) -> bool:
+        """Compute the next plane of the field that is looked at; False if there is none left."""
+        if self._wanted is None or sum(each["values"].nbytes for each in self._planes.values()) > MOST_KEPT:
+            return False
+        if self._wanted not in self._streams:
+            body, field = self._wanted
+            self._streams[self._wanted] = self._stream(body, field, self._depths(body))
+        plane = next(self._streams[self._wanted], None)
+        if plane is None:
+            return False
+        self._keep(*self._wanted, plane)
+        return True
+
+    def plane(self, body: str, field: str, depth: float) -> dict[str, Any]:
+        """A field of the stress in a plane."""
+        self._wanted = body, field
+        shown = self._planes.get((body, field, depth))
+        if shown is None:
+            shown = self._keep(body, field, next(self._stream(body, field, [depth])))
+        return {"plane": shown, "body": body, "field": field, "depth": depth}
+
+    def line(self, body: str, field: str, ends: tuple[float, float, float, float]) -> dict[str, Any]:
+        """A field of the stress in the vertical section along a line, and the contact pressure on it."""
+        self._wanted = body, field
+        while self.work_ahead():
+            pass
+        depths = [depth for depth in self._depths(body) if (body, field, depth) in self._planes]
+        found = [along(self._planes[body, field, depth], ends) for depth in depths]
+        distance, values = found[0][0], np.array([each[1] for each in found])
+        largest = np.abs(values).max(axis=1)
+        last = int(np.flatnonzero(largest > FADED * largest.max()).max(initial=0))
+        bottom = min(depths[-1], max(depths[last], distance[-1] / 10))
+        even = np.linspace(0, bottom, ROWS)
+        section = np.array([np.interp(even, depths, column) for column in values.T]).T
+        pressure = along(
+            picture(self._contact["pressure"].values, self._grid, self._edges, np.fmax.reduce), ends
+        )
+        return {
+            "section": {
+                "values": section.astype(np.float32),
+                "x": 0.0,
+                "y": 0.0,
+                "dw": float(distance[-1]),
+                "dh": bottom,
+            },
+            "distance": distance,
+            "pressure": pressure[1],
+        }

@@ -1,0 +1,265 @@
+"""The server of the page: on the loopback interface alone, under an address that holds a token."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import socket
+import time
+import zipfile
+from collections.abc import Mapping
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from bokeh.server.server import BaseServer
+from bokeh.server.tornado import BokehTornado
+from tornado.httpserver import HTTPServer
+from tornado.httputil import HTTPServerRequest
+from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.web import ErrorHandler, OutputTransform, RequestHandler
+from tornado.websocket import WebSocketHandler
+
+from asperity.app import form
+from asperity.app.session import TEMPLATES, Session
+from asperity.engineering.folder import names_in
+
+LOOPBACK = "127.0.0.1"
+
+LARGEST_UPLOAD = 100 * 2**20
+"""Bytes of a map that is dropped on the page; larger ones are named by their path."""
+
+POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
+"""Content-Security-Policy of the page: everything comes from this server."""
+
+REPORT_POLICY = "sandbox; default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+"""Of the report in the folder of an answer, which may be from someone else: no script runs in it."""
+
+WATCHED_EVERY = 500
+"""Milliseconds between two looks at computations and connections."""
+
+
+class _Headers(OutputTransform):
+    """Adds headers for safety to every response."""
+
+    def transform_first_chunk(self, status_code: int, headers: Any, chunk: bytes, finishing: bool) -> Any:
+        headers.setdefault("Content-Security-Policy", POLICY)
+        headers["X-Content-Type-Options"] = "nosniff"
+        headers["Referrer-Policy"] = "no-referrer"
+        headers["Cross-Origin-Resource-Policy"] = "same-origin"
+        return status_code, headers, chunk
+
+
+class _Application(BokehTornado):
+    """Answers only requests whose ``Host``, and ``Origin`` if they have one, are those of this server."""
+
+    hosts: tuple[str, ...] = ()
+
+    def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> Any:
+        origin = request.headers.get("Origin")
+        is_own = origin is None or origin in [f"http://{host}" for host in self.hosts]
+        if request.headers.get("Host") not in self.hosts or not is_own:
+            return self.get_handler_delegate(request, ErrorHandler, {"status_code": 403})
+        return super().find_handler(request, **kwargs)
+
+
+class _Events(WebSocketHandler):
+    """Messages between a tab and the session."""
+
+    def initialize(self, session: Session) -> None:
+        self.session = session
+
+    def open(self, *_: str, **__: str) -> None:
+        self.session.sockets.add(self)
+        self.write_message(self.session.state())
+
+    def on_close(self) -> None:
+        self.session.sockets.discard(self)
+        self.session.last_seen = time.monotonic()
+
+    def on_message(self, message: str | bytes) -> None:
+        try:
+            found = json.loads(message)
+        except ValueError:
+            return
+        self.session.act(found, self)
+
+
+class _Upload(RequestHandler):
+    """Takes maps that are dropped on the page."""
+
+    def initialize(self, session: Session) -> None:
+        self.session = session
+
+    def post(self) -> None:
+        paths = []
+        for each in self.request.files.get("map", []):
+            if len(each["body"]) > LARGEST_UPLOAD:
+                self.send_error(413)
+                return
+            folder = self.session.folder / "maps" / secrets.token_hex(4)
+            folder.mkdir(parents=True)
+            path = folder / safe_name(each["filename"])
+            path.write_bytes(each["body"])
+            paths.append(str(path))
+        if paths:
+            self.session.set({"map.file": "\n".join(paths)})
+
+
+class _Download(RequestHandler):
+    """Sends everything that an answer holds as one zip, or its report."""
+
+    def initialize(self, session: Session) -> None:
+        self.session = session
+
+    def get(self, number: str, kind: str) -> None:
+        if int(number) >= len(self.session.slots) or self.session.slots[int(number)].state != "shown":
+            self.send_error(404)
+            return
+        slot = self.session.slots[int(number)]
+        files = files_of(slot.folder)
+        if kind == "report.html":
+            if slot.folder / kind not in files:
+                self.send_error(404)
+                return
+            self.set_header("Content-Type", "text/html; charset=utf-8")
+            self.set_header("Content-Security-Policy", REPORT_POLICY)
+            self.write((slot.folder / kind).read_bytes())
+            return
+        packed, root = BytesIO(), safe_name(slot.name)
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for path in files:
+                archive.write(path, f"{root}/{path.relative_to(slot.folder)}")
+        self.set_header("Content-Type", "application/zip")
+        self.set_header("Content-Disposition", f'attachment; filename="asperity_{int(number) + 1}.zip"')
+        self.write(packed.getvalue())
+
+
+class _Static(RequestHandler):
+    """Sends the style and the script of the page."""
+
+    def get(self, name: str) -> None:
+        self.set_header("Content-Type", "text/css" if name.endswith("css") else "text/javascript")
+        self.write((Path(__file__).parent / name).read_bytes())
+
+
+def safe_name(name: str) -> str:
+    """Name of a file without a folder, of letters, digits and a few signs."""
+    last = name.replace("\\", "/").rpartition("/")[2]
+    kept = "".join(sign if sign.isalnum() or sign in "._- ()" else "_" for sign in last).lstrip(".")
+    return kept[-100:] or "map"
+
+
+def files_of(folder: Path) -> list[Path]:
+    """Files that ``asperity run`` has written into a folder and its folders, none outside of it."""
+    found = []
+    for place in (folder, *sorted(each for each in folder.iterdir() if each.is_dir())):
+        for name in sorted(names_in(place)):
+            path = place / name
+            if (
+                path.is_file()
+                and path.resolve().parent == place.resolve()
+                and place.resolve().is_relative_to(folder.resolve())
+            ):
+                found.append(path)
+    return found
+
+
+def serve(
+    path: str | None,
+    flags: Mapping[str, str],
+    *,
+    port: int = 0,
+    out: str | None = None,
+    stop_after: float | None = None,
+    memory: float,
+    show: bool = True,
+) -> None:
+    """Serve the page until Ctrl-C.
+
+    Parameters
+    ----------
+    path : str or None
+        A map, a case file, or the folder of an answer, with which the page opens.
+    flags : mapping
+        Dotted key of a setting → flag of ``asperity run``.
+    port : int
+        0 for one that is free.
+    out : str, optional
+        Folder for answers and uploaded maps; by default one that is deleted at the end.
+    stop_after : float, optional
+        Seconds without a connection after which the server ends.
+    memory : float
+        Bytes that a computation may use.
+    show : bool
+        True to open the browser.
+
+    Raises
+    ------
+    OSError
+        If the port is in use.
+    """
+    os.environ["BOKEH_RESOURCES"] = "server"  # scripts come from this server, without a network
+    listening = socket.socket()
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1) if os.name == "posix" else None
+    listening.bind((LOOPBACK, port))
+    listening.listen(64)
+    listening.setblocking(False)
+    port = listening.getsockname()[1]
+    token = secrets.token_urlsafe(24)
+    with TemporaryDirectory(prefix="asperity-app-", ignore_cleanup_errors=True) as temporary:
+        loop = IOLoop.current()
+        session = Session(loop, flags, Path(out or temporary), memory)
+        template = TEMPLATES.get_template("page.html.j2")
+
+        def fill(document: Any) -> None:
+            document.template, document.title = template, "asperity"
+            document.template_variables.update(form=form, session=session, token=token, limit=LARGEST_UPLOAD)
+            session.add_tab(document)
+
+        own = {"session": session}
+        application = _Application(
+            fill,
+            prefix=token,
+            extra_websocket_origins=[f"{name}:{port}" for name in (LOOPBACK, "localhost")],
+            extra_patterns=[
+                (r"/events", _Events, own),
+                (r"/upload", _Upload, own),
+                (r"/answer/([0-9]{1,4})/(report\.html|all\.zip)", _Download, own),
+                (r"/own/(page\.css|page\.js)", _Static),
+            ],
+            transforms=[_Headers],
+        )
+        application.hosts = tuple(f"{name}:{port}" for name in (LOOPBACK, "localhost"))
+        http = HTTPServer(application, max_buffer_size=LARGEST_UPLOAD + 2**20)
+        http.add_socket(listening)
+        server = BaseServer(loop, application, http)
+
+        def watch() -> None:
+            session.watch()
+            if stop_after is not None and time.monotonic() - session.last_seen > stop_after:
+                loop.stop()
+
+        PeriodicCallback(watch, WATCHED_EVERY).start()
+        if path is not None:
+            session.open(path)
+        address = f"http://{LOOPBACK}:{port}/{token}/"
+        print(f"{address}\nCtrl-C ends it.", flush=True)
+        if show:
+            _open_browser(address)
+        try:
+            server.run_until_shutdown()
+        finally:
+            session.close()
+
+
+def _open_browser(address: str) -> None:
+    import webbrowser
+
+    if not webbrowser.open(address):
+        print("No browser was found; open the address in one.", flush=True)

@@ -1,0 +1,121 @@
+"""Processes that read maps, press them and compute planes of the stress, beside the server.
+
+A worker is spawned, never forked, and is spoken to over a pipe. It ends when the pipe closes, as it does when
+the server ends, however that happens.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from queue import Empty, SimpleQueue
+from typing import Any
+
+REPLACED = ("check", "plane", "line", "profile")
+"""Requests of which only the newest is answered."""
+
+Reply = Callable[[str, Any], None]
+"""Receives the name of a reply and its content, in the thread of the server."""
+
+
+class Worker:
+    """A process that answers requests, and what it uses.
+
+    Parameters
+    ----------
+    kind : str
+        ``"map"`` checks cases, ``"answer"`` computes one answer and shows it.
+    reply : callable
+        Called in another thread with the name and content of each reply, and with ``"ended"`` and the exit
+        code when the process has ended.
+    """
+
+    def __init__(self, kind: str, reply: Reply) -> None:
+        context = get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._reply, self.stopped = reply, False
+        self.process = context.Process(target=_work, args=(theirs, kind), daemon=True)
+        self.process.start()
+        theirs.close()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def send(self, request: str, **given: Any) -> None:
+        """Ask for something; the reply comes later."""
+        try:
+            self._pipe.send((request, given))
+        except OSError:  # it has ended, which `reply` is told
+            pass
+
+    def stop(self) -> None:
+        """End the process now."""
+        self.stopped = True
+        self.process.terminate()
+
+    def memory(self) -> int:
+        """Bytes that the process uses."""
+        import psutil
+
+        try:
+            return int(psutil.Process(self.process.pid).memory_info().rss)
+        except psutil.Error:
+            return 0
+
+    def _listen(self) -> None:
+        try:
+            while True:
+                self._reply(*self._pipe.recv())
+        except (EOFError, OSError):
+            self.process.join()
+            self._reply("ended", self.process.exitcode)
+
+
+def _work(pipe: Connection, kind: str) -> None:
+    """Answer requests until the pipe is closed; the main function of the process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the server, which closes the pipe
+    os.environ["MPLBACKEND"] = "agg"
+    requests: SimpleQueue[tuple[str, dict[str, Any]]] = SimpleQueue()
+    threading.Thread(target=_receive, args=(pipe, requests), daemon=True).start()
+    lock = threading.Lock()
+
+    def reply(name: str, content: Any) -> None:
+        with lock:
+            pipe.send((name, content))
+
+    from asperity.app.jobs import AnswerJob, MapJob
+    from asperity.core.errors import InputError
+
+    job: Any = (MapJob if kind == "map" else AnswerJob)(reply)
+    waiting: list[tuple[str, dict[str, Any]]] = []
+    is_idle = True
+    while True:
+        try:
+            while True:
+                waiting.append(requests.get(block=is_idle and not waiting))
+        except Empty:
+            pass
+        if not waiting:
+            is_idle = not job.work_ahead()
+            continue
+        is_idle = False
+        name, given = waiting.pop(0)
+        if name in REPLACED and any(name == later for later, _ in waiting):
+            continue
+        try:
+            reply(name, getattr(job, name)(**given))
+        except InputError as error:
+            reply("refused", (name, error.lines))
+        except Exception as error:  # whatever a request raises is reported, and the worker goes on
+            reply("refused", (name, [str(error) or type(error).__name__]))
+
+
+def _receive(pipe: Connection, requests: SimpleQueue[Any]) -> None:
+    """Put requests into a queue; end the process with the pipe, also in the middle of a computation."""
+    try:
+        while True:
+            requests.put(pipe.recv())
+    except (EOFError, OSError):
+        os._exit(1)

@@ -1,0 +1,77 @@
+"""A server of the page in a process of its own, and headless Chromium without a network."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "google-chrome"))), None)
+DRIVER = shutil.which("chromedriver")
+MISSING = [
+    *(name for name in ("bokeh", "selenium") if find_spec(name) is None),
+    *(["chromium"] if CHROMIUM is None else []),
+    *(["chromedriver"] if DRIVER is None else []),
+]
+
+
+def pytest_collection_modifyitems(items):
+    """Skip with one line where the browser or a package is missing; one process runs all of these tests."""
+    for item in items:
+        if "browser" in item.path.parts:
+            item.add_marker("browser")
+            item.add_marker(pytest.mark.xdist_group("browser"))
+            if MISSING:
+                item.add_marker(pytest.mark.skip(reason=f"not installed: {', '.join(MISSING)}"))
+
+
+class App:
+    """A running ``asperity app``: its address, process, and folder."""
+
+    def __init__(self, folder, *arguments):
+        self.folder = folder
+        command = [sys.executable, "-m", "asperity", "app", "--no-browser", *map(str, arguments)]
+        self.process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+        self.port = int(re.search(r":(\d+)/", self.address)[1])
+
+    def close(self):
+        """End it as Ctrl-C does."""
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(20)
+        self.process.stdout.close()
+
+
+@pytest.fixture(scope="session")
+def app(tmp_path_factory):
+    found = App(tmp_path_factory.mktemp("app"))
+    yield found
+    found.close()
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
+    """Headless Chromium in which no name of a network but this computer's is known."""
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    downloads = tmp_path_factory.mktemp("downloads")
+    for argument in (
+        "--headless=new",
+        "--no-sandbox" if os.name == "posix" and os.geteuid() == 0 else "--mute-audio",
+        "--disable-dev-shm-usage",
+        "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+        "--window-size=1280,1000",
+    ):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    driver.downloads = downloads
+    yield driver
+    driver.quit()
