@@ -92,21 +92,24 @@ def inputs(group: str) -> Iterator[Input]:
         if above != group or key == "map.file":
             continue
         first = FIRST.get(group)
-        proposed = str(entry.get("default_text") or entry.get("default", ""))
-        if "example" in entry:
-            example = entry["example"]
-            proposed = ", ".join(map(str, example)) if isinstance(example, list) else str(example)
-            proposed = f"such as {proposed}"
         options = tuple(map(str, entry.get("enum", ())))
+        proposed = entry.get("default_text") or entry.get("default", "")
+        if "example" in entry and not options:
+            proposed = f"such as {_joined(entry['example'])}"
         yield Input(
             key,
             name.replace("_", " "),
             entry["description"].replace("`", ""),
             accepted(entry).replace("`", ""),
-            str(entry.get("default_text") or entry.get("default", "")) if options else proposed,
+            _joined(proposed),
             options,
             first is None or name in first,
         )
+
+
+def _joined(value: Any) -> str:
+    """A value as the text of a field."""
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 
 def is_used(key: str, values: Mapping[str, str]) -> bool:

@@ -6,6 +6,7 @@ import html
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -100,10 +101,8 @@ class MapJob:
             surface = case.map
         except SettingsError as error:
             found["problems"] += error.found
-            try:
+            with suppress(SettingsError):
                 surface = Map.read(given.get("map", {}))
-            except SettingsError:
-                pass
         if case is not None:
             found |= self._of_case(case)
         if surface is not None:
@@ -257,8 +256,7 @@ class AnswerJob:
         return self.open(folder)
 
     def sample(self, contents: Mapping[str, Mapping[str, Any]], folder: str) -> dict[str, Any]:
-        """Compute the answers of several maps of one surface and their means, as ``asperity run --pooled``."""
-        from asperity.engineering.case_file import holds_answer  # noqa: F401
+        """Compute the answers of several maps and their means, as ``asperity run --pooled`` does."""
         from asperity.engineering.output import write_answer
         from asperity.engineering.several_answers import read_sample, write_sample
 
@@ -267,10 +265,11 @@ class AnswerJob:
             case = Case.read(content)
             rough = read_face(case.map, case.counter_map, shared=True)
             case = case.replaced(map=rough.options)
-            share = 0.95 / len(contents)
-            answer = answer_of(
-                case, rough, lambda done, total, n=number: self._reply("progress", share * (n + done / total))
-            )
+
+            def report(done: float, total: float, before: int = number) -> None:
+                self._reply("progress", 0.95 * (before + done / total) / len(contents))
+
+            answer = answer_of(case, rough, report)
             write_answer(answer, root / name)
             cases.append((case, rough.files))
         text = write_sample(read_sample(root, list(contents), cases[0][0]), root, cases)

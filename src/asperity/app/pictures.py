@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, PanEnd, PanStart
-from bokeh.models import ColorBar, ColumnDataSource, CustomJS, HoverTool, LinearColorMapper
+from bokeh.models import ColumnDataSource, CustomJS, HoverTool, LinearColorMapper
+from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256, RdBu11, Viridis256, interp_palette
 from bokeh.plotting import figure
 
@@ -60,7 +61,7 @@ def _figure(label: str, **options: Any) -> Any:
         **options,
     )
     made.toolbar.logo = None
-    made.title.text_font_size = "11pt"
+    made.title.text_font_size = "11pt"  # type: ignore[union-attr]
     made.grid.grid_line_alpha = 0.25
     return made
 
@@ -293,7 +294,7 @@ class AnswerPictures:
 
     def show_peaks(self, peaks: Mapping[str, Array], units: Units, frame: Mapping[str, Any]) -> None:
         """Draw the peaks of the field that is shown; columns x, y, depth in m, value in Pa."""
-        place, length = units.of(max(frame["dw"], frame["dh"]), "m")
+        place = units.of(max(frame["dw"], frame["dh"]), "m")[0]
         deep, depth_unit = units.of(peaks["depth"] if len(peaks["depth"]) else [1e-6], "m")
         factor, symbol = units.of(peaks["value"] if len(peaks["value"]) else [1e6], "Pa")
         self.peaks.data = {

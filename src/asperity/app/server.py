@@ -33,7 +33,8 @@ LARGEST_UPLOAD = 100 * 2**20
 
 POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data: blob:; font-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+    "img-src 'self' data: blob:; font-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; "
+    "form-action 'none'"
 )
 """Content-Security-Policy of the page: everything comes from this server."""
 

@@ -1,4 +1,4 @@
-"""State of the page, kept by the server: every tab shows it, and a reload or a killed computation keeps it."""
+"""State of the page, which the server keeps: every tab shows it, and a reload does not change it."""
 
 from __future__ import annotations
 
@@ -28,6 +28,9 @@ from asperity.settings.materials import table
 
 LONGEST_TEXT = 4000
 """Characters of a field of the form."""
+
+DRAWN = 200
+"""Peaks in the pictures, the largest ones."""
 
 LISTED = 12
 """Peaks in the table of the page."""
@@ -81,10 +84,10 @@ class Tab:
         self.answers = [
             AnswerPictures(place, session.drag_section, session.mark) for place in ("", "_beside")
         ]
-        for pictures in (self.map, *self.answers):
-            for name, root in pictures.roots().items():
-                root.name = name
-                document.add_root(root)
+        roots = self.map.roots() | self.answers[0].roots() | self.answers[1].roots()
+        for name, root in roots.items():
+            root.name = name
+            document.add_root(root)
 
 
 class Session:
@@ -223,10 +226,13 @@ class Session:
             if self.view["field"] not in summary["fields"]:
                 self.view["field"] = summary["fields"][0]
             self.view["peak"] = None
-            largest = self._peaks(self.slots[chosen])["depth"]
-            self.view["depth"] = float(largest[0]) if len(largest) else 0.0
-            self._ends = None
+            peaks, frame = self._peaks(self.slots[chosen]), summary["pressure"]
+            self.view["depth"] = float(peaks["depth"][0]) if len(peaks["depth"]) else 0.0
+            middle = float(peaks["y"][0]) if len(peaks["y"]) else frame["y"] + frame["dh"] / 2
+            self._ends = (frame["x"], middle, frame["x"] + frame["dw"], middle)
         self._ask_planes()
+        if self._ends is not None:
+            self.drag_section(self._ends)
         self._draw_answers()
 
     def choose_view(self, name: str, value: str) -> None:
@@ -244,7 +250,7 @@ class Session:
         if number.isdecimal() and int(number) < len(depths):
             self.view["depth"], self.view["peak"] = depths[int(number)], None
             self._ask_planes()
-            self._each_tab(lambda tab: [pictures.mark(None) for pictures in tab.answers])
+            self._each_tab(lambda tab: tab.answers[0].mark(None))
 
     def mark(self, number: int) -> None:
         """Mark a peak of the first answer in all pictures, and show its plane."""
@@ -282,7 +288,14 @@ class Session:
     def _of_map(self, name: str, found: Any) -> None:
         """Take the result of a check, or a profile."""
         if name == "check" and found["number"] == self._number:
+            is_new = found.get("name") != self.check.get("name")
             self.check = found
+            if "picture" in found and (is_new or self._profile is None):
+                frame = found["picture"]
+                middle = frame["y"] + frame["dh"] / 2
+                self._profile = ((frame["x"], middle, frame["x"] + frame["dw"], middle), {})
+            if self._profile is not None:
+                self.drag_profile(self._profile[0])
             self._each_tab(self._draw_map)
             self.tell(self._state_of_form())
         elif name == "profile" and self._profile is not None:
@@ -313,7 +326,7 @@ class Session:
             slot.line = (self._ends, found)
             self._each_tab(self._draw_planes)
         elif name == "refused":
-            request, lines = found
+            lines = found[1]
             if slot.state != "shown":
                 slot.state, slot.message = "failed", " ".join(lines)
                 slot.worker.stop()
@@ -321,12 +334,13 @@ class Session:
                 self._say(" ".join(lines))
             self._tell_progress()
         elif name == "ended" and slot.state in ("running", "opening"):
+            if slot.state == "running":  # an unfinished folder, which the page has made
+                shutil.rmtree(slot.folder, ignore_errors=True)
             slot.state = "stopped" if slot.worker.stopped else "killed"
+            killed = f"The computation was killed (exit code {found}), perhaps for lack of memory."
             slot.message = slot.message or (
-                "Stopped." if slot.worker.stopped else
-                f"The computation was killed (exit code {found}), perhaps for lack of memory. The inputs are kept."
-            )  # fmt: skip
-            shutil.rmtree(slot.folder, ignore_errors=True)
+                "Stopped." if slot.worker.stopped else f"{killed} The inputs are kept."
+            )
             self._tell_progress()
         elif name == "ended" and slot.state == "shown" and not slot.worker.stopped:
             self._say(
@@ -484,7 +498,7 @@ class Session:
         looked_at = self._looked_at(slot)
         own = (known["body"] == looked_at["body"]) & (known["quantity"] == looked_at["field"])
         names = {"x": "x_m", "y": "y_m", "depth": "depth_m", "value": "value_Pa"}
-        return {name: known[column][own] for name, column in names.items()}
+        return {name: known[column][own][:DRAWN] for name, column in names.items()}
 
     def _slider(self) -> dict[str, Any]:
         """The depth slider: its end, the position next to the depth, and the depth in words."""

@@ -10,6 +10,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from queue import Empty, SimpleQueue
@@ -45,10 +46,8 @@ class Worker:
 
     def send(self, request: str, **given: Any) -> None:
         """Ask for something; the reply comes later."""
-        try:
+        with suppress(OSError):  # it has ended, which `reply` is told
             self._pipe.send((request, given))
-        except OSError:  # it has ended, which `reply` is told
-            pass
 
     def stop(self) -> None:
         """End the process now."""
