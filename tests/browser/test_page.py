@@ -25,10 +25,12 @@ const root = Bokeh.documents[0].roots().find((each) => each.name === arguments[0
 const drawn = root.renderers.find((each) => each.glyph.type === "Image").data_source.data;
 const image = drawn.image[0];
 if (!image) return null;
-return { shape: image.shape, values: [...image], x: drawn.x[0], y: drawn.y[0], dw: drawn.dw[0], dh: drawn.dh[0],
-         title: root.title.text, unit: root.right[0].title };
+const frame = { x: drawn.x[0], y: drawn.y[0], dw: drawn.dw[0], dh: drawn.dh[0] };
+return { shape: image.shape, values: [...image], title: root.title.text, unit: root.right[0].title, ...frame };
 """
 """The values of a picture, as the page draws them."""
+
+TITLE = "Bokeh.documents[0].roots().find((each) => each.name === 'plane').title.text"
 
 
 class Page:
@@ -101,7 +103,7 @@ def test_from_a_dropped_map_to_the_largest_stress(page):
     page.click("#peaks input")
     page.until("document.querySelector('#peaks tr.marked')")
     peak, unit, depth = re.search(r"1\s*([\d.]+) (GPa)([\d.]+) µm", page.text("peaks")).groups()
-    page.until(f"Bokeh.documents[0].roots().find((each) => each.name === 'plane').title.text.includes('{depth[:3]}')")
+    page.until(TITLE + f".includes('{depth[:3]}')")
     plane = page.image("plane")
     assert plane["unit"] == unit
     # The peak lies between nodes, and its plane is that of the interpolated maximum.

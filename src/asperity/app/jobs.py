@@ -18,18 +18,21 @@ import xarray as xr
 
 from asperity.core.errors import InputError
 from asperity.core.types import Array
+from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, OUT, load_case
-from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.face import read_face
 from asperity.engineering.folder import CASE_FILE, names_in
 from asperity.engineering.run import answer_of, problems_on_map
 from asperity.fourier.grid import Grid, grid_of
+from asperity.settings.load import Hertz
 from asperity.settings.map import Map, MapOptions
 from asperity.settings.model import SettingsError
 from asperity.stress.planes.planes import StressPlane, stress_planes
-from asperity.study.cost.model import job_cost
+from asperity.study.cost.model import job_cost, time_factor
 from asperity.surface.description import describe_map
+from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
 from asperity.views.maps import PIXELS, blocks, largest_magnitude
@@ -44,13 +47,20 @@ MOST_KEPT = 2**30
 BINS, POINTS, ROWS = 60, 400, 160
 """Bins of a histogram, points of a profile, rows of a section."""
 
+TREATMENT = ("despike", "detrend", "periodic", "scan_lines", "points", "wavelength_short")
+"""Settings of a map on which its description does not depend."""
+
+PLAIN = ("poisson", "conductivity", "resistivity")
+"""Constants of a material that are numbers without a unit in a case."""
+
+Edges = tuple[float, float]
+Ends = tuple[float, float, float, float]
+
 FADED = 0.05
 """A section ends where the stress is below this share of its largest value."""
 
 
-def picture(
-    values: Array, grid: Grid, edges: tuple[float, float], reduce: Callable[..., Array]
-) -> dict[str, Any]:
+def picture(values: Array, grid: Grid, edges: Edges, reduce: Callable[..., Array]) -> dict[str, Any]:
     """A field on the map as the page draws it: at most `PIXELS` values along an edge, and its frame in m."""
     rows, columns = (
         min(count, round(edge / step))
@@ -66,7 +76,7 @@ def picture(
     return {"values": shown, "x": first[1], "y": first[0], "dw": width, "dh": height}
 
 
-def along(shown: Mapping[str, Any], ends: tuple[float, float, float, float]) -> tuple[Array, Array]:
+def along(shown: Mapping[str, Any], ends: Ends) -> tuple[Array, Array]:
     """Distances in m and values along a line between two places (x, y, x, y) of a picture."""
     from scipy.ndimage import map_coordinates
 
@@ -81,8 +91,10 @@ class MapJob:
     """Checks a case as ``asperity run --check`` does, and describes its map as ``asperity info`` does."""
 
     def __init__(self, reply: Callable[[str, Any], None]) -> None:
-        self._described: tuple[Any, Any] = (None, None)
+        self._reply = reply
+        self._described: tuple[str, dict[str, str]] = ("", {})
         self._shown: dict[str, Any] = {}
+        self._time_factor: float | None = None
 
     def work_ahead(self) -> bool:
         """Nothing is done ahead."""
@@ -111,124 +123,82 @@ class MapJob:
         return found
 
     def _of_map(self, options: Map, case: Case | None, found: dict[str, Any]) -> None:
-        """Add the description of a map, its treated heights, and problems of the case on it."""
+        """Add the description of a map, its heights, and problems of the case on it."""
         if not os.path.exists(options.file):
             found["problems"].append(("map.file", f" = {options.file}: no such file"))
             return
         try:
-            described = self._description(options)
-            found["info"], found["doubts"] = described.properties, described.warnings
-            found["problems"] += [_split(f"map.{text}") for text in described.needed]
+            own = {name: getattr(options, name) for name in options.model_fields_set - {"file"}}
+            reading = {name: text for name, text in own.items() if name not in TREATMENT}
+            key = repr((options.file, os.stat(options.file).st_mtime_ns, sorted(reading.items())))
+            if self._described[0] != key:  # takes half of the time of a check
+                self._described = key, describe_map(options.file, MapOptions(**own)).properties
+            found["info"] = self._described[1]
             rough = read_face(options, None if case is None else case.counter_map)
-            found["doubts"] = rough.doubts
-            found |= self._of_face(rough)
+            face = rough.face
+            found |= self._of_heights(-face.part(face.height), face.grid, face.map_length, found["number"])
+            found |= {"doubts": rough.doubts, "done": face.done, "map_length": face.map_length}
+            wavenumber, power = spectrum(face.height, face.grid.length)
+            found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
             if case is not None:
                 found["problems"] += problems_on_map(case.replaced(map=rough.options or case.map), rough)
-                found["cost"] = _cost(case, rough)
+                found["cost"] = self._cost(case, face.height.size)
         except SettingsError as error:
             found["problems"] += error.found
         except (InputError, ValueError, OSError) as error:
-            found["problems"] += [_split(text) for text in getattr(error, "lines", None) or [str(error)]]
-            if "picture" not in found:
-                self._raw(options, found)
+            if isinstance(error, MapError):
+                error = error.renamed(lambda name: f"map.{name}")
+            found["problems"] += map(_split, getattr(error, "lines", None) or [str(error)])
+            with suppress(InputError, ValueError, OSError):  # the heights as they are in the file
+                surface = open_map(options.file, options).map
+                height, grid = np.nan_to_num(surface.height), Grid(surface.height.shape, surface.length)
+                found |= self._of_heights(height, grid, surface.length, found["number"])
 
-    def _description(self, options: Map) -> Any:
-        """The description of a map, made again only if its file or the options of reading it change."""
-        own = {
-            name: getattr(options, name)
-            for name in MapOptions.model_fields
-            if name in options.model_fields_set
-        }
-        key = (
-            options.file,
-            os.stat(options.file).st_mtime_ns,
-            tuple(
-                sorted(
-                    (name, str(value))
-                    for name, value in own.items()
-                    if name not in ("despike", "detrend", "periodic", "scan_lines")
-                )
-            ),
-        )
-        if self._described[0] != key:
-            self._described = key, describe_map(options.file, MapOptions(**own))
-        return self._described[1]
-
-    def _of_face(self, rough: RoughFace) -> dict[str, Any]:
-        """Heights with peaks upward as they are pressed, their histogram and spectrum, and what was done."""
-        face = rough.face
-        height = -face.part(face.height)
-        self._shown = picture(height, face.grid, face.map_length, np.mean)
-        counts, edges = np.histogram(height, BINS)
-        wavenumber, power = spectrum(face.height, face.grid.length)
-        return {
-            "picture": self._shown,
-            "histogram": (counts / counts.sum() / np.diff(edges), edges),
-            "spectrum": (wavenumber, power),
-            "done": face.done,
-            "name": face.name,
-            "map_length": face.map_length,
-        }
-
-    def _raw(self, options: Map, found: dict[str, Any]) -> None:
-        """Add the heights as they are in the file, of a map that cannot be pressed yet."""
-        try:
-            surface = open_map(options.file, options).map
-        except (InputError, ValueError, OSError):
-            return
-        height = np.nan_to_num(surface.height)
-        self._shown = picture(height, Grid(height.shape, surface.length), surface.length, np.mean)
-        found |= {"picture": self._shown, "done": ("as in the file",), "is_raw": True}
+    def _of_heights(self, height: Array, grid: Grid, edges: Edges, number: int) -> dict[str, Any]:
+        """Heights with peaks upward and their distribution, which are sent ahead."""
+        counts, steps = np.histogram(height, BINS)
+        self._shown = picture(height, grid, edges, np.mean)
+        density = counts / max(counts.sum(), 1) / np.diff(steps)
+        heights = {"number": number, "picture": self._shown, "histogram": (density, steps)}
+        self._reply("heights", heights)
+        return heights
 
     def _of_case(self, case: Case) -> dict[str, Any]:
-        """Constants of the bodies, and the smooth Hertz contact."""
-        bodies = {
-            name: {each: body.__class__.model_fields[each] and getattr(body, each) for each in body.of_table}
-            for name, body in case.groups_of_bodies.items()
-        }
-        hertz = None
-        if (contact := case.hertz_contact) is not None:
+        """Constants of the bodies that are from the table, and the smooth Hertz contact."""
+        constants = {}
+        for name, body in case.groups_of_bodies.items():
+            for each in body.of_table:
+                value = getattr(body, each)
+                constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")
+        found: dict[str, Any] = {"constants": constants}
+        if (contact := case.hertz_contact) is not None and isinstance(case.load, Hertz):
             shear, depth = contact.largest_shear(case.body.poisson)
-            hertz = {
-                "half_width_x": contact.half_width_x,
-                "half_width_y": contact.half_width_y,
-                "pressure": contact.largest_pressure,
-                "shear": shear,
-                "depth": depth,
-                "at": case.load.at,  # type: ignore[attr-defined]
-            }
-        return {"constants": bodies, "hertz": hertz}
+            half_widths = {"x": contact.half_width_x, "y": contact.half_width_y}
+            found["hertz"] = half_widths | {"shear": shear, "depth": depth, "at": case.load.at}
+            found["hertz"]["pressure"] = contact.largest_pressure
+        return found
 
-    def profile(self, ends: tuple[float, float, float, float]) -> dict[str, Any]:
+    def _cost(self, case: Case, nodes: int) -> tuple[float, float]:
+        """Seconds of processor time and bytes, by the cost model of the study; most questions take more."""
+        if self._time_factor is None:
+            self._time_factor = time_factor()
+        loads = 1 if case.load_curve is None else 1 + len(case.load_curve.loads)
+        contact, stress = job_cost("contact", nodes), job_cost("stress", nodes)
+        seconds = contact.seconds * loads + stress.seconds * len(case.different_bodies)
+        return self._time_factor * seconds, max(contact.memory, stress.memory)
+
+    def profile(self, ends: Ends) -> dict[str, Any]:
         """Heights along a line on the map."""
         distance, values = along(self._shown, ends)
         return {"distance": distance, "values": values}
 
 
 def _split(text: str) -> tuple[str, str]:
-    """Dotted key and the rest of a message that begins with the key; of others the key of the map."""
-    found = re.match(r"(map\.[a-z_]+|[a-z_]+(?=:| =))", text)
-    if found is None:
+    """Dotted key and the rest of a message that names a setting of the map; else the key of its file."""
+    found = re.search(r"\bmap\.([a-z_]+)", text)
+    if found is None or found[1] not in Map.model_fields:
         return "map.file", f": {text}"
-    key = found[0] if found[0].startswith("map.") else f"map.{found[0]}"
-    return (
-        (key, text[found.end() :])
-        if key.removeprefix("map.") in Map.model_fields
-        else ("map.file", f": {text}")
-    )
-
-
-def _cost(case: Case, rough: RoughFace) -> tuple[float, float]:
-    """Seconds of processor time and bytes of contact and stress, by the cost model of the study."""
-    nodes, bodies = rough.face.height.size, len(case.different_bodies)
-    loads = (
-        1
-        + (len(case.load_curve.loads) if case.load_curve else 0)
-        + ((case.cycles and case.cycles.shifts) or 0)
-    )
-    contact, stress = job_cost("contact", nodes), job_cost("stress", nodes)
-    seconds = contact.seconds * 1.25 * loads + stress.seconds * bodies
-    return seconds, max(contact.memory, stress.memory)
+    return found[0], text[found.end() :]
 
 
 class AnswerJob:
@@ -244,36 +214,30 @@ class AnswerJob:
         self._wanted: tuple[str, str] | None = None
         self.folder = Path()
 
-    def run(self, content: Mapping[str, Any], folder: str) -> dict[str, Any]:
-        """Compute the answer of a case, write it into a folder, and show it."""
-        from asperity.engineering.output import write_answer
+    def run(self, contents: Mapping[str, Mapping[str, Any]], folder: str) -> dict[str, Any]:
+        """Compute the answer of a case, write it into a folder, and show it.
 
-        case = Case.read(content)
-        answer = answer_of(case, progress=lambda done, total: self._reply("progress", 0.9 * done / total))
-        self._reply("progress", 0.9)
-        write_answer(answer, folder)
-        del answer
-        return self.open(folder)
-
-    def sample(self, contents: Mapping[str, Mapping[str, Any]], folder: str) -> dict[str, Any]:
-        """Compute the answers of several maps and their means, as ``asperity run --pooled`` does."""
+        Of the cases of several maps, each answer has a folder of the name of the map, as after
+        ``asperity run --pooled``, and the first is shown.
+        """
         from asperity.engineering.output import write_answer
         from asperity.engineering.several_answers import read_sample, write_sample
 
-        cases, root = [], Path(folder)
+        cases, is_sample = [], len(contents) > 1
         for number, (name, content) in enumerate(contents.items()):
             case = Case.read(content)
-            rough = read_face(case.map, case.counter_map, shared=True)
+            rough = read_face(case.map, case.counter_map, shared=is_sample)
             case = case.replaced(map=rough.options)
 
             def report(done: float, total: float, before: int = number) -> None:
                 self._reply("progress", 0.95 * (before + done / total) / len(contents))
 
-            answer = answer_of(case, rough, report)
-            write_answer(answer, root / name)
+            write_answer(answer_of(case, rough, report), Path(folder, name) if is_sample else folder)
             cases.append((case, rough.files))
-        text = write_sample(read_sample(root, list(contents), cases[0][0]), root, cases)
-        return self.open(str(root / next(iter(contents)))) | {"sample": str(text)}
+        if not is_sample:
+            return self.open(folder)
+        means = write_sample(read_sample(Path(folder), list(contents), cases[0][0]), Path(folder), cases)
+        return self.open(os.path.join(folder, next(iter(contents)))) | {"sample": str(means)}
 
     def open(self, folder: str) -> dict[str, Any]:
         """What the page shows of an answer before a plane is asked for."""
@@ -313,7 +277,7 @@ class AnswerJob:
         return grid_of(self._contact)
 
     @cached_property
-    def _edges(self) -> tuple[float, float]:
+    def _edges(self) -> Edges:
         """Edges of the map in the cell, which may hold its mirror images too."""
         done = str(xr.open_dataset(self.folder / "surface.nc").attrs.get("map_treatment", ""))
         images = 2 if "mirrored at two edges" in done and not self._grid.mirrored else 1
@@ -366,9 +330,9 @@ class AnswerJob:
         shown = self._planes.get((body, field, depth))
         if shown is None:
             shown = self._keep(body, field, next(self._stream(body, field, [depth])))
-        return {"plane": shown, "body": body, "field": field, "depth": depth}
+        return {"picture": shown, "depth": depth}
 
-    def line(self, body: str, field: str, ends: tuple[float, float, float, float]) -> dict[str, Any]:
+    def section(self, body: str, field: str, ends: Ends) -> dict[str, Any]:
         """A field of the stress in the vertical section along a line, and the contact pressure on it."""
         self._wanted = body, field
         while self.work_ahead():
@@ -385,7 +349,7 @@ class AnswerJob:
             picture(self._contact["pressure"].values, self._grid, self._edges, np.fmax.reduce), ends
         )
         return {
-            "section": {
+            "picture": {
                 "values": section.astype(np.float32),
                 "x": 0.0,
                 "y": 0.0,

@@ -72,17 +72,21 @@ function show(found) {
       const text = found.problems[input.dataset.key], line = byId(`wrong-${input.dataset.key}`);
       if (line && line.textContent !== (text || "")) line.textContent = text || "";
       if (line) input.setAttribute("aria-invalid", text ? "true" : "false");
+      if (text && line && line.closest("details")) line.closest("details").open = true;
     }
     for (const line of document.querySelectorAll(".doubt")) {
-      const key = line.id.replace("doubt-", ""), doubt = found.doubts[key];
-      line.textContent = doubt ? doubt.text : "";
-      if (doubt && doubt.apply) {
+      const key = line.id.replace("doubt-", ""), name = key.replace("map.", "");
+      const doubt = found.doubts.find((text) => key === `map.${name}` && text.startsWith(`${name}: `));
+      line.textContent = doubt ? doubt.slice(name.length + 2) : "";
+      const proposed = /set it to ([\w.]+)/.exec(line.textContent);
+      if (proposed) {
         const button = document.createElement("button");
         button.type = "button";
-        button.textContent = `Set to ${doubt.apply}`;
-        button.onclick = () => { fill(key, doubt.apply); change(key, doubt.apply, 0); };
+        button.textContent = `Set to ${proposed[1]}`;
+        button.onclick = () => { fill(key, proposed[1]); change(key, proposed[1], 0); };
         line.append(button);
       }
+      if (doubt && line.closest("details")) line.closest("details").open = true;
     }
     for (const input of document.querySelectorAll("input[data-key]")) {
       input.dataset.proposed ??= input.placeholder;
@@ -93,7 +97,10 @@ function show(found) {
     enable();
   }
   if (found.progress) {
-    const { running, done, text } = found.progress;
+    const { running, done, passed } = found.progress;
+    const left = passed * (1 / done - 1);
+    const words = done > 0.02 ? `${(100 * done).toFixed(0)} %, about ${left < 90 ? `${left.toFixed(0)} s` : `${(left / 60).toFixed(0)} min`} left` : "starting";
+    const text = running ? words : found.progress.text;
     byId("stop").hidden = byId("progress").hidden = !running;
     byId("progress").value = done || 0;
     byId("progress-text").textContent = text || "";
@@ -125,13 +132,13 @@ document.addEventListener("input", (event) => {
 document.addEventListener("change", (event) => {
   const input = event.target;
   if (input.id === "depth") delete input.dataset.moving;
-  else if (input.id === "upload") upload(input.files);
+  else if (input.dataset.upload) upload(input.files, input.dataset.upload);
   else if (input.dataset.do && input.tagName !== "BUTTON") act(input.dataset.do, input.value);
 });
 document.addEventListener("click", (event) => {
   const button = event.target.closest("button");
   if (!button) return;
-  if (button.dataset.do) act(button.dataset.do);
+  if (button.dataset.do) act(button.dataset.do, button.value);
   if (button.dataset.copy) copy(byId(button.dataset.copy), button);
   if (button.id === "open") byId("path-dialog").showModal();
 });
@@ -146,7 +153,7 @@ function copy(part, button) {
   button.textContent = "Copied";
 }
 
-async function upload(files) {
+async function upload(files, key = "map.file") {
   const total = [...files].reduce((sum, file) => sum + file.size, 0);
   if (!files.length) return;
   if (total > limit) {
@@ -155,7 +162,7 @@ async function upload(files) {
   }
   const form = new FormData();
   for (const file of files) form.append("map", file);
-  const reply = await fetch(`${root}upload`, { method: "POST", body: form }).catch(() => null);
+  const reply = await fetch(`${root}upload/${key}`, { method: "POST", body: form }).catch(() => null);
   notice(reply && reply.ok ? "" : "The file could not be taken. Type its path instead.");
   if (reply && reply.ok) byId("notice").replaceChildren();
 }

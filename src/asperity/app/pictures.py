@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,9 @@ SIGNED = tuple(interp_palette(RdBu11[::-1], 255))
 
 Ends = tuple[float, float, float, float]
 """Places x, y, x, y of the ends of a line, in m."""
+
+Limits = tuple[float, float]
+"""Smallest and largest value of the colours."""
 
 DRAG = """
 const end = cb_obj, line = source.data;
@@ -48,8 +50,8 @@ class Units:
 
 def _figure(label: str, **options: Any) -> Any:
     """An empty figure that takes the colours of the page, described for a screen reader."""
+    options.setdefault("sizing_mode", "stretch_width")
     made = figure(
-        sizing_mode="stretch_width",
         tools="wheel_zoom,box_zoom,pan,reset,save",
         active_drag=None,
         active_scroll=None,
@@ -95,12 +97,12 @@ class MapFigure:
         peaks: ColumnDataSource | None = None,
         is_section: bool = False,
     ) -> None:
-        self.title, self.quantity, self.unit, self.palette = title, quantity, unit, palette
+        self.title, self.quantity, self.unit = title, quantity, unit
         self.image = ColumnDataSource({name: [] for name in ("image", "x", "y", "dw", "dh")})
         self.line = ColumnDataSource({"x": [], "y": []})
         self.outline = ColumnDataSource({"xs": [], "ys": []})
         self.mapper = LinearColorMapper(palette=palette, nan_color="rgba(0,0,0,0)")
-        ratio = {} if is_section else {"match_aspect": True}
+        ratio = {} if is_section else {"match_aspect": True, "sizing_mode": "scale_width"}
         self.figure = _figure(
             title, title=title, height=260 if is_section else 420, min_border_right=10, **ratio
         )
@@ -150,15 +152,14 @@ class MapFigure:
         units: Units,
         title: str = "",
         level: float | None = None,
-        limits: tuple[float, float] | None = None,
+        limits: Limits | None = None,
     ) -> None:
         """Draw a field on its frame in m, with the contour of a level, in colours between two limits."""
         values, edge = shown["values"], max(shown["dw"], shown["dh"])
         self._factor, length = units.of(edge, "m")
         low, high = limits or (float(np.nanmin(values)), float(np.nanmax(values)))
         factor, symbol = units.of([low, high], self.unit)
-        is_signed = self.palette is SIGNED
-        if is_signed:
+        if self.mapper.palette == list(SIGNED):
             low, high = -max(-low, high), max(-low, high)
         self.mapper.update(low=low / factor, high=max(high, low + 1e-30) / factor)
         self.bar.title = symbol
@@ -171,6 +172,8 @@ class MapFigure:
             ("place", f"$x{{0.00}} {length}, $y{{0.00}} {length}"),
         ]
         self.figure.title.text = title or self.title
+        if not self.figure.y_range.flipped:
+            self.figure.aspect_ratio = float(np.clip(1.15 * shown["dw"] / shown["dh"], 0.7, 2.5))
         self.outline.data = dict(zip(("xs", "ys"), self._contour(shown, level), strict=True))
 
     def _contour(self, shown: Mapping[str, Any], level: float | None) -> tuple[list[Array], list[Array]]:
@@ -186,23 +189,20 @@ class MapFigure:
         return [line[:, 0] for line in lines], [line[:, 1] for line in lines]
 
 
-class CurveFigure:
-    """Curves over one axis."""
+def _curve(title: str, x: str, y: str, **options: Any) -> Any:
+    """A figure of one curve, with values under the pointer."""
+    made = _figure(title, title=title, height=220, **options)
+    made.line("x", "y", source=ColumnDataSource({"x": [], "y": []}), line_width=2, line_color="#0072b2")
+    made.add_tools(HoverTool(tooltips=[(x, "@x{0.000a}"), (y, "@y{0.000a}")], mode="vline"))
+    made.xaxis.axis_label, made.yaxis.axis_label = x, y
+    return made
 
-    def __init__(self, title: str, x: str, y: str, **options: Any) -> None:
-        self.source = ColumnDataSource({"x": [], "y": []})
-        self.figure = _figure(title, title=title, height=220, **options)
-        self.figure.line("x", "y", source=self.source, line_width=2, line_color="#0072b2")
-        self.figure.add_tools(HoverTool(tooltips=[(x, "@x{0.000a}"), (y, "@y{0.000a}")], mode="vline"))
-        self._labels = x, y
 
-    def show(self, x: Array, y: Array, units: tuple[str, str]) -> None:
-        """Draw a curve, whose numbers are in the units."""
-        self.source.data = {"x": x, "y": y}
-        for axis, label, unit in zip(
-            (self.figure.xaxis, self.figure.yaxis), self._labels, units, strict=True
-        ):
-            axis.axis_label = f"{label} ({unit})" if unit else label
+def _draw_curve(curve: Any, x: Array, y: Array, units: tuple[str, str]) -> None:
+    """Draw a curve, whose numbers are in the units."""
+    curve.renderers[0].data_source.data = {"x": x, "y": y}
+    for axis, unit in zip((curve.xaxis, curve.yaxis), units, strict=True):
+        axis.axis_label = f"{axis[0].axis_label.partition(' (')[0]} ({unit})"
 
 
 class MapPictures:
@@ -210,35 +210,33 @@ class MapPictures:
 
     def __init__(self, on_line: Callable[[Ends], None]) -> None:
         self.image = MapFigure("Height, peaks upward", "height", "m", Cividis256, on_line)
-        self.profile = CurveFigure("Profile along the dragged line", "distance", "height")
-        self.histogram = CurveFigure("Distribution of heights", "height", "density")
-        self.spectrum = CurveFigure("Spectrum", "wavelength", "C(q)", x_axis_type="log", y_axis_type="log")
+        self.profile = _curve("Profile along the line", "distance", "height")
+        self.histogram = _curve("Distribution of heights", "height", "density")
+        self.spectrum = _curve("Spectrum", "wavelength", "C(q)", x_axis_type="log", y_axis_type="log")
 
     def roots(self) -> dict[str, Any]:
         """Name in the page → figure."""
-        return {f"map_{name}": each.figure for name, each in vars(self).items()}
+        curves = {"profile": self.profile, "histogram": self.histogram, "spectrum": self.spectrum}
+        return {f"map_{name}": each for name, each in ({"image": self.image.figure} | curves).items()}
 
     def show(self, found: Mapping[str, Any], units: Units) -> None:
-        """Draw the heights of a check."""
-        if "picture" not in found:
-            return
-        self.image.show(found["picture"], units, "Height in the file" if found.get("is_raw") else "")
-        if "histogram" in found:
+        """Draw the heights of a map, and their distribution and spectrum."""
+        if "picture" in found:
+            self.image.show(found["picture"], units)
             density, edges = found["histogram"]
             factor, symbol = units.of(edges, "m")
-            self.histogram.show(
-                np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * factor, (symbol, f"1/{symbol}")
-            )
-            wavenumber, power = found["spectrum"]
-            kept = power > 0
-            factor, symbol = units.of(2 * np.pi / wavenumber, "m")
-            self.spectrum.show(2 * np.pi / wavenumber[kept] / factor, power[kept] * 1e24, (symbol, "µm⁴"))
+            steps = np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * factor
+            _draw_curve(self.histogram, *steps, (symbol, f"1/{symbol}"))
+        if "spectrum" in found:
+            wavelength, power = found["spectrum"]
+            factor, symbol = units.of(wavelength, "m")
+            _draw_curve(self.spectrum, wavelength / factor, power * 1e24, (symbol, "µm⁴"))
 
     def show_profile(self, found: Mapping[str, Any], ends: Ends, units: Units) -> None:
         """Draw the heights along a line."""
         self.image.draw_line(ends)
         (factor, symbol), (high, unit) = units.of(found["distance"], "m"), units.of(found["values"], "m")
-        self.profile.show(found["distance"] / factor, found["values"] / high, (symbol, unit))
+        _draw_curve(self.profile, found["distance"] / factor, found["values"] / high, (symbol, unit))
 
 
 class AnswerPictures:
@@ -260,81 +258,60 @@ class AnswerPictures:
         self.peaks.selected.on_change("indices", self._selected)
         self.contact = MapFigure("Contact pressure", "pressure", "Pa", Viridis256, peaks=self.peaks)
         self.plane = MapFigure("Stress in a plane", "stress", "Pa", Viridis256, on_line, self.peaks)
-        self.section = MapFigure(
-            "Section along the dragged line", "stress", "Pa", Viridis256, is_section=True
-        )
+        self.section = MapFigure("Section along the line", "stress", "Pa", Viridis256, is_section=True)
         self.scatter = _figure("Peaks over depth", title="Peaks over depth", height=300)
-        drawn = self.scatter.scatter(
-            *("value", "depth"), source=self.peaks, size=8, color="#0072b2", alpha=0.7,
-            selection_color="#d55e00", selection_alpha=1, nonselection_alpha=0.35,
-        )  # fmt: skip
+        marked = {f"selection_{name}": value for name, value in (("color", "#d55e00"), ("alpha", 1))}
+        look = {"size": 8, "color": "#0072b2", "alpha": 0.7, "nonselection_alpha": 0.35}
+        drawn = self.scatter.scatter("value", "depth", source=self.peaks, **look, **marked)
         self.scatter.y_range.flipped = True
         self._tip = HoverTool(renderers=[drawn], tooltips=None)
         self.scatter.add_tools(self._tip, "tap")
 
     def roots(self) -> dict[str, Any]:
         """Name in the page → figure."""
-        figures = {"contact": self.contact.figure, "plane": self.plane.figure}
-        figures |= {"section": self.section.figure, "scatter": self.scatter}
-        return {f"{name}{self._place}": each for name, each in figures.items()}
+        figures = {name: getattr(self, name).figure for name in ("contact", "plane", "section")}
+        return {f"{name}{self._place}": each for name, each in (figures | {"scatter": self.scatter}).items()}
 
     def _selected(self, _: str, __: Any, indices: list[int]) -> None:
         if indices and not self._is_marking:
             self._on_peak(indices[0])
 
-    def show(self, summary: Mapping[str, Any], which: str, units: Units, limits: Any = None) -> None:
+    def show_contact(self, shown: Mapping[str, Any], which: str, units: Units, limits: Limits) -> None:
         """Draw the contact: its pressure, or the gap."""
-        shown = dict(summary[which])
-        if which == "pressure":
-            shown["values"] = np.where(shown["values"] > 0, shown["values"], np.nan)
         self.contact.unit, self.contact.quantity = ("m", "gap") if which == "gap" else ("Pa", "pressure")
-        if not np.isfinite(shown["values"]).any():
-            shown["values"] = np.zeros_like(shown["values"])
-        self.contact.show(shown, units, "Gap" if which == "gap" else "Contact pressure", limits=limits)
+        values = shown["values"] if which == "gap" else np.where(shown["values"] > 0, shown["values"], np.nan)
+        title = "Gap" if which == "gap" else "Contact pressure"
+        self.contact.show({**shown, "values": values}, units, title, limits=limits)
 
     def show_peaks(self, peaks: Mapping[str, Array], units: Units, frame: Mapping[str, Any]) -> None:
-        """Draw the peaks of the field that is shown; columns x, y, depth in m, value in Pa."""
+        """Draw peaks with columns x, y, depth in m and value in Pa over a frame."""
         place = units.of(max(frame["dw"], frame["dh"]), "m")[0]
-        deep, depth_unit = units.of(peaks["depth"] if len(peaks["depth"]) else [1e-6], "m")
-        factor, symbol = units.of(peaks["value"] if len(peaks["value"]) else [1e6], "Pa")
-        self.peaks.data = {
-            "x": peaks["x"] / place,
-            "y": peaks["y"] / place,
-            "depth": peaks["depth"] / deep,
-            "value": peaks["value"] / factor,
-        }
-        self.scatter.xaxis.axis_label, self.scatter.yaxis.axis_label = (
-            f"peak ({symbol})",
-            f"depth ({depth_unit})",
-        )
-        self._tip.tooltips = [
-            ("peak", f"@value{{0.000}} {symbol}"),
-            ("depth", f"@depth{{0.00}} {depth_unit}"),
-        ]
+        (deep, length), (factor, symbol) = units.of(peaks["depth"], "m"), units.of(peaks["value"], "Pa")
+        factors = {"x": place, "y": place, "depth": deep, "value": factor}
+        self.peaks.data = {name: peaks[name] / each for name, each in factors.items()}
+        self.scatter.xaxis.axis_label, self.scatter.yaxis.axis_label = f"peak ({symbol})", f"depth ({length})"
+        self._tip.tooltips = [("peak", f"@value{{0.000}} {symbol}"), ("depth", f"@depth{{0.00}} {length}")]
 
-    def mark(self, number: int | None) -> None:
-        """Mark a peak in all pictures."""
+    def mark(self, number: int) -> None:
+        """Mark a peak in all pictures; none for a negative number."""
         self._is_marking = True
-        self.peaks.selected.indices = [] if number is None else [number]
+        self.peaks.selected.indices = [] if number < 0 else [number]
         self._is_marking = False
 
-    def show_plane(
-        self, found: Mapping[str, Any], units: Units, words: str, level: float | None, limits: Any
+    def show_planes(
+        self,
+        plane: Mapping[str, Any],
+        section: Mapping[str, Any] | None,
+        ends: Ends,
+        units: Units,
+        title: str,
+        level: float | None,
+        limits: Limits,
     ) -> None:
-        """Draw a plane, with the line of the yield stress."""
-        palette = SIGNED if limits[0] < 0 else Viridis256
+        """Draw a plane and a section in common colours, with the line of the yield stress."""
         for each in (self.plane, self.section):
-            each.palette, each.mapper.palette = palette, palette
-        self.plane.show(found["plane"], units, words, level, limits)
-
-    def show_section(
-        self, found: Mapping[str, Any], ends: Ends, units: Units, level: float | None, limits: Any
-    ) -> None:
-        """Draw the section along a line."""
+            each.mapper.palette = SIGNED if limits[0] < 0 else Viridis256
+        self.plane.show(plane["picture"], units, title, level, limits)
         self.plane.draw_line(ends)
-        self.section.show(found["section"], units, "", level, limits)
-
-
-def later(document: Any, change: Callable[..., None], *arguments: Any) -> None:
-    """Change a document when it is free."""
-    document.add_next_tick_callback(partial(change, *arguments))
+        if section is not None:
+            self.section.show(section["picture"], units, "", level, limits)

@@ -5,17 +5,16 @@ from __future__ import annotations
 import json
 import os
 import secrets
-import socket
 import time
 import zipfile
 from collections.abc import Mapping
-from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
+from tempfile import TemporaryDirectory, TemporaryFile
+from typing import IO, Any
 
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
+from bokeh.server.util import bind_sockets
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPServerRequest
 from tornado.ioloop import IOLoop, PeriodicCallback
@@ -25,6 +24,7 @@ from tornado.websocket import WebSocketHandler
 from asperity.app import form
 from asperity.app.session import TEMPLATES, Session
 from asperity.engineering.folder import names_in
+from asperity.settings.materials import table
 
 LOOPBACK = "127.0.0.1"
 
@@ -97,7 +97,7 @@ class _Upload(RequestHandler):
     def initialize(self, session: Session) -> None:
         self.session = session
 
-    def post(self) -> None:
+    def post(self, key: str) -> None:
         paths = []
         for each in self.request.files.get("map", []):
             if len(each["body"]) > LARGEST_UPLOAD:
@@ -108,8 +108,7 @@ class _Upload(RequestHandler):
             path = folder / safe_name(each["filename"])
             path.write_bytes(each["body"])
             paths.append(str(path))
-        if paths:
-            self.session.set({"map.file": "\n".join(paths)})
+        self.session.act({"set": {key: "\n".join(paths)}} if paths else {})
 
 
 class _Download(RequestHandler):
@@ -118,35 +117,32 @@ class _Download(RequestHandler):
     def initialize(self, session: Session) -> None:
         self.session = session
 
-    def get(self, number: str, kind: str) -> None:
-        if int(number) >= len(self.session.slots) or self.session.slots[int(number)].state != "shown":
-            self.send_error(404)
-            return
-        slot = self.session.slots[int(number)]
-        files = files_of(slot.folder)
-        if kind == "report.html":
-            if slot.folder / kind not in files:
-                self.send_error(404)
-                return
+    async def get(self, number: str, name: str) -> None:
+        slots = self.session.slots
+        slot = slots[int(number)] if int(number) < len(slots) else None
+        files = files_of(slot.folder) if slot is not None and slot.state == "shown" else {}
+        if name == "report.html" and name in files:
             self.set_header("Content-Type", "text/html; charset=utf-8")
             self.set_header("Content-Security-Policy", REPORT_POLICY)
-            self.write((slot.folder / kind).read_bytes())
-            return
-        packed, root = BytesIO(), safe_name(slot.name)
-        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            for path in files:
-                archive.write(path, f"{root}/{path.relative_to(slot.folder)}")
-        self.set_header("Content-Type", "application/zip")
-        self.set_header("Content-Disposition", f'attachment; filename="asperity_{int(number) + 1}.zip"')
-        self.write(packed.getvalue())
+            self.write(files[name].read_bytes())
+        elif name == "all.zip" and files:
+            self.set_header("Content-Type", "application/zip")
+            self.set_header("Content-Disposition", f'attachment; filename="answer_{int(number) + 1}.zip"')
+            with TemporaryFile() as packed:
+                await IOLoop.current().run_in_executor(None, _pack, files, packed)
+                while part := packed.read(2**20):
+                    self.write(part)
+                    await self.flush()
+        else:
+            self.send_error(404)
 
 
-class _Static(RequestHandler):
-    """Sends the style and the script of the page."""
-
-    def get(self, name: str) -> None:
-        self.set_header("Content-Type", "text/css" if name.endswith("css") else "text/javascript")
-        self.write((Path(__file__).parent / name).read_bytes())
+def _pack(files: Mapping[str, Path], packed: IO[bytes]) -> None:
+    """Write a zip into a file, and go to its begin."""
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, path in files.items():
+            archive.write(path, name)
+    packed.seek(0)
 
 
 def safe_name(name: str) -> str:
@@ -156,18 +152,14 @@ def safe_name(name: str) -> str:
     return kept[-100:] or "map"
 
 
-def files_of(folder: Path) -> list[Path]:
-    """Files that ``asperity run`` has written into a folder and its folders, none outside of it."""
-    found = []
-    for place in (folder, *sorted(each for each in folder.iterdir() if each.is_dir())):
+def files_of(folder: Path) -> dict[str, Path]:
+    """Files that ``asperity run`` has written into a folder and its folders, none that lie elsewhere."""
+    found = {}
+    for place in (folder, *(each for each in sorted(folder.iterdir()) if each.is_dir())):
         for name in sorted(names_in(place)):
             path = place / name
-            if (
-                path.is_file()
-                and path.resolve().parent == place.resolve()
-                and place.resolve().is_relative_to(folder.resolve())
-            ):
-                found.append(path)
+            if path.is_file() and path.resolve() == folder.resolve() / path.relative_to(folder):
+                found[path.relative_to(folder).as_posix()] = path
     return found
 
 
@@ -206,12 +198,7 @@ def serve(
         If the port is in use.
     """
     os.environ["BOKEH_RESOURCES"] = "server"  # scripts come from this server, without a network
-    listening = socket.socket()
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1) if os.name == "posix" else None
-    listening.bind((LOOPBACK, port))
-    listening.listen(64)
-    listening.setblocking(False)
-    port = listening.getsockname()[1]
+    sockets, port = bind_sockets(LOOPBACK, port)
     token = secrets.token_urlsafe(24)
     with TemporaryDirectory(prefix="asperity-app-", ignore_cleanup_errors=True) as temporary:
         loop = IOLoop.current()
@@ -220,7 +207,8 @@ def serve(
 
         def fill(document: Any) -> None:
             document.template, document.title = template, "asperity"
-            document.template_variables.update(form=form, session=session, token=token, limit=LARGEST_UPLOAD)
+            values = {"form": form, "materials": list(table()), "limit": LARGEST_UPLOAD}
+            document.template_variables.update(values)
             session.add_tab(document)
 
         own = {"session": session}
@@ -230,15 +218,14 @@ def serve(
             extra_websocket_origins=[f"{name}:{port}" for name in (LOOPBACK, "localhost")],
             extra_patterns=[
                 (r"/events", _Events, own),
-                (r"/upload", _Upload, own),
+                (r"/upload/([a-z_.]+)", _Upload, own),
                 (r"/answer/([0-9]{1,4})/(report\.html|all\.zip)", _Download, own),
-                (r"/own/(page\.css|page\.js)", _Static),
             ],
             transforms=[_Headers],
         )
         application.hosts = tuple(f"{name}:{port}" for name in (LOOPBACK, "localhost"))
         http = HTTPServer(application, max_buffer_size=LARGEST_UPLOAD + 2**20)
-        http.add_socket(listening)
+        http.add_sockets(sockets)
         server = BaseServer(loop, application, http)
 
         def watch() -> None:
@@ -248,7 +235,7 @@ def serve(
 
         PeriodicCallback(watch, WATCHED_EVERY).start()
         if path is not None:
-            session.open(path)
+            session.do_open(path)
         address = f"http://{LOOPBACK}:{port}/{token}/"
         print(f"{address}\nCtrl-C ends it.", flush=True)
         if show:
