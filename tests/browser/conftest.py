@@ -48,7 +48,7 @@ class App:
 
 @pytest.fixture(scope="session")
 def app(tmp_path_factory):
-    found = App(tmp_path_factory.mktemp("app"))
+    found = App(tmp_path_factory.mktemp("app"), "--out", "answers")
     yield found
     found.close()
 

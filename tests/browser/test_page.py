@@ -1,17 +1,26 @@
 """The page in a real browser: a newcomer's way from a map to the largest stress, and what may go wrong."""
 
 import base64
-import json
+import os
 import re
+import shlex
 import time
 import zipfile
 from importlib.resources import files
+from pathlib import Path
 
+import netCDF4
 import numpy as np
-import pandas as pd
+import psutil
 import pytest
 
-MAP = files("asperity.engineering") / "maps" / "ground_1.x3p"
+from asperity.cli.main import main
+
+MAPS = files("asperity.engineering") / "maps"
+MAP = MAPS / "ground_1.x3p"
+
+PICTURES = os.environ.get("ASPERITY_PICTURES")
+"""Folder into which the pictures of docs/app.md are written: ASPERITY_PICTURES=docs pytest tests/browser."""
 
 DROP = """
 const bytes = Uint8Array.from(atob(arguments[0]), (sign) => sign.charCodeAt(0));
@@ -26,7 +35,8 @@ const drawn = root.renderers.find((each) => each.glyph.type === "Image").data_so
 const image = drawn.image[0];
 if (!image) return null;
 const frame = { x: drawn.x[0], y: drawn.y[0], dw: drawn.dw[0], dh: drawn.dh[0] };
-return { shape: image.shape, values: [...image], title: root.title.text, unit: root.right[0].title, ...frame };
+const words = { title: root.title.text, unit: root.right[0].title };
+return { shape: image.shape, values: [...image], ...words, ...frame };
 """
 """The values of a picture, as the page draws them."""
 
@@ -36,8 +46,8 @@ TITLE = "Bokeh.documents[0].roots().find((each) => each.name === 'plane').title.
 class Page:
     """The page as its reader uses it."""
 
-    def __init__(self, chromium):
-        self.chromium = chromium
+    def __init__(self, chromium, pictures):
+        self.chromium, self.pictures = chromium, pictures
 
     def open(self, address):
         self.chromium.get(address)
@@ -47,7 +57,7 @@ class Page:
     def run(self, script, *arguments):
         return self.chromium.execute_script(script, *arguments)
 
-    def until(self, condition, seconds=40):
+    def until(self, condition, seconds=60):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if found := self.run(f"return {condition}"):
@@ -58,10 +68,14 @@ class Page:
     def text(self, name):
         return self.run("return document.getElementById(arguments[0]).textContent.trim()", name)
 
+    def value(self, key):
+        return self.run("return document.getElementById(arguments[0]).value", key)
+
     def type(self, key, text):
         """Type into a field as a user does, in place of its text."""
         self.run(
-            "const field = document.getElementById(arguments[0]); field.focus(); field.select();"
+            "const field = document.getElementById(arguments[0]);"
+            "field.closest('details')?.setAttribute('open', ''); field.focus(); field.select();"
             "document.execCommand(arguments[1] ? 'insertText' : 'delete', false, arguments[1]);",
             *(key, text),
         )
@@ -76,35 +90,242 @@ class Page:
     def drop(self, content, name):
         self.run(DROP, base64.b64encode(content).decode(), name)
 
-    def answer(self, number):
-        """Compute, and wait until answer `number` is shown."""
+    def start(self):
         self.until("!document.getElementById('start').disabled")
         self.click("#start")
-        self.until(f"document.querySelector('article[aria-label=\"Answer {number}\"]')")
+
+    def answers(self):
+        return self.run("return document.querySelectorAll('[data-do=show] option').length")
+
+    def answer(self):
+        """Compute, wait until the answer is shown with its plane, and return its number."""
+        known = self.answers()
+        self.start()
+        self.until(f"document.querySelectorAll('[data-do=show] option').length > {known}")
+        self.until(f"{TITLE}.includes('at depth')")
+        return int(self.run("return document.querySelector('[data-do=show]').value")) + 1
+
+    def picture(self, name, width, part="html"):
+        """Save the page as it looks in a window of some width."""
+        size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": width < 500}
+        self.chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        time.sleep(1)  # pictures follow the window
+        box = self.run(
+            "const box = document.querySelector(arguments[0]).getBoundingClientRect();"
+            "const { width, height } = box;"
+            "return { x: box.x + scrollX, y: box.y + scrollY, width, height, scale: 1 };",
+            part,
+        )
+        wide = self.run("return document.documentElement.scrollWidth")
+        shot = {"clip": box, "captureBeyondViewport": True}
+        found = self.chromium.execute_cdp_cmd("Page.captureScreenshot", shot)
+        (self.pictures / f"{name}.png").write_bytes(base64.b64decode(found["data"]))
+        self.chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        assert wide <= width, f"the page is {wide} pixels wide in a window of {width}"
 
 
 @pytest.fixture(scope="module")
-def page(chromium, app):
-    found = Page(chromium)
+def page(chromium, app, tmp_path_factory):
+    found = Page(chromium, Path(PICTURES) if PICTURES else tmp_path_factory.mktemp("pictures"))
     found.open(app.address)
     return found
 
 
-def test_from_a_dropped_map_to_the_largest_stress(page):
+@pytest.fixture
+def example(page):
+    """The page with the example map, ready to compute."""
+    page.click("[data-do=example]")
+    page.until("document.getElementById('body.material').value === '100Cr6'")
+    page.until("!document.getElementById('start').disabled")
+    return page
+
+
+def test_from_a_dropped_map_to_the_largest_stress(page, app):
     assert "What happens here" in page.run("return document.querySelector('.empty-only').innerText")
     page.drop(MAP.read_bytes(), "ground <img src=x onerror=alert(1)>.x3p")
-    page.until("document.body.classList.contains('has-map')")
-    assert page.image("map_image")["values"].shape == (96, 128)
-    assert "96 x 128" in page.text("info")
+    page.until("document.getElementById('info').textContent.includes('96 x 128')")
     page.type("body.material", "100Cr6")
     page.type("load.mean_pressure", "50 MPa")
-    page.answer(1)
-    page.until("document.getElementById('peaks').textContent.includes('GPa')")
+    number = page.answer()
     page.click("#peaks input")
     page.until("document.querySelector('#peaks tr.marked')")
-    peak, unit, depth = re.search(r"1\s*([\d.]+) (GPa)([\d.]+) µm", page.text("peaks")).groups()
-    page.until(TITLE + f".includes('{depth[:3]}')")
+    stress = netCDF4.Dataset(next(app.folder.glob(f"answers/answer_{number}/stress.nc")))
+    is_mises = stress["peak_quantity"][:] == "von_mises"
+    largest = int(np.argmax(np.where(is_mises, stress["peak_value"][:], 0)))
+    value, depth, x, y = (float(stress[f"peak_{name}"][largest]) for name in ("value", "depth", "x", "y"))
+    page.until(f"{TITLE}.includes('{1e6 * depth:.3g} µm')")
     plane = page.image("plane")
-    assert plane["unit"] == unit
-    # The peak lies between nodes, and its plane is that of the interpolated maximum.
-    assert plane["values"].max() == pytest.approx(float(peak), rel=0.02)
+    rows, columns = plane["shape"]
+    row = int((1e6 * y - plane["y"]) / plane["dh"] * rows)
+    column = int((1e6 * x - plane["x"]) / plane["dw"] * columns)
+    # The peak lies up to half a pixel beside the node that is drawn.
+    assert plane["unit"] == "GPa"
+    assert plane["values"][row, column] == pytest.approx(1e-9 * value, rel=0.03)
+    assert plane["values"].max() == plane["values"][row, column]
+    assert page.run("return document.querySelectorAll('img[onerror]').length") == 0
+    origins = page.run(
+        "return performance.getEntriesByType('resource').map((each) => new URL(each.name).host)"
+    )
+    assert set(origins) <= {f"127.0.0.1:{app.port}"}
+    page.picture("app_answer", 1280, "#answer-step")
+
+
+def test_slider_and_dragged_line(page):
+    from selenium.webdriver.common.actions.action_builder import ActionBuilder
+
+    before, title = page.image("plane"), page.run(f"return {TITLE}")
+    page.run(
+        "const slider = document.getElementById('depth'); slider.value = 12;"
+        "slider.dispatchEvent(new Event('input', { bubbles: true }));"
+    )
+    page.until(f"{TITLE} !== {title!r}")
+    assert page.image("plane")["values"].max() < before["values"].max()
+    wide = page.image("section")["dw"]
+    page.run(
+        "document.querySelector('[aria-label^=\"Stress in a plane\"]').scrollIntoView({ block: 'center' })"
+    )
+    box = page.run(
+        "return document.querySelector('[aria-label^=\"Stress in a plane\"]').getBoundingClientRect()"
+    )
+    actions = ActionBuilder(page.chromium)
+    x, y = int(box["x"] + box["width"] / 2), int(box["y"] + box["height"] / 2)
+    actions.pointer_action.move_to_location(x - 60, y).pointer_down()
+    actions.pointer_action.move_to_location(x, y).move_to_location(x + 60, y + 20).pointer_up()
+    actions.perform()
+    section = (
+        "Bokeh.documents[0].roots().find((each) => each.name === 'section').renderers[0].data_source.data"
+    )
+    page.until(f"{section}.dw[0] < {0.7 * wide}")
+    assert page.image("section")["values"].max() > 0
+
+
+def test_a_wrong_unit_is_refused_in_the_words_of_the_command(example, capsys):
+    example.type("load.mean_pressure", "50")
+    example.until("document.getElementById('wrong-load.mean_pressure').textContent")
+    with pytest.raises(SystemExit):
+        main(["run", str(MAP), "--material", "100Cr6", "--mean-pressure", "50", "--check"])
+    assert example.text("wrong-load.mean_pressure") in capsys.readouterr().err
+    assert example.run("return document.getElementById('start').disabled")
+    example.type("load.mean_pressure", "50 GPa")  # above the hardness
+    example.until("document.getElementById('ready').textContent.includes('hardness')")
+    assert example.value("load.mean_pressure") == "50 GPa"
+
+
+def test_a_map_without_a_unit_asks_for_it_at_the_field(example, tmp_path):
+    path = tmp_path / "<img src=x onerror=alert(1)>.npy"
+    np.save(path, np.random.default_rng(1).normal(size=(48, 32)))
+    example.type("map.file", str(path))
+    example.until("document.getElementById('ready').textContent.includes('--unit')")
+    assert "--physical-size" in example.text("ready")
+    example.type("map.unit", "nm")
+    example.type("map.physical_size", "48 um, 32 um")
+    example.until("!document.getElementById('start').disabled")
+    example.until("Bokeh.documents[0].roots()[0].renderers[0].data_source.data.image[0].shape[0] === 48")
+    assert example.run("return document.querySelectorAll('img[onerror]').length") == 0
+    example.type("map.unit", "")
+    example.type("map.physical_size", "")
+
+
+def test_stop_and_kill_keep_the_inputs(example, app):
+    example.type("map.points", "2048")
+    workers = psutil.Process(app.process.pid).children
+    for end, words in (("stop", "Stopped."), ("kill", "was killed")):
+        known = {each.pid for each in workers()}
+        example.start()
+        example.until("document.body.dataset.running === 'true'")
+        (started,) = [each for each in workers() if each.pid not in known]
+        example.until("document.getElementById('progress').value > 0.1")
+        if end == "stop":
+            example.click("#stop")
+        else:
+            started.kill()
+        example.until(f"document.getElementById('progress-text').textContent.includes('{words}')")
+        assert not psutil.pid_exists(started.pid) or started.status() == "zombie"
+        assert example.value("map.points") == "2048"
+    example.type("map.points", "")
+
+
+def test_a_second_map_is_laid_on(example):
+    example.click("[data-key='choose.counter_body'][value='rigid map']")
+    example.type("counter_body.map.file", str(MAPS / "ground_2.x3p"))
+    example.type("counter_body.map.shift", "10 um, -4 um")
+    example.until("document.getElementById('info').textContent.includes('counter map')")
+    assert "--counter-map" in example.text("command")
+    assert "ground_2" in example.text("command")
+    example.click("[data-key='choose.counter_body'][value='flat']")
+    example.until("!document.getElementById('info').textContent.includes('counter map')")
+
+
+def test_command_and_case_file_give_the_same_numbers(example, app, tmp_path, monkeypatch):
+    example.click("[data-key='use.sliding']")
+    example.type("sliding.friction", "0.1")
+    example.until("document.getElementById('command').textContent.includes('--friction 0.1')")
+    number = example.answer()
+    folder = app.folder / "answers" / f"answer_{number}"
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.yaml").write_text(example.text("case"), encoding="utf-8")
+    words = shlex.split(example.text("command"))[1:]
+    for arguments in ([*words, "--out", "by_command"], ["run", "case.yaml", "--out", "by_case"]):
+        assert main(arguments) == 0
+        out = tmp_path / arguments[-1]
+        assert (out / "answer.csv").read_bytes() == (folder / "answer.csv").read_bytes()
+        assert (out / "peaks.csv").read_bytes() == (folder / "peaks.csv").read_bytes()
+        found, there = (netCDF4.Dataset(each / "contact.nc")["pressure"][:] for each in (out, folder))
+        assert np.array_equal(found, there)
+    example.click("[data-key='use.sliding']")
+
+
+def test_download_and_open_later(page):
+    page.run("document.querySelector('a[download]').click()")
+    end = time.monotonic() + 20
+    while not (found := list(page.chromium.downloads.glob("*.zip"))) and time.monotonic() < end:
+        time.sleep(0.1)
+    folder = page.chromium.downloads / "opened <b>later"
+    with zipfile.ZipFile(found[0]) as archive:
+        assert {"report.html", "contact.nc", "case.yaml", ".asperity-run.json"} <= set(archive.namelist())
+        archive.extractall(folder)
+    number = page.answers() + 1
+    tiles = page.run("return document.querySelector('.tiles').innerText")
+    page.run("act('open', arguments[0])", str(folder))
+    page.until(f"document.querySelectorAll('[data-do=show] option').length === {number}")
+    assert page.run("return document.querySelector('.tiles').innerText") == tiles
+    assert "opened <b>later" in page.run("return document.querySelector('[data-do=show]').innerText")
+    page.run("act('beside', '0')")
+    page.until("document.querySelectorAll('article.answer').length === 2")
+    page.until(
+        "Bokeh.documents[0].roots().find((each) => each.name === 'plane_beside').title.text.includes('depth')"
+    )
+    page.picture("app_beside", 1280, "#answer-step")
+    page.run("act('beside', '')")
+    page.until("document.querySelectorAll('article.answer').length === 1")
+
+
+def test_tabs_and_reload_show_the_same_work(example, app):
+    first = example.chromium.current_window_handle
+    example.chromium.switch_to.new_window("tab")
+    example.open(app.address)
+    example.until("document.getElementById('body.material').value === '100Cr6'")
+    example.until("document.querySelector('article.answer')")
+    example.type("load.mean_pressure", "60 MPa")
+    example.chromium.switch_to.window(first)
+    example.until("document.getElementById('load.mean_pressure').value === '60 MPa'")
+    example.open(app.address)
+    example.until("document.getElementById('load.mean_pressure').value === '60 MPa'")
+    example.until("document.querySelector('article.answer')")
+
+
+def test_looks(example):
+    example.until("Bokeh.documents[0].is_idle")
+    example.picture("app_map", 1280, "#map-step")
+    example.picture("app_phone", 390, "#map-step")
+    example.chromium.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]}
+    )
+    example.picture("app_dark", 1280, "#load-step")
+    back = example.run("return getComputedStyle(document.body).backgroundColor")
+    assert max(map(int, re.findall(r"\d+", back))) < 60
+    unnamed = example.run(
+        "return [...document.querySelectorAll('input, select, textarea, button')].filter((each) =>"
+        "!each.labels?.length && !each.textContent.trim() && !each.ariaLabel).length"
+    )
+    assert unnamed == 0

@@ -20,6 +20,7 @@ from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.answer import LIMITS
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, OUT, load_case
 from asperity.engineering.face import read_face
@@ -260,7 +261,7 @@ class AnswerJob:
             "folder": folder,
             "title": html.unescape(" ".join(re.findall(r"<h1>(.*?)</h1>", report, re.DOTALL)[:1])),
             "case": html.unescape(" ".join(re.findall(r'<p class="case">(.*?)</p>', report, re.DOTALL)[:1])),
-            "rows": rows.to_dict("records"),
+            "rows": rows.assign(of_limit=rows["name"].isin(LIMITS)).to_dict("records"),
             "advice": [tuple(map(html.unescape, each)) for each in advice],
             "pressure": pressure,
             "gap": gap,

@@ -202,7 +202,7 @@ def serve(
     token = secrets.token_urlsafe(24)
     with TemporaryDirectory(prefix="asperity-app-", ignore_cleanup_errors=True) as temporary:
         loop = IOLoop.current()
-        session = Session(loop, flags, Path(out or temporary), memory)
+        session = Session(loop, flags, Path(out or temporary).absolute(), memory)
         template = TEMPLATES.get_template("page.html.j2")
 
         def fill(document: Any) -> None:

@@ -453,7 +453,7 @@ class Session:
         found = {"name": row["name"], "text": text, "error": "", "meaning": ""}
         if error > 0 and is_scaled:
             found["error"] = f"{with_error(row['estimate'] / factor, error / factor)} {symbol}"
-            found["meaning"] = "by the pixels" if row["estimate"] == value else "for vanishing pixels"
+            found["meaning"] = "for vanishing pixels" if row["of_limit"] else "by the pixels"
         return found
 
     def _parts_of_answer(self) -> dict[str, str]:
