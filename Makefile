@@ -15,7 +15,7 @@ FOLDER = $$(python -m asperity.settings results $(FILES))
 VENV := .venv
 LOCK := requirements.lock
 COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
-	--extra study --extra maps --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
+	--extra study --extra maps --extra app --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
 .PHONY: help study quick metadata address theories pages verify test lint check fuzz wheel-test test-oldest test-python unit-tests test-slurm peers peers-tests report crate docs replication bench tradeoff lock clean

@@ -227,21 +227,21 @@ def test_a_map_without_a_unit_asks_for_it_at_the_field(example, tmp_path):
 
 
 def test_stop_and_kill_keep_the_inputs(example, app):
-    example.type("map.points", "2048")
+    example.type("map.points", "1536")
     workers = psutil.Process(app.process.pid).children
     for end, words in (("stop", "Stopped."), ("kill", "was killed")):
         known = {each.pid for each in workers()}
         example.start()
         example.until("document.body.dataset.running === 'true'")
         (started,) = [each for each in workers() if each.pid not in known]
-        example.until("document.getElementById('progress').value > 0.1")
+        example.until("document.getElementById('progress').value > 0")
         if end == "stop":
             example.click("#stop")
         else:
             started.kill()
         example.until(f"document.getElementById('progress-text').textContent.includes('{words}')")
         assert not psutil.pid_exists(started.pid) or started.status() == "zombie"
-        assert example.value("map.points") == "2048"
+        assert example.value("map.points") == "1536"
     example.type("map.points", "")
 
 

@@ -131,7 +131,7 @@ def test_an_answer_of_someone_else_reads_no_other_file(tmp_path):
     names = ["answer.csv", "peaks.csv", "../secret.txt", str(secret), ".."]
     (folder / ".asperity-run.json").write_text(json.dumps(dict.fromkeys(names, "")))
     (tmp_path / ".asperity-run.json").write_text(json.dumps({"secret.txt": ""}))
-    assert list(files_of(folder)) == ["answer.csv"]
+    assert list(files_of(folder)) == [".asperity-run.json", "answer.csv"]
 
 
 def test_no_process_is_left_when_the_server_is_killed(tmp_path):

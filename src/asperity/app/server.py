@@ -23,7 +23,7 @@ from tornado.websocket import WebSocketHandler
 
 from asperity.app import form
 from asperity.app.session import TEMPLATES, Session
-from asperity.engineering.folder import names_in
+from asperity.engineering.folder import MANIFEST, names_in
 from asperity.settings.materials import table
 
 LOOPBACK = "127.0.0.1"
@@ -156,7 +156,7 @@ def files_of(folder: Path) -> dict[str, Path]:
     """Files that ``asperity run`` has written into a folder and its folders, none that lie elsewhere."""
     found = {}
     for place in (folder, *(each for each in sorted(folder.iterdir()) if each.is_dir())):
-        for name in sorted(names_in(place)):
+        for name in sorted({MANIFEST, *names_in(place)}):
             path = place / name
             if path.is_file() and path.resolve() == folder.resolve() / path.relative_to(folder):
                 found[path.relative_to(folder).as_posix()] = path

@@ -1,0 +1,58 @@
+"""The form of the page: texts of fields to a case and back, and its command line."""
+
+import shlex
+
+import pytest
+import yaml
+
+from asperity.app import form
+from asperity.cli.commands.run import FLAGS
+from asperity.engineering.case import Case
+from asperity.engineering.templates import template, templates
+
+
+@pytest.mark.parametrize("name", [*templates()])
+def test_every_template_survives_the_form(name):
+    content = yaml.safe_load(template(name))
+    again = form.content_of(form.values_of(content))
+    if isinstance(content["map"]["file"], list):
+        assert again["map"]["file"] == content["map"]["file"]
+        for each in (content, again):
+            each["map"]["file"] = each["map"]["file"][0]
+    assert Case.read(again).written() == Case.read(content).written()
+
+
+def test_settings_that_are_switched_off_keep_their_texts_and_are_not_used():
+    values = {
+        "map.file": "a.x3p",
+        "body.coating.thickness": "2 um",
+        "load.force": "3 N",
+        "leak.viscosity": "1",
+    }
+    assert form.content_of(values) == {"map": {"file": "a.x3p"}}
+    values |= {"use.body.coating": "yes", "choose.load": "force", "use.leak": "yes"}
+    assert form.content_of(values) == {
+        "map": {"file": "a.x3p"},
+        "body": {"coating": {"thickness": "2 um"}},
+        "load": {"force": "3 N"},
+        "leak": {"viscosity": 1.0},
+    }
+
+
+def test_every_setting_of_a_case_has_a_field():
+    fields = {each.key for group in groups() for each in form.inputs(group)}
+    others = {"map.file", "materials"}
+    assert form.settings().keys() - fields - others == set()
+
+
+def groups():
+    """Groups of settings, as their keys name them."""
+    return {key.rpartition(".")[0] for key in form.settings()}
+
+
+def test_the_command_line_is_quoted_for_a_shell():
+    name = "a map; rm -rf $HOME 'x'.x3p"
+    content = {"map": {"file": name, "despike": 8.0}, "body": {"coating": {"thickness": "2 um"}}, "leak": {}}
+    words = shlex.split(form.command_of(content, FLAGS))
+    assert words[:4] == ["asperity", "run", name, "--despike"]
+    assert words[5:] == ["--set", "body.coating.thickness=2 um", "--set", "leak={}"]
