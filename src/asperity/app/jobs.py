@@ -212,6 +212,7 @@ class AnswerJob:
         self._reply = reply
         self._planes: dict[tuple[str, str, float], dict[str, Any]] = {}
         self._streams: dict[tuple[str, str], Iterator[StressPlane]] = {}
+        self._bodies: dict[str, LoadedSolid] = {}
         self._wanted: tuple[str, str] | None = None
         self.folder = Path()
 
@@ -258,7 +259,6 @@ class AnswerJob:
         )
         advice = re.findall(r'<div class="advice (\w+)"><b>(.*?)</b>(.*?)</div>', report, re.DOTALL)
         return {
-            "folder": folder,
             "title": html.unescape(" ".join(re.findall(r"<h1>(.*?)</h1>", report, re.DOTALL)[:1])),
             "case": html.unescape(" ".join(re.findall(r'<p class="case">(.*?)</p>', report, re.DOTALL)[:1])),
             "rows": rows.assign(of_limit=rows["name"].isin(LIMITS)).to_dict("records"),
@@ -270,7 +270,6 @@ class AnswerJob:
             "depths": {body: self._depths(body) for body in self._case.different_bodies},
             "yield": {name: body.yield_stress for name, body in self._case.bodies.items()},
             "peaks": pd.read_csv(self.folder / "peaks.csv").to_dict("list"),
-            "names": sorted(names_in(self.folder)),
         }
 
     @cached_property
@@ -305,7 +304,9 @@ class AnswerJob:
 
     def _stream(self, body: str, field: str, depths: list[float]) -> Iterator[StressPlane]:
         sliding = self._case.sliding_of(body)
-        return stress_planes(self._loaded(body), depths, None, (field,), PLANE_TOLERANCE, **sliding)
+        if body not in self._bodies:
+            self._bodies[body] = self._loaded(body)
+        return stress_planes(self._bodies[body], depths, None, (field,), PLANE_TOLERANCE, **sliding)
 
     def _keep(self, body: str, field: str, plane: StressPlane) -> dict[str, Any]:
         shown = picture(plane.fields[field][0], plane.grid, self._edges, largest_magnitude)
@@ -334,10 +335,7 @@ class AnswerJob:
         return {"picture": shown, "depth": depth}
 
     def section(self, body: str, field: str, ends: Ends) -> dict[str, Any]:
-        """A field of the stress in the vertical section along a line, and the contact pressure on it."""
-        self._wanted = body, field
-        while self.work_ahead():
-            pass
+        """A field of the stress in the vertical section along a line, from the planes that are kept."""
         depths = [depth for depth in self._depths(body) if (body, field, depth) in self._planes]
         found = [along(self._planes[body, field, depth], ends) for depth in depths]
         distance, values = found[0][0], np.array([each[1] for each in found])
@@ -346,17 +344,5 @@ class AnswerJob:
         bottom = min(depths[-1], max(depths[last], distance[-1] / 10))
         even = np.linspace(0, bottom, ROWS)
         section = np.array([np.interp(even, depths, column) for column in values.T]).T
-        pressure = along(
-            picture(self._contact["pressure"].values, self._grid, self._edges, np.fmax.reduce), ends
-        )
-        return {
-            "picture": {
-                "values": section.astype(np.float32),
-                "x": 0.0,
-                "y": 0.0,
-                "dw": float(distance[-1]),
-                "dh": bottom,
-            },
-            "distance": distance,
-            "pressure": pressure[1],
-        }
+        frame = {"x": 0.0, "y": 0.0, "dw": float(distance[-1]), "dh": bottom}
+        return {"picture": {"values": section.astype(np.float32), **frame}}

@@ -214,7 +214,7 @@ class Session:
             self._draw(self._draw_map)
         else:
             self.view[name], self.peak = chosen, -1
-        self._ask(name not in UNITS)
+        self._ask(True)
 
     def do_depth(self, number: str) -> None:
         """Show the plane at a depth of the slider."""
@@ -299,7 +299,9 @@ class Session:
                 "Stopped." if slot.worker.stopped else f"{killed} Inputs are kept."
             )
         elif name == "ended" and not slot.worker.stopped:
-            self._say(f"The process that draws {slot.name} was killed. Open its folder again for its planes.")
+            self._say(
+                f"The process that draws {slot.name} was killed. Choose the answer again for its planes."
+            )
         self.tell({"progress": self._progress()})
 
     # What the page shows
@@ -351,17 +353,28 @@ class Session:
 
     def _add(self, name: str, folder: Path, state: str) -> Slot:
         slot = Slot(name, folder, state=state)
-        slot.worker = self._worker("answer", self._of_answer, slot)
+        self._wake(slot)
         self.slots.append(slot)
         self.tell({"progress": self._progress()})
         return slot
+
+    def _wake(self, slot: Slot) -> None:
+        slot.worker = self._worker("answer", self._of_answer, slot)
 
     def _running(self) -> Slot | None:
         return next((slot for slot in self.slots if slot.state in ("running", "opening")), None)
 
     def _chosen(self, number: str) -> Slot | None:
+        """An answer that is to be shown. Processes of answers that are not shown are ended."""
         known = {str(index): slot for index, slot in enumerate(self.slots) if slot.state == "shown"}
-        return known.get(number)
+        chosen = known.get(number)
+        for slot in known.values():
+            if slot not in (chosen, *self.shown) and "sample" not in slot.summary:
+                slot.worker.stop()
+        if chosen is not None and (chosen.worker.stopped or not chosen.worker.process.is_alive()):
+            self._wake(chosen)
+            chosen.worker.send("open", folder=str(chosen.folder))
+        return chosen
 
     def _state_of_form(self) -> dict[str, Any]:
         """What is missing or wrong, at its field where that has a text; doubts and constants of the table."""
@@ -417,10 +430,9 @@ class Session:
                 slot.worker.send("section", body=body, field=name, ends=self._ends)
         if with_section:
             self._draw(self._draw_contact)
-        else:
-            self._draw(self._draw_planes)
-        beside = self.shown[1] is not None
-        self.tell({"html": self._parts_of_answer(), "plane": self._slider(), "beside": beside})
+            self.tell({"html": self._parts_of_answer(), "beside": self.shown[1] is not None})
+        self._draw(self._draw_planes)
+        self.tell({"plane": self._slider()})
 
     def _peaks(self, slot: Slot) -> dict[str, Any]:
         """Peaks of the field and body that are looked at, the largest first; in m and Pa."""

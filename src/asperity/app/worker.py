@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from queue import Empty, SimpleQueue
 from typing import Any
 
-REPLACED = ("check", "plane", "line", "profile")
+REPLACED = ("check", "plane", "section", "profile")
 """Requests of which only the newest is answered."""
 
 Reply = Callable[[str, Any], None]
@@ -102,6 +102,9 @@ def _work(pipe: Connection, kind: str) -> None:
         is_idle = False
         name, given = waiting.pop(0)
         if name in REPLACED and any(name == later for later, _ in waiting):
+            continue
+        if name == "section" and job.work_ahead():  # it needs all planes; others are answered meanwhile
+            waiting.append((name, given))
             continue
         try:
             reply(name, getattr(job, name)(**given))
