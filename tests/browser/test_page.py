@@ -19,7 +19,7 @@ from asperity.cli.main import main
 MAPS = files("asperity.engineering") / "maps"
 MAP = MAPS / "ground_1.x3p"
 
-PICTURES = os.environ.get("ASPERITY_PICTURES")
+PICTURES = os.environ.get("ASPERITY_PICTURES") and Path(os.environ["ASPERITY_PICTURES"]).resolve()
 """Folder into which the pictures of docs/app.md are written: ASPERITY_PICTURES=docs pytest tests/browser."""
 
 DROP = """
@@ -39,6 +39,8 @@ const words = { title: root.title.text, unit: root.right[0].title };
 return { shape: image.shape, values: [...image], ...words, ...frame };
 """
 """The values of a picture, as the page draws them."""
+
+TALLEST = 1500
 
 TITLE = "Bokeh.documents[0].roots().find((each) => each.name === 'plane').title.text"
 
@@ -105,8 +107,8 @@ class Page:
         self.until(f"{TITLE}.includes('at depth')")
         return int(self.run("return document.querySelector('[data-do=show]').value")) + 1
 
-    def picture(self, name, width, part="html"):
-        """Save the page as it looks in a window of some width."""
+    def picture(self, name, width, part, for_docs=True):
+        """Save a part of the page as it looks in a window of some width; at most `TALLEST` pixels of it."""
         size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": width < 500}
         self.chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
         time.sleep(1)  # pictures follow the window
@@ -117,16 +119,17 @@ class Page:
             part,
         )
         wide = self.run("return document.documentElement.scrollWidth")
-        shot = {"clip": box, "captureBeyondViewport": True}
+        shot = {"clip": box | {"height": min(box["height"], TALLEST)}, "captureBeyondViewport": True}
         found = self.chromium.execute_cdp_cmd("Page.captureScreenshot", shot)
-        (self.pictures / f"{name}.png").write_bytes(base64.b64decode(found["data"]))
+        folder = PICTURES if PICTURES and for_docs else self.pictures
+        (folder / f"{name}.png").write_bytes(base64.b64decode(found["data"]))
         self.chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         assert wide <= width, f"the page is {wide} pixels wide in a window of {width}"
 
 
 @pytest.fixture(scope="module")
 def page(chromium, app, tmp_path_factory):
-    found = Page(chromium, Path(PICTURES) if PICTURES else tmp_path_factory.mktemp("pictures"))
+    found = Page(chromium, tmp_path_factory.mktemp("pictures"))
     found.open(app.address)
     return found
 
@@ -167,7 +170,6 @@ def test_from_a_dropped_map_to_the_largest_stress(page, app):
         "return performance.getEntriesByType('resource').map((each) => new URL(each.name).host)"
     )
     assert set(origins) <= {f"127.0.0.1:{app.port}"}
-    page.picture("app_answer", 1280, "#answer-step")
 
 
 def test_slider_and_dragged_line(page):
@@ -273,6 +275,10 @@ def test_command_and_case_file_give_the_same_numbers(example, app, tmp_path, mon
         found, there = (netCDF4.Dataset(each / "contact.nc")["pressure"][:] for each in (out, folder))
         assert np.array_equal(found, there)
     example.click("[data-key='use.sliding']")
+    example.click("#peaks input")
+    example.until("document.querySelector('#peaks tr.marked')")
+    example.picture("app_answer", 1280, "#pictures")
+    example.picture("app_phone_answer", 390, "#answer-step", for_docs=False)
 
 
 def test_download_and_open_later(page):
@@ -295,7 +301,7 @@ def test_download_and_open_later(page):
     page.until(
         "Bokeh.documents[0].roots().find((each) => each.name === 'plane_beside').title.text.includes('depth')"
     )
-    page.picture("app_beside", 1280, "#answer-step")
+    page.picture("app_beside", 1280, "#answer-step", for_docs=False)
     page.run("act('beside', '')")
     page.until("document.querySelectorAll('article.answer').length === 1")
 

@@ -27,7 +27,7 @@ from asperity.engineering.question import IN_PER_CENT
 LONGEST_TEXT = 4000
 """Characters of a field of the form."""
 
-DRAWN, LISTED, LEAST = 200, 12, 0.02
+DRAWN, LISTED, LEAST = 200, 12, 0.05
 """Most peaks in pictures and in the table, and the least value of a peak over the largest."""
 
 TILES = {
