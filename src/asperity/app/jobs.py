@@ -129,12 +129,6 @@ class MapJob:
             found["problems"].append(("map.file", f" = {options.file}: no such file"))
             return
         try:
-            own = {name: getattr(options, name) for name in options.model_fields_set - {"file"}}
-            reading = {name: text for name, text in own.items() if name not in TREATMENT}
-            key = repr((options.file, os.stat(options.file).st_mtime_ns, sorted(reading.items())))
-            if self._described[0] != key:  # takes half of the time of a check
-                self._described = key, describe_map(options.file, MapOptions(**own)).properties
-            found["info"] = self._described[1]
             rough = read_face(options, None if case is None else case.counter_map)
             face = rough.face
             found |= self._of_heights(-face.part(face.height), face.grid, face.map_length, found["number"])
@@ -154,6 +148,13 @@ class MapJob:
                 surface = open_map(options.file, options).map
                 height, grid = np.nan_to_num(surface.height), Grid(surface.height.shape, surface.length)
                 found |= self._of_heights(height, grid, surface.length, found["number"])
+        with suppress(InputError, ValueError, OSError):  # reported above
+            own = {name: getattr(options, name) for name in options.model_fields_set - {"file"}}
+            reading = {name: text for name, text in own.items() if name not in TREATMENT}
+            key = repr((options.file, os.stat(options.file).st_mtime_ns, sorted(reading.items())))
+            if self._described[0] != key:  # takes half of the time of a check
+                self._described = key, describe_map(options.file, MapOptions(**own)).properties
+            found["info"] = self._described[1]
 
     def _of_heights(self, height: Array, grid: Grid, edges: Edges, number: int) -> dict[str, Any]:
         """Heights with peaks upward and their distribution, which are sent ahead."""

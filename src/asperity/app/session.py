@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -174,7 +175,8 @@ class Session:
             name: {**content, "map": {**content["map"], "file": file}}
             for name, file in zip(names, maps, strict=True)
         }
-        slot = self._add(names[0], self.folder / f"answer_{len(self.slots) + 1}", "running")
+        numbered = (self.folder / f"answer_{number}" for number in count(1))
+        slot = self._add(names[0], next(folder for folder in numbered if not folder.exists()), "running")
         slot.worker.send("run", contents=contents, folder=str(slot.folder))
 
     def do_stop(self, _: str) -> None:
@@ -190,11 +192,7 @@ class Session:
         self.shown[0], self.peak = slot, -1
         for name, known in (("body", slot.summary["bodies"]), ("field", slot.summary["fields"])):
             self.view[name] = self.view[name] if self.view[name] in known else known[0]
-        peaks, frame = self._peaks(slot), slot.summary["pressure"]
-        self.depth = float(peaks["depth"][0]) if len(peaks["depth"]) else 0.0
-        y = float(peaks["y"][0]) if len(peaks["y"]) else frame["y"] + frame["dh"] / 2
-        self._ends = (frame["x"], y, frame["x"] + frame["dw"], y)
-        self._ask(True)
+        self._look_at(slot, 0)
 
     def do_beside(self, number: str) -> None:
         """Show an answer beside the other; none for an empty number."""
@@ -225,13 +223,11 @@ class Session:
             self._draw(lambda tab: tab.answers[0].mark(-1))
 
     def do_peak(self, number: str) -> None:
-        """Mark a peak of the first answer in all pictures, and show its plane."""
-        peaks = {} if self.shown[0] is None else self._peaks(self.shown[0])
-        if number.isdecimal() and int(number) < len(peaks.get("depth", ())):
-            self.peak, self.depth = int(number), float(peaks["depth"][int(number)])
-            self._ask(False)
-            self._draw(lambda tab: tab.answers[0].mark(self.peak))
-            self.tell({"html": self._parts_of_answer()})
+        """Mark a peak of the first answer in all pictures."""
+        slot = self.shown[0]
+        if slot is not None and number.isdecimal() and int(number) < len(self._peaks(slot)["depth"]):
+            self.peak = int(number)
+            self._look_at(slot, self.peak)
 
     def mark(self, number: int) -> None:
         """Mark a peak that was clicked in a picture."""
@@ -419,6 +415,15 @@ class Session:
         bodies, fields = slot.summary["bodies"], slot.summary["fields"]
         body, name = self.view["body"], self.view["field"]
         return body if body in bodies else bodies[0], name if name in fields else fields[0]
+
+    def _look_at(self, slot: Slot, number: int) -> None:
+        """Show the plane of a peak, and the section through it along x; without peaks the surface."""
+        peaks, frame = self._peaks(slot), slot.summary["pressure"]
+        has_peak = number < len(peaks["depth"])
+        self.depth = float(peaks["depth"][number]) if has_peak else 0.0
+        y = float(peaks["y"][number]) if has_peak else frame["y"] + frame["dh"] / 2
+        self._ends = (frame["x"], y, frame["x"] + frame["dw"], y)
+        self._ask(True)
 
     def _ask(self, with_section: bool) -> None:
         """Ask for the plane, and the section, of the answers that are shown; draw what is known."""
