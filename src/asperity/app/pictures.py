@@ -13,7 +13,7 @@ from bokeh.palettes import Cividis256, RdBu11, Viridis256, interp_palette
 from bokeh.plotting import figure
 
 from asperity.core.types import Array
-from asperity.core.units import scaled_unit
+from asperity.core.units import scaled_unit, to_si
 
 SIGNED = tuple(interp_palette(RdBu11[::-1], 255))
 """Colours of a field with a sign; all palettes are safe for the colour-blind."""
@@ -41,11 +41,8 @@ class Units:
 
     def of(self, values: Any, unit: str) -> tuple[float, str]:
         """Factor and symbol of the unit in which values in m or Pa are shown."""
-        chosen = {"m": self.length, "Pa": self.stress}[unit]
-        prefix = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
-        if chosen in ("m", "Pa"):
-            return 1.0, chosen
-        return (prefix[chosen[0]], chosen) if chosen else scaled_unit(values, unit)
+        chosen, dimension = {"m": (self.length, "length"), "Pa": (self.stress, "pressure")}[unit]
+        return (to_si(f"1 {chosen}", dimension), chosen) if chosen else scaled_unit(values, unit)
 
 
 def _figure(label: str, **options: Any) -> Any:

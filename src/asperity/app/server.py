@@ -69,11 +69,15 @@ class _Application(BokehTornado):
         return super().find_handler(request, **kwargs)
 
 
-class _Events(WebSocketHandler):
-    """Messages between a tab and the session."""
+class _OfSession:
+    """Gives a handler the session."""
 
     def initialize(self, session: Session) -> None:
         self.session = session
+
+
+class _Events(_OfSession, WebSocketHandler):
+    """Messages between a tab and the session."""
 
     def open(self, *_: str, **__: str) -> None:
         self.session.sockets.add(self)
@@ -91,11 +95,8 @@ class _Events(WebSocketHandler):
         self.session.act(found, self)
 
 
-class _Upload(RequestHandler):
+class _Upload(_OfSession, RequestHandler):
     """Takes maps that are dropped on the page."""
-
-    def initialize(self, session: Session) -> None:
-        self.session = session
 
     def post(self, key: str) -> None:
         paths = []
@@ -111,11 +112,8 @@ class _Upload(RequestHandler):
         self.session.act({"set": {key: "\n".join(paths)}} if paths else {})
 
 
-class _Download(RequestHandler):
+class _Download(_OfSession, RequestHandler):
     """Sends everything that an answer holds as one zip, or its report."""
-
-    def initialize(self, session: Session) -> None:
-        self.session = session
 
     async def get(self, number: str, name: str) -> None:
         slots = self.session.slots
