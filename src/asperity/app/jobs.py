@@ -224,23 +224,27 @@ class AnswerJob:
         ``asperity run --pooled``, and the first is shown.
         """
         from asperity.engineering.output import write_answer
+        from asperity.engineering.sample import check_alike
         from asperity.engineering.several_answers import read_sample, write_sample
 
-        cases, is_sample = [], len(contents) > 1
-        for number, (name, content) in enumerate(contents.items()):
+        cases, is_sample = {}, len(contents) > 1
+        for name, content in contents.items():
             case = Case.read(content)
             rough = read_face(case.map, case.counter_map, shared=is_sample)
-            case = case.replaced(map=rough.options)
+            cases[name] = case.replaced(map=rough.options), rough
+        if is_sample:
+            check_alike({name: rough.face for name, (_, rough) in cases.items()})
+        for number, (name, (case, rough)) in enumerate(cases.items()):
 
             def report(done: float, total: float, before: int = number) -> None:
                 self._reply("progress", 0.95 * (before + done / total) / len(contents))
 
             write_answer(answer_of(case, rough, report), Path(folder, name) if is_sample else folder)
-            cases.append((case, rough.files))
         if not is_sample:
             return self.open(folder)
-        means = write_sample(read_sample(Path(folder), list(contents), cases[0][0]), Path(folder), cases)
-        return self.open(os.path.join(folder, next(iter(contents)))) | {"sample": str(means)}
+        read = [(case, rough.files) for case, rough in cases.values()]
+        means = write_sample(read_sample(Path(folder), list(cases), read[0][0]), Path(folder), read)
+        return self.open(os.path.join(folder, next(iter(cases)))) | {"sample": str(means)}
 
     def open(self, folder: str) -> dict[str, Any]:
         """What the page shows of an answer before a plane is asked for."""

@@ -22,7 +22,7 @@ from asperity.app.worker import Worker
 from asperity.core.errors import InputError
 from asperity.core.markup import with_error
 from asperity.core.units import shown_si
-from asperity.engineering.case_file import at, load_case, names_of_maps
+from asperity.engineering.case_file import MAP_FILES, at, load_case, names_of_maps
 from asperity.engineering.question import IN_PER_CENT
 
 LONGEST_TEXT = 4000
@@ -394,15 +394,20 @@ class Session:
     def _repeat(self) -> str:
         """The command line and the case file that give the answer; of uploaded maps they have the names."""
         content = form.content_of(self.values)
-        for group in (content.get("map", {}), content.get("counter_body", {}).get("map", {})):
-            if isinstance(file := group.get("file"), str) and Path(file).is_relative_to(self.folder):
-                group["file"] = Path(file).name
+        maps = [group for keys in MAP_FILES if (group := at(content, keys[:-1])) and "file" in group]
+        for group in maps:
+            group["file"] = self._names(group["file"], str)
         command = form.command_of(content, self.flags)
-        file = at(content, ("map", "file"))
-        if isinstance(file, str) and os.path.exists(file):
-            content["map"]["file"] = os.path.abspath(file)
+        for group in maps:
+            group["file"] = self._names(group["file"], _absolute)
         text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
         return self._part("repeat", command=command, case=text)
+
+    def _names(self, files: Any, shown: Callable[[str], str]) -> Any:
+        """The name of a file or of several, of those in the folder of the page without that folder."""
+        if isinstance(files, list):
+            return [self._names(each, shown) for each in files]
+        return Path(files).name if Path(files).is_relative_to(self.folder) else shown(files)
 
     def _progress(self) -> dict[str, Any]:
         slot = self._running()
@@ -526,3 +531,8 @@ class Session:
                 title = f"{name.replace('_', ' ')} at depth {shown_si(slot.plane['depth'], 'm', 3)}"
                 found = (slot.plane, slot.section, self._ends)
                 pictures.show_planes(*found, self.units, title, level, (low, high))
+
+
+def _absolute(path: str) -> str:
+    """The whole path of a file; a name that is none stays as it is."""
+    return os.path.abspath(path) if os.path.exists(path) else path
