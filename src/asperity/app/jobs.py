@@ -131,8 +131,8 @@ class MapJob:
         try:
             rough = read_face(options, None if case is None else case.counter_map)
             face = rough.face
-            found |= self._of_heights(-face.part(face.height), face.grid, face.map_length, found["number"])
-            found |= {"doubts": rough.doubts, "done": face.done, "map_length": face.map_length}
+            found |= self._of_heights(-face.height, face.grid, face.grid.length, found["number"])
+            found |= {"doubts": rough.doubts, "done": face.done, "map_length": face.grid.length}
             wavenumber, power = spectrum(face.height, face.grid.length)
             found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
             if case is not None:
@@ -267,6 +267,9 @@ class AnswerJob:
             "title": html.unescape(" ".join(re.findall(r"<h1>(.*?)</h1>", report, re.DOTALL)[:1])),
             "case": html.unescape(" ".join(re.findall(r'<p class="case">(.*?)</p>', report, re.DOTALL)[:1])),
             "rows": rows.assign(of_limit=rows["name"].isin(LIMITS)).to_dict("records"),
+            "verdicts": list(
+                map(html.unescape, re.findall(r'<p class="verdict">(.*?)</p>', report, re.DOTALL))
+            ),
             "advice": [tuple(map(html.unescape, each)) for each in advice],
             "pressure": pressure,
             "gap": gap,

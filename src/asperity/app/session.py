@@ -475,7 +475,7 @@ class Session:
         found = {"name": row["name"], "text": text, "error": "", "meaning": ""}
         if error > 0 and is_scaled:
             found["error"] = f"{with_error(row['estimate'] / factor, error / factor)} {symbol}"
-            found["meaning"] = "for vanishing pixels" if row["of_limit"] else "by the pixels"
+            found["meaning"] = "for vanishing pixels" if row["of_limit"] else f"by {row['error_of']}"
         return found
 
     def _parts_of_answer(self) -> dict[str, str]:
