@@ -18,6 +18,7 @@ from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import continuum_on_grids
+from asperity.engineering.values import DepthPlanes
 from asperity.fourier.grid import EVEN, Grid
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
@@ -257,6 +258,8 @@ class BodyAnswer:
     close_ups : sequence of CloseUp
     interface : Interface or None
         None without a coating.
+    depth_planes : sequence of (depth, array [y, x])
+        Values of the first field to be drawn, at few nodes of few planes.
     """
 
     body: Body
@@ -267,6 +270,7 @@ class BodyAnswer:
     planes: dict[str, tuple[float, Grid, Array]]
     close_ups: Sequence[CloseUp]
     interface: Interface | None = None
+    depth_planes: Sequence[tuple[float, Array]] = ()
 
     def yield_at(self, depth: Array | float) -> Array:
         """Yield stress of the material at each depth; infinite where none is given."""
@@ -351,9 +355,11 @@ def body_answer(
     """
     case, face, layer = answer.case, answer.face, loaded.layer
     extremes = _Extremes(case.fields, layer)
+    planes = DepthPlanes(face.grid, case.fields[0], layer.poisson)
 
     def observe(plane: LinearPlane) -> None:
         extremes.add(plane)
+        planes.add(plane)
         for watch in watches:
             watch(plane)
         for each in near:
@@ -385,7 +391,8 @@ def body_answer(
             y, x = map(float, face.grid.on_map(row * grid.spacing[0], column * grid.spacing[1]))
             extreme_of[name_of_field] = Extreme(float(values.max()), float(layer.interface or 0.0), y, x)
         interface = Interface((in_coating, in_base), extreme_of, on_face)
-    return BodyAnswer(case.bodies[name], layer, stress, limits, largest, extremes.planes, near, interface)
+    found_planes = extremes.planes, near, interface, planes.chosen()
+    return BodyAnswer(case.bodies[name], layer, stress, limits, largest, *found_planes)
 
 
 def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> Extreme:

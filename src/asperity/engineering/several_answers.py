@@ -23,6 +23,7 @@ from asperity.engineering.difference import differences, group_of, verdict
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
 from asperity.engineering.sample import ONE_MAP, Sample, warnings_by_kind
+from asperity.engineering.values import values_of
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.results.workbook import write_workbook
@@ -70,7 +71,9 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
         sentences=sentences,
         warnings=warnings_by_kind(advice),
         tables={"Numbers": html_table(frame)},
-        pictures=[(each.caption, png(each.figure)) for each in compared_pictures(answers)],
+        pictures=[
+            (each.caption, png(each.figure), values_of(each.figure)) for each in compared_pictures(answers)
+        ],
         names=list(answers),
     )
     values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
