@@ -1,4 +1,4 @@
-"""Values of drawn figures as data of a page, which shows the value under the pointer from them."""
+"""Values of pictures, and of planes for a depth slider, as data of a page."""
 
 from __future__ import annotations
 
