@@ -27,6 +27,11 @@ class Conduction(Question):
     10.1098/rspa.2002.1038), without films and without what passes through the gap.
     """
 
+    TILES = (
+        *("electrical contact resistance", "constriction of the nominal area"),
+        *("electrical contact conductance", "thermal contact conductance"),
+    )
+
     @classmethod
     def is_implied(cls, case: Case) -> bool:
         """True if a body gives a conductivity or resistivity itself."""
@@ -52,6 +57,19 @@ class Conduction(Question):
         yield from half
         if not half and not resistivities(case):
             yield "conduction", ": conductivity or resistivity of both bodies is needed"
+
+    def verdict(self, answer: Answer) -> str:
+        """Resistance or conductance of the real contact, and what they leave out."""
+        rows, found = {row.name: row for row in self.rows(answer)}, []
+        if (resistance := rows.get("electrical contact resistance")) is not None:
+            found.append(f"the real contact resists the current with {shown_si(resistance.value, 'Ω', 3)}")
+            if (around := rows.get("constriction of the nominal area")) is not None:
+                found.append(
+                    f"bodies that touch only on this area add {shown_si(around.value, 'Ω', 3)} (Holm)"
+                )
+        if (heat := rows.get("thermal contact conductance")) is not None:
+            found.append(f"the real contact conducts heat with {heat.value:.3g} {heat.unit}")
+        return "; ".join([*found, "films, oxides and the gap are left out"])
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Conductances per nominal area, the electrical resistance, and what it leaves out."""

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Picture, Question, Row, advice_on_pixels
 from asperity.settings.model import Number, setting
 from asperity.settings.quantities import Pressure
@@ -68,6 +69,12 @@ class Sealing:
 
 class Leak(Question):
     """Percolation of the gap, and leakage of a fluid through it; see `asperity.contact.film_flow`."""
+
+    TILES = (
+        *("leakage along x", "leakage along y", "mean pressure that seals"),
+        *("narrowest constriction along x", "narrowest constriction along y"),
+    )
+    LEAD = "constriction"
 
     direction: Literal["x", "y"] = setting("x")
     """Direction in which the fluid leaks."""
@@ -156,10 +163,28 @@ class Leak(Question):
         last_open = pressed(load * (1 - SEALING_ERROR)) if 0 < load < math.inf else None
         return Sealing(load, found["_on_half"], last_open)
 
+    def verdict(self, answer: Answer) -> str:
+        """Whether the gap is sealed, else what leaks, and the load that seals."""
+        found: LeakResult = answer.of(self)
+        width = found.paths.constriction["yx".index(self.direction)]
+        rate = width if found.flow is None else found.flow.flow_rate
+        if rate == 0:
+            text = f"sealed along {self.direction}: the contact closes the gap"
+        elif found.flow is None:
+            text = (
+                f"not sealed along {self.direction}: the narrowest constriction is {shown_si(width, 'm', 3)}"
+            )
+        else:
+            row = Row(GROUP, "", rate, "m^3/s", "").by(abs(rate - found.on_half))
+            shown = row.with_error or shown_si(rate, "m^3/s", 3)
+            text = f"leaks {shown} along {self.direction}, with the error by the pixels"
+        curve = answer.found.get("load_curve")
+        if curve is not None and 0 < curve.sealing.load < math.inf:
+            text += f"; sealed above a mean pressure of {shown_si(curve.sealing.load, 'Pa', 3)}"
+        return text
+
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Percolation, the narrowest constriction, and the leakage."""
-        from asperity.core.units import shown_si
-
         found: LeakResult = answer.of(self)
         paths, flow = found.paths, found.flow
         for phase, percolates in (("contact", paths.contact), ("gap", paths.gap)):
@@ -223,7 +248,7 @@ class Leak(Question):
         from matplotlib.colors import LogNorm
 
         from asperity.contact.gap import open_gap, percolation
-        from asperity.core.units import scaled_unit, shown_si
+        from asperity.core.units import scaled_unit
 
         grid, paths, axis = contact.grid, percolation(contact), "yx".index(self.direction)
         narrowest, (y, x) = paths.constriction[axis], paths.place[axis]

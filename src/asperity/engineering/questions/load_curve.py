@@ -16,7 +16,7 @@ from asperity.contact import Contact
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
-from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row
+from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row, per_cent
 from asperity.engineering.questions.leak import SEALING_ERROR
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, setting
@@ -122,6 +122,11 @@ class AnswerCurve:
 class LoadCurve(Question):
     """The contact under rising loads that end at that of the case; see `asperity.engineering.load_curve`."""
 
+    TILES = (
+        *("mean pressure where yield begins", "mean pressure where the lower body yields"),
+        *("mean pressure where the upper body yields", "stiffness"),
+    )
+    LEAD = "curve"
     TEMPLATE = "load_curve.html.j2"
 
     loads: tuple[AnyLoad, ...] = setting(
@@ -215,6 +220,20 @@ class LoadCurve(Question):
             sealing = leak.sealing(answer, curve, partial(_within, progress, done, parts, parts))
         lowest = float(answer.contact.height.min())
         return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins, sealing)
+
+    def verdict(self, answer: Answer) -> str:
+        """Growth of the real contact, and the loads where yield begins."""
+        curve: AnswerCurve = answer.of(self)
+        loads, shares = (curve.numbers[name].values[[0, -1]] for name in ("mean_pressure", "area_fraction"))
+        first, last = (shown_si(float(load), "Pa", 3) for load in loads)
+        found = [f"from {first} to {last} the real contact grows from {' to '.join(map(per_cent, shares))}"]
+        for name, load in curve.yield_loads.items():
+            words = f"at {shown_si(load, 'Pa', 3)}"
+            if not 0 < load < np.inf:
+                words = f"below {first}" if load == 0 else f"above {last}"
+            body = f" of the {name} body" if len(answer.case.bodies) > 1 else ""
+            found.append(f"yield{body} begins {words}")
+        return "; ".join(found)
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Stiffness at the last load, and loads where yield begins."""

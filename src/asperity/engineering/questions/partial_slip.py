@@ -58,6 +58,9 @@ class SlipResult:
 class PartialSlip(Question):
     """Partial slip under a tangential load, instead of full sliding; see `asperity.contact.partial_slip`."""
 
+    TILES = COMPARED
+    LEAD = "slip"
+
     tangential_force: Force | None = setting(None, default_text="a displacement is given", example="50 mN")
     """Tangential force on the map, at most friction times load. Below that limit part of the contact
     sticks."""
@@ -112,6 +115,15 @@ class PartialSlip(Question):
         """A body under pressure and tangential load."""
         found: SlipResult = answer.of(self)
         return (found.slip if contact is answer.contact else found.on_half).in_body(body)
+
+    def verdict(self, answer: Answer) -> str:
+        """Whether the bodies slide, else the part of the contact that sticks, and the displacement."""
+        slip = answer.of(self).slip
+        force, moved = shown_si(slip.tangential_force, "N", 3), shown_si(slip.displacement, "m", 3)
+        if slip.tangential_force >= slip.friction * slip.contact.force:
+            return f"the bodies slide, with the force of friction, {force}"
+        stick = f"{per_cent(slip.sticking_area)} of the contact sticks and the rest slips"
+        return f"under a tangential force of {force} the bodies move by {moved}; {stick}"
 
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Force, displacement, sticking part, stiffness, slip and lost energy."""

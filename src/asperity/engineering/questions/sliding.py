@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainValidator, PrivateAttr, WithJsonSchema
 
+from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Question
 from asperity.settings.model import NeededError, Number, setting
 
@@ -84,6 +85,14 @@ class Sliding(Question):
                     ),
                 )
 
+    def verdict(self, answer: Answer) -> str:
+        """Direction and force of friction."""
+        if not self.friction or "partial_slip" in answer.case.questions:
+            return ""
+        along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
+        force = shown_si(self.friction * answer.numbers.force, "N", 3)
+        return f"the counter body slides along {along} against a force of friction of {force} on the map"
+
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Direction that was not given; change of the displacement by the neglected friction."""
         if not self.friction:
@@ -94,7 +103,6 @@ class Sliding(Question):
             yield Advice(False, "direction of sliding", text)
         import numpy as np
 
-        from asperity.core.units import shown_si
         from asperity.elasticity.two_bodies import sliding_coupling
         from asperity.engineering.question import per_cent
 

@@ -112,9 +112,6 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
 ANSWER_SECONDS, ANSWER_MEMORY = 4.0, 3.2e8
 """Time and memory of an answer without its calculation: start, pictures, report."""
 
-BYTES_PER_NODE = {"periodic": 136.0, "free": 410.0}
-"""Memory of the contact and the stress of an answer for each node of the cell, by the boundary."""
-
 
 def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     """Cost of ``asperity run`` on one map.
@@ -124,9 +121,11 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     work : float
         Work over that of the contact; see `asperity.engineering.run.work_of`.
     nodes : int
-        Nodes of the cell.
+        Nodes of the grid, of a mirrored map those of the map alone.
     boundary : "periodic" | "free"
     """
+    from asperity.surface.treatment.treatment import BYTES_PER_NODE
+
     seconds = 1e-6 * coefficients()["contact"]["seconds_per_node"] * work * nodes
     return Cost(ANSWER_MEMORY + BYTES_PER_NODE[boundary] * nodes, ANSWER_SECONDS, seconds, 0.0)
 

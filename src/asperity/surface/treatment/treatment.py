@@ -41,8 +41,8 @@ DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
 
-BYTES_PER_NODE = {"none": 410.0}
-"""Memory of a contact and its stress for each node of the grid, 136 with a periodic boundary; measured by
+BYTES_PER_NODE = {"periodic": 136.0, "free": 410.0}
+"""Memory of a contact and its stress for each node of the grid, by the boundary; measured by
 `asperity run --points 1024`."""
 
 FLAT_VARIATION = 1e-13
@@ -485,7 +485,7 @@ def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
         problem = f"points = {options.points}: more are needed for two on the shorter edge of the cell"
         raise MapError(surface.name, [problem])
     target = Grid((ny, nx), grid.length, grid.mirrored)
-    need = 1e-6 * BYTES_PER_NODE.get(options.periodic or "", 136.0) * ny * nx
+    need = 1e-6 * BYTES_PER_NODE["free" if options.periodic == "none" else "periodic"] * ny * nx
     if need > (available := available_memory()):
         problem = (
             f"points: a grid of {ny} × {nx} nodes needs about {need / 1e3:.3g} GB of memory, this machine "
