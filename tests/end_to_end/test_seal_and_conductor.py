@@ -183,3 +183,24 @@ def test_section_through_the_largest_stress():
     peak = of_stress.isel(peak=int(of_stress["peak_value"].values.argmax()))
     place = float(figure.axes[0].get_title(loc="left").split("=")[-1].split()[0])
     assert place == pytest.approx(float(peak["peak_y"]), abs=1.5 * EDGES[0] / 24)
+
+
+@flows
+def test_questions_are_answered_in_a_sentence():
+    """Sealed, with the load that seals; the resistance with what it leaves out; sliding and slip."""
+    given = {"length": EDGES, "leak": LEAK, "load_curve": {"loads": ["10 kPa"]}}
+    answer = asp.run(HEIGHT, RUBBER, mean_pressure="1 MPa", **given)
+    first, growth, *_ = answer.verdicts
+    assert first.startswith("Sealed along x: the contact closes the gap; sealed above a mean pressure of ")
+    assert growth.startswith("From 10 kPa to 1 MPa the real contact grows from ")
+    assert answer.tiles[1].name == "mean pressure that seals"
+    metal = {"young": "100 GPa", "poisson": 0.3, "resistivity": 2e-8}
+    whole = asp.run(HEIGHT, metal, metal, length=EDGES, force="1 mN", sliding={"friction": 0.2})
+    slid, resisted, *_ = whole.verdicts
+    assert "against a force of friction of 200 µN on the map" in slid
+    assert resisted.startswith("The real contact resists the current with ")
+    assert resisted.endswith("(Holm); films, oxides and the gap are left out.")
+    partial = {"sliding": {"friction": 0.2}, "length": EDGES, "force": "1 mN"}
+    for force, words in (("0.1 mN", "Under a tangential force of 100 µN"), ("1 mN", "The bodies slide")):
+        slip = asp.run(HEIGHT, RUBBER, partial_slip={"tangential_force": force}, **partial)
+        assert slip.verdicts[0].startswith(words)

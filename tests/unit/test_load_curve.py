@@ -112,7 +112,7 @@ def test_hardness_limits_the_pressure():
     assert found["area at the hardness"] == contact.plastic_area > 0
     assert found["load at the hardness"] == contact.plastic_load > 0
     assert found["largest plastic depth"] == contact.plastic_depth.max() > 0
-    gradient = asp.roughness_parameters(contact.height, contact.grid.length).rms_gradient
+    gradient = asp.roughness_parameters(contact.height, contact.grid).rms_gradient
     assert found["plasticity index"] == pytest.approx(210e9 / (1 - 0.3**2) * gradient / 4e9)
     largest = next(row for row in answer.rows if row.name == "largest pressure")
     assert np.isnan(largest.estimate)  # the largest pressure is the hardness on every grid

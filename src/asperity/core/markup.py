@@ -68,8 +68,9 @@ def with_error(value: float, error: float, signed: bool = False) -> str:
     sign = "+" if signed else ""
     if np.isnan(error) or error == 0:
         return f"{value:{sign}.3g}"
-    digits = min(max(0, 1 - int(np.floor(np.log10(error)))), 12)
-    return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
+    digits = min(1 - int(np.floor(np.log10(error))), 12)
+    decimals = max(digits, 0)
+    return f"{round(value, digits):{sign}.{decimals}f} ± {round(error, digits):.{decimals}f}"
 
 
 def _cells(frame: "pd.DataFrame") -> list[list[str]]:

@@ -39,6 +39,9 @@ LEAST_FLUX = 1e-3
 SEALING_ERROR = 0.01
 """Relative error of the load that seals; half of the error costs one contact more."""
 
+WIDE = 10
+"""Largest over smallest gap of a picture above which its colours are logarithmic."""
+
 CLOSE_UP = 20
 """Pixels to each side of the narrowest constriction in its picture."""
 
@@ -245,7 +248,7 @@ class Leak(Question):
     def _picture_of_constriction(self, contact: Contact, under: str) -> Picture:
         """The gap around the narrowest constriction of the best path along the direction of the leak."""
         import numpy as np
-        from matplotlib.colors import LogNorm
+        from matplotlib.colors import LogNorm, Normalize
 
         from asperity.contact.gap import open_gap, percolation
         from asperity.core.units import scaled_unit
@@ -260,7 +263,9 @@ class Leak(Question):
         lengths = [step * size for step, size in zip(grid.spacing, gap.shape, strict=True)]
         with _panels(1, lengths[0] / lengths[1]) as (figure, (panel,)):
             shown = np.ma.masked_where(gap <= 0, gap / factor)
-            colours = {"norm": LogNorm(narrowest / factor, 1.01 * shown.max(), clip=True)}
+            low, high = narrowest / factor, 1.01 * shown.max()
+            norm = (LogNorm if high > WIDE * low else Normalize)(low, high, clip=True)
+            colours = {"norm": norm}
             label = f"gap ({symbol})"
             scale = _draw(
                 figure, panel, shown, (edges[0], edges[1]), (lengths[0], lengths[1]), label, colours

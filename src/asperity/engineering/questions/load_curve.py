@@ -124,9 +124,8 @@ class LoadCurve(Question):
 
     TILES = (
         *("mean pressure where yield begins", "mean pressure where the lower body yields"),
-        *("mean pressure where the upper body yields", "stiffness"),
+        "mean pressure where the upper body yields",
     )
-    LEAD = "curve"
     TEMPLATE = "load_curve.html.j2"
 
     loads: tuple[AnyLoad, ...] = setting(
@@ -433,17 +432,21 @@ def _drawn(curve: AnswerCurve) -> Any:
             for column, marker in zip(values.T, "os", strict=False):
                 axis.plot(along / per, column / factor, f"-{marker}", ms=3)
             axis.set(xscale="log", xlim=(along[0] / per / margin, along[-1] / per * margin))
-            axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-            axis.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-            axis.xaxis.set_minor_formatter(NullFormatter())
+            plain = [axis.xaxis]
             axis.set_xlabel(f"{against[0].replace('_', ' ')} ({of})")
             axis.set_ylabel(f"{label} ({symbol})")
             finite = values[np.isfinite(values)] / factor  # the stiffness is infinite in full contact
             highest = finite.max(initial=0)
-            if highest > WIDE * finite.min(initial=np.inf) > 0:
+            lowest = finite.min(initial=np.inf)
+            if highest > WIDE * lowest > 0:
                 axis.set_yscale("log")
+                plain += [axis.yaxis] if highest < WIDE**3 * lowest else []
             elif highest > 0:
                 axis.set_ylim(0, 1.1 * highest)
+            for each in plain:
+                each.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                each.set_major_formatter(StrMethodFormatter("{x:g}"))
+                each.set_minor_formatter(NullFormatter())
             _mark_loads(curve, name, axis, per)
     return figure
 
@@ -452,7 +455,7 @@ def _mark_loads(curve: AnswerCurve, name: str, axis: Any, unit: float) -> None:
     """Dotted lines at the loads where yield begins, and that seal; a legend where there are two lines."""
     marked, bodies = {}, [str(body) for body in curve.numbers["body"].values]
     if name == "leakage":
-        axis.legend(["all nodes", "half of the nodes"], loc="lower left")
+        axis.legend(["all nodes", "half of the nodes"])
         marked = {"C0": 0.0 if curve.sealing is None else curve.sealing.load}
     if name == "largest_von_mises_stress":
         if len(bodies) > 1:
