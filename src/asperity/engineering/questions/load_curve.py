@@ -74,6 +74,9 @@ PANELS = {
 }
 """Number of a load curve → its label and unit in the picture."""
 
+ROOM = 5
+"""Factor by which a logarithmic axis is longer below, for a legend under a falling curve."""
+
 WIDE = 10
 """Largest over smallest value of a number above which its axis is logarithmic."""
 
@@ -432,7 +435,7 @@ def _drawn(curve: AnswerCurve) -> Any:
             for column, marker in zip(values.T, "os", strict=False):
                 axis.plot(along / per, column / factor, f"-{marker}", ms=3)
             axis.set(xscale="log", xlim=(along[0] / per / margin, along[-1] / per * margin))
-            plain = [axis.xaxis]
+            plain: list[Any] = [axis.xaxis]
             axis.set_xlabel(f"{against[0].replace('_', ' ')} ({of})")
             axis.set_ylabel(f"{label} ({symbol})")
             finite = values[np.isfinite(values)] / factor  # the stiffness is infinite in full contact
@@ -455,7 +458,9 @@ def _mark_loads(curve: AnswerCurve, name: str, axis: Any, unit: float) -> None:
     """Dotted lines at the loads where yield begins, and that seal; a legend where there are two lines."""
     marked, bodies = {}, [str(body) for body in curve.numbers["body"].values]
     if name == "leakage":
-        axis.legend(["all nodes", "half of the nodes"])
+        axis.legend(["all nodes", "half of the nodes"], loc="lower left")
+        if axis.get_yscale() == "log":
+            axis.set_ylim(bottom=axis.get_ylim()[0] / ROOM)
         marked = {"C0": 0.0 if curve.sealing is None else curve.sealing.load}
     if name == "largest_von_mises_stress":
         if len(bodies) > 1:

@@ -251,7 +251,7 @@ class Proposal:
 def contact_cost(contact: PlannedContact, accuracy: AccuracySettings) -> tuple[float, float]:
     """Processor time (s) and peak memory (bytes) of one surface and one seed, from the spectrum to the peaks.
 
-    The stages are calculated one after the other; the start of their processes is not counted.
+    The stages run one after the other, each in a process of its own, whose start is counted.
     """
     nodes = accuracy.points(contact.wavelength_short) ** 2
     job = "contact" if contact.loads == 1 else "load-area curve"
@@ -259,7 +259,7 @@ def contact_cost(contact: PlannedContact, accuracy: AccuracySettings) -> tuple[f
         job_cost(job, nodes, contact.loads),
         job_cost("stress", nodes, contact.ratios, accuracy.depth_spacing),
     ]
-    return sum(cost.calculation_seconds for cost in costs), max(cost.memory for cost in costs)
+    return sum(cost.seconds for cost in costs), max(cost.memory for cost in costs)
 
 
 def assess(
