@@ -129,7 +129,7 @@ def verify_contact(
     ----------
     height, pressure : (ny, nx) arrays
     solid : Solid or TwoBodies
-    length : float or (length_y, length_x)
+    length : float, (length_y, length_x) or Grid
         Edges of the map.
     approach : float, optional
         The approach claimed; without it the mean of h + u over the contact below the hardness.

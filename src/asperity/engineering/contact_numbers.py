@@ -114,7 +114,7 @@ def stored_certificate(
         height,
         pressure,
         solid,
-        grid.length,
+        grid,
         approach=approach,
         mean_pressure=float(contact["mean_pressure"]),
         hardness=float(contact["hardness"]) if "hardness" in contact else None,
