@@ -92,7 +92,7 @@ def test_check_says_time_and_memory(folder, capsys):
     assert main(["run", "shaft.npy", *given.split()]) == 0
     said = capsys.readouterr().out
     assert "1 map, 24 × 32 nodes, about " in said
-    assert "s of one processor and 0.3 GB" in said
+    assert "s of one processor and 0.4 GB" in said
     assert not (folder / "shaft_run").exists()
 
 

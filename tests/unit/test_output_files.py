@@ -98,7 +98,7 @@ def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
         ("--approach 1e-60m --set body.layer.height=1um", "--approach = 1e-45 fm: a length from"),
         (
             "--mean-pressure 1MPa --set map.points=32768",
-            "map.points: a cell of 65536 × 65536 nodes needs about 584 GB of m",
+            "map.points: a grid of 32768 × 32768 nodes needs about 220 GB of m",
         ),
         (
             "--mean-pressure 1MPa --set map.points=32768 --periodic none",

@@ -122,7 +122,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     if wrong := problems_on_map(case, rough):
         raise SettingsError("", wrong)
     asked, found = case, {}
-    part = _Parts(progress, work_of(case))
+    part = _Parts(progress, work_of(case, rough.face.grid.mirrored))
     for name, question in case.questions.items():
         case, rough, found[name] = question.before_contact(case, rough, part.next(f"before {name}"))
     face = rough.face
@@ -162,11 +162,12 @@ STRESS, SLIP, FLOW = 2.0, 4.0, 2.0
 """Work of the stress in a body, of partial slip and of the flow of a film, in that of the contact."""
 
 
-def work_of(case: Case) -> dict[str, float]:
+def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     """Stages of the answer of a case → their work, in units of that of its contact.
 
     The contact takes about equal time at all loads but the largest. What a stage needs is known to a factor
-    of two: the numbers serve for the progress and for estimates of time.
+    of two: the numbers serve for the progress and for estimates of time. Of a mirrored map, moving faces need
+    the cell of four images.
     """
     bodies, cycles, curve, leak = case.different_bodies, case.cycles, case.load_curve, case.leak
     work = {f"before {name}": 0.0 for name in case.questions}
@@ -177,7 +178,8 @@ def work_of(case: Case) -> dict[str, float]:
     work |= dict.fromkeys(case.questions, 0.0)
     work |= {"partial_slip": SLIP} if case.partial_slip is not None else {}
     work |= {"leak": flow} if leak is not None else {}
-    moved = 0.0 if cycles is None or cycles.shifts is None else 1.0 + 2.0 * cycles.shifts
+    images = 4.0 if is_mirrored else 1.0
+    moved = 0.0 if cycles is None or cycles.shifts is None else 1.0 + 2.0 * images * cycles.shifts
     work |= {f"stress {name}": STRESS + moved for name in bodies}
     work |= {f"after {name}": 0.0 for name in case.questions}
     if curve is not None:
@@ -208,7 +210,7 @@ class _Parts:
 def _analyse(answer: Answer, name: str, progress: Progress) -> None:
     """Add the stress in one body to an answer, and what the questions find in it."""
     questions = answer.case.questions.values()
-    alone = STRESS / work_of(answer.case)[f"stress {name}"]
+    alone = STRESS / work_of(answer.case, answer.face.grid.mirrored)[f"stress {name}"]
     loaded, on_half = (answer.loaded_body(each, name) for each in (answer.contact, answer.half.contact))
     watched = [question.watch(answer, name, loaded) for question in questions]
     answer.bodies[name] = body_answer(

@@ -28,7 +28,8 @@ STAGES = {
 class ResultAccessor:
     """Pictures, sections and peaks of a result, as ``dataset.asperity``.
 
-    The dataset is one of `analyse_stress`, of `Contact.to_dataset`, or of a result file.
+    The dataset is one of `analyse_stress`, of `Contact.to_dataset`, or of a result file. Here, in
+    `Contact` and in `asperity.views`, names that begin with ``plot`` return a figure, and all others data.
 
     Examples
     --------

@@ -155,10 +155,11 @@ def _cost_in_words(jobs: Sequence[Job]) -> str:
     from asperity.engineering.run import work_of
     from asperity.study.cost.model import answer_cost, minutes, time_factor
 
-    costs = [
-        answer_cost(sum(work_of(job.case).values()), job.rough.face.height.size, job.rough.face.boundary)
-        for job in jobs
-    ]
+    costs = []
+    for job in jobs:
+        face = job.rough.face
+        work = sum(work_of(job.case, face.grid.mirrored).values())
+        costs.append(answer_cost(work, face.height.size, face.boundary))
     ny, nx = max((job.rough.face.grid.shape for job in jobs), key=lambda shape: shape[0] * shape[1])
     seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
     maps = "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"

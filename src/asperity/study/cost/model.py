@@ -109,7 +109,7 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     )
 
 
-ANSWER_SECONDS, ANSWER_MEMORY = 4.0, 3.2e8
+ANSWER_SECONDS, ANSWER_MEMORY = 4.0, 3.7e8
 """Time and memory of an answer without its calculation: start, pictures, report."""
 
 
