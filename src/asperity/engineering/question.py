@@ -52,7 +52,7 @@ HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 
-_NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by|if) .*))?")
+_NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by|if|without) .*))?")
 """A number with its unit, and what follows it."""
 
 

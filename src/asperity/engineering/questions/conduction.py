@@ -29,7 +29,7 @@ class Conduction(Question):
 
     TILES = (
         *("electrical contact resistance", "constriction of the nominal area"),
-        *("electrical contact conductance", "thermal contact conductance"),
+        "thermal contact conductance",
     )
 
     @classmethod
@@ -98,7 +98,7 @@ def _resistance(conductance: float, resistivity: float, area: float, is_whole: b
         yield Row("conduction", "electrical contact resistance", value, "Ω", words)
     if not is_whole:
         around = resistivity / (4 * math.sqrt(area / math.pi))
-        words = f"{shown_si(around, 'Ω', 3)} more (Holm), if the bodies are wider and touch only on this area"
+        words = f"{shown_si(around, 'Ω', 3)} in addition (Holm), if wider bodies touch only on this area"
         yield Row("conduction", "constriction of the nominal area", around, "Ω", words)
 
 
