@@ -124,3 +124,8 @@ def test_frame_holds_the_largest_stress(monkeypatch):
         assert any(box.node(place.y, place.x) is not None for box in boxes)
     at_nodes = [max(np.abs(plane["von_mises"]).max() for plane in box.planes) for box in boxes]
     assert max(at_nodes) == pytest.approx(np.abs(answer.bodies["lower"].planes["von_mises"][2]).max())
+
+
+def test_blocks_of_a_coarse_plane_have_the_values_of_its_nodes():
+    values, blocks = np.arange(16.0).reshape(4, 4), Blocks((8, 2), np.ones((8, 2)))
+    np.testing.assert_array_equal(blocks.means(values)[::2], values.reshape(4, 2, 2).mean(axis=2))

@@ -74,8 +74,9 @@ def blocks_of(face: TreatedMap, pressure: Array) -> Blocks | None:
 
 
 def _means(values: Array, shape: tuple[int, int]) -> Array:
-    """Means over blocks of nodes, (rows, columns)."""
+    """Means over blocks of nodes, (rows, columns); a block without a node has the value of the one before."""
     starts = [np.arange(count) * nodes // count for nodes, count in zip(values.shape, shape, strict=True)]
     sums = np.add.reduceat(np.add.reduceat(values, starts[0], 0, dtype=float), starts[1], 1)
-    sizes = [np.diff(start, append=nodes) for nodes, start in zip(values.shape, starts, strict=True)]
+    counts = (np.diff(start, append=nodes) for nodes, start in zip(values.shape, starts, strict=True))
+    sizes = [np.maximum(count, 1) for count in counts]
     return sums / np.outer(*sizes)
