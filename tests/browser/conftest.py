@@ -1,14 +1,11 @@
 """A server of the page in a process of its own, and headless Chromium without a network."""
 
 import os
-import re
 import shutil
-import signal
-import subprocess
-import sys
 from importlib.util import find_spec
 
 import pytest
+from running_app import App
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "google-chrome"))), None)
 DRIVER = shutil.which("chromedriver")
@@ -30,23 +27,6 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.xdist_group("browser"))
             if MISSING and os.environ.get("ASPERITY_BROWSER") != "needed":
                 item.add_marker(pytest.mark.skip(reason=f"not installed: {', '.join(MISSING)}"))
-
-
-class App:
-    """A running ``asperity app``: its address, process, and folder."""
-
-    def __init__(self, folder, *arguments):
-        self.folder = folder
-        command = [sys.executable, "-m", "asperity", "app", "--no-browser", *map(str, arguments)]
-        self.process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
-        self.address = self.process.stdout.readline().strip()
-        self.port = int(re.search(r":(\d+)/", self.address)[1])
-
-    def close(self):
-        """End it as Ctrl-C does."""
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(20)
-        self.process.stdout.close()
 
 
 @pytest.fixture(scope="session")

@@ -36,6 +36,7 @@ def answer():
 def page(chromium, answer, tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     asp.write_answer(answer, folder)
+    chromium.get_log("browser")  # messages of other pages are read away
     chromium.get((folder / "report.html").as_uri())
     return chromium
 

@@ -11,7 +11,7 @@ from importlib.resources import files
 
 import psutil
 import pytest
-from conftest import App
+from running_app import App
 
 MAP = files("asperity.engineering") / "maps" / "ground_1.x3p"
 

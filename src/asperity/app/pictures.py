@@ -99,7 +99,10 @@ class MapFigure:
         self.line = ColumnDataSource({"x": [], "y": []})
         self.outline = ColumnDataSource({"xs": [], "ys": []})
         self.mapper = LinearColorMapper(palette=palette, nan_color="rgba(0,0,0,0)")
-        ratio = {} if is_section else {"match_aspect": True, "sizing_mode": "scale_width"}
+        self._is_section, self._shown = is_section, (0.0, 0.0, 0.0, 0.0)
+        ratio: dict[str, Any] = {}
+        if not is_section:
+            ratio = {"x_range": (0, 1), "y_range": (0, 1), "sizing_mode": "scale_width"}
         self.figure = _figure(
             title, title=title, height=260 if is_section else 420, min_border_right=10, **ratio
         )
@@ -113,8 +116,8 @@ class MapFigure:
             color_mapper=self.mapper, width=10, padding=4, background_fill_alpha=0, title_standoff=6
         )
         self.figure.add_layout(self.bar, "right")
-        self.figure.x_range.range_padding = self.figure.y_range.range_padding = 0
         if is_section:
+            self.figure.x_range.range_padding = self.figure.y_range.range_padding = 0
             self.figure.y_range.flipped = True
         if peaks is not None:
             self.figure.scatter(
@@ -163,15 +166,23 @@ class MapFigure:
         frame = {name: [shown[name] / self._factor] for name in ("x", "y", "dw", "dh")}
         self.image.data = {"image": [values / np.float32(factor)], **frame}
         self.figure.xaxis.axis_label = f"x ({length})"
-        self.figure.yaxis.axis_label = f"{'depth' if self.figure.y_range.flipped else 'y'} ({length})"
+        self.figure.yaxis.axis_label = f"{'depth' if self._is_section else 'y'} ({length})"
         self.hover.tooltips = [
             (self.quantity, f"@image{{0.000}} {symbol}"),
             ("place", f"$x{{0.00}} {length}, $y{{0.00}} {length}"),
         ]
         self.figure.title.text = title or self.title
-        if not self.figure.y_range.flipped:
+        if not self._is_section:
             self.figure.aspect_ratio = float(np.clip(1.15 * shown["dw"] / shown["dh"], 0.7, 2.5))
+            self._frame_map(*(frame[name][0] for name in ("x", "y", "dw", "dh")))
         self.outline.data = dict(zip(("xs", "ys"), self._contour(shown, level), strict=True))
+
+    def _frame_map(self, x: float, y: float, width: float, height: float) -> None:
+        """Show the whole map, unless it is the one that was shown before, into which one may have zoomed."""
+        if self._shown != (x, y, width, height):
+            self._shown = x, y, width, height
+            for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
+                axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
 
     def _contour(self, shown: Mapping[str, Any], level: float | None) -> tuple[list[Array], list[Array]]:
         from contourpy import contour_generator
