@@ -259,7 +259,7 @@ class AnswerJob:
         rows = pd.read_csv(self.folder / "answer.csv")
         report = (self.folder / "report.html").read_text(encoding="utf-8")
         pressure, gap = (
-            picture(self._contact[name].values, self._grid, self._edges, np.fmax.reduce)
+            picture(self._contact[name].values, self._grid, self._grid.length, np.fmax.reduce)
             for name in ("pressure", "gap")
         )
         advice = re.findall(r'<div class="advice (\w+)"><b>(.*?)</b>(.*?)</div>', report, re.DOTALL)
@@ -284,19 +284,11 @@ class AnswerJob:
     def _grid(self) -> Grid:
         return grid_of(self._contact)
 
-    @cached_property
-    def _edges(self) -> Edges:
-        """Edges of the map in the cell, which may hold its mirror images too."""
-        done = str(xr.open_dataset(self.folder / "surface.nc").attrs.get("map_treatment", ""))
-        images = 2 if "mirrored at two edges" in done and not self._grid.mirrored else 1
-        y, x = self._grid.length
-        return y / images, x / images
-
     def _depths(self, body: str) -> list[float]:
         suffix = f"_{body}" if len(self._case.different_bodies) > 1 else ""
         with xr.open_dataset(self.folder / f"stress{suffix}.nc") as stress:
             depths = stress["plane_depth"].values
-        return depths[depths <= max(self._edges)].tolist()
+        return depths[depths <= max(self._grid.length)].tolist()
 
     def _loaded(self, body: str) -> LoadedSolid:
         """A body under the pressure of the answer, with what film and Hertz contact add."""
@@ -317,7 +309,7 @@ class AnswerJob:
         return stress_planes(self._bodies[body], depths, None, (field,), PLANE_TOLERANCE, **sliding)
 
     def _keep(self, body: str, field: str, plane: StressPlane) -> dict[str, Any]:
-        shown = picture(plane.fields[field][0], plane.grid, self._edges, largest_magnitude)
+        shown = picture(plane.fields[field][0], plane.grid, self._grid.length, largest_magnitude)
         self._planes[body, field, plane.depth] = shown
         return shown
 
