@@ -388,7 +388,8 @@ def body_answer(
         extreme_of = {}
         for name_of_field, (grid, values) in on_face.items():
             row, column = divmod(int(values.argmax()), grid.shape[1])
-            y, x = map(float, face.grid.on_map(row * grid.spacing[0], column * grid.spacing[1]))
+            place = np.add(grid.first_node(loaded.grid), np.multiply((row, column), grid.spacing))
+            y, x = map(float, face.grid.on_map(*place))
             extreme_of[name_of_field] = Extreme(float(values.max()), float(layer.interface or 0.0), y, x)
         interface = Interface((in_coating, in_base), extreme_of, on_face)
     found_planes = extremes.planes, near, interface, planes.chosen()
