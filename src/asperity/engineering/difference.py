@@ -11,8 +11,9 @@ import numpy as np
 from asperity.core.markup import with_error
 from asperity.core.types import Array
 from asperity.core.units import scaled_unit
+from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.question import IN_PER_CENT, Row
-from asperity.engineering.sample import CONFIDENCE, PER_AREA, SAME_PIXELS, SCALED, SampleRow
+from asperity.engineering.sample import PER_AREA, SAME_PIXELS, SCALED, SampleRow
 
 BETTER_IF_LESS = ("volume above", "share above", "largest", "peaks above")
 """Beginnings of the names of numbers that should be small."""

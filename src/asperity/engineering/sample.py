@@ -20,13 +20,11 @@ from asperity.core.markup import table, with_error
 from asperity.core.types import Array, ArrayLike
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer import POSITION_NAMES, REPEATS, Answer, case_in_words, without_repeats
+from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.question import IN_PER_CENT
 from asperity.engineering.questions.cycles import CRACKS
 from asperity.stress.statistics.largest import FEWEST_PEAKS, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
-
-CONFIDENCE = 0.95
-"""Confidence of the intervals."""
 
 SAME_PIXELS = 1e-6
 """Relative difference by rounding of pixels, and of numbers that are equal on all maps."""
