@@ -5,10 +5,9 @@
 
 The first writes ``stress.csv``: the whole analysis on each grid and number of threads, in a process of its
 own, with the load of the machine. A plane equivalent is the work of eight real transforms of the contact's
-grid, one for each linear part of the
-stress; all transforms are counted by their nodes, those of the covariances too. The second prints the tables
-of docs/stress.md: errors of coarse planes, peaks by the distance of planes and by the grid, and the
-difference from tamaas, if it is installed.
+grid, one for each linear part of the stress; all transforms are counted by their nodes, those of the
+covariances too. The second prints tables: errors of coarse planes, peaks by the distance of planes and by the
+grid, and the difference from tamaas, if it is installed.
 """
 
 from __future__ import annotations

@@ -160,7 +160,7 @@ def test_agreement_with_brute_force(direction, step):
 
 
 def test_error_of_few_shifts_is_estimated():
-    """With steps of a quarter wave, against all positions; docs/stress.md has the measured trade."""
+    """With steps of a quarter wave, against all positions."""
     low, high = (asp.self_affine((48, 48), 0.8, 0.5, 1 / 6, 1e-3, seed) for seed in (1, 2))
     depths = asp.stress.depth_grid(asp.Grid((48, 48)))[:10]
     cycles = []

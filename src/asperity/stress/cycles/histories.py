@@ -42,8 +42,8 @@ EXACT_ABOVE = 0.5
 """Share of the largest Dang Van stress above which that of every point is computed, for the distribution."""
 
 ERROR_OVER_CHANGE = 2.0
-"""Error of the worst values over their change with half of the states: the estimate holds in 11 of the 12
-cases of ``docs/stress.md``."""
+"""Error of the worst values over their change with half of the states: the estimate holds in 11 of 12 cases
+(`benchmarks/moving.py`)."""
 
 STRIP = 4096
 """Number of points whose candidates are chosen together, in whole rows."""
