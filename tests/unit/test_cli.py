@@ -28,6 +28,16 @@ def test_closed_streams_take_no_output():
     assert (found.returncode, found.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("fault", [lambda: {}["mean"], lambda: None + 1, lambda: int("x"), lambda: 1 / 0])
+def test_own_faults_have_a_traceback(monkeypatch, capsys, fault):
+    """A refusal, which a raise statement makes, is one line."""
+    monkeypatch.setattr("asperity.cli.commands.info.run", lambda _: fault())
+    assert main(["info", str(STEEL)]) == 1
+    first, *_, last = capsys.readouterr().err.splitlines()
+    assert first.startswith("Traceback")
+    assert last.startswith("asperity: an error of asperity itself")
+
+
 @pytest.mark.parametrize(
     ("figure", "stage"), [("7", "contact"), ("fig09", "statistics"), ("14", "statistics")]
 )

@@ -1,4 +1,4 @@
-"""Entry point of the command line: runs one command, and answers every error with one line."""
+"""Entry point of the command line: runs one command, and answers every refusal with one line."""
 
 import gc
 import io
@@ -6,16 +6,26 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Sequence
 from contextlib import nullcontext, suppress
 from importlib import import_module
 from types import FrameType
 from typing import NoReturn
 
-from asperity.core.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
+from asperity.core.errors import (
+    ConvergenceError,
+    DatasetError,
+    InputError,
+    PreflightError,
+    fail,
+    is_refusal,
+)
 from asperity.core.packages import BASE, NAMES, NEEDED, PACKAGES, MissingPackageError, message, require
 
 INTERRUPTED = "interrupted; run the same command again to start over"
+OWN_FAULT = """an error of asperity itself, or a result file that asperity has not written; please report it with the
+lines above and the output of asperity --version"""
 
 RARELY = 100_000
 """Allocations between two garbage collections. Imports allocate many objects that stay: with Python's 700,
@@ -37,8 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     status : int
-        0 on success, 1 with a line for each problem on stderr otherwise, 130 after Ctrl-C and 143 after
-        SIGTERM. Wrong usage ends the process with 2, as argparse does.
+        0 on success, 1 with a line for each problem on stderr otherwise, after a traceback if the error is
+        one of asperity itself, 130 after Ctrl-C and 143 after SIGTERM. Wrong usage ends the process with 2,
+        as argparse does.
     """
     for name in ("stdin", "stdout", "stderr"):
         if getattr(sys, name) is None:  # closed, as by `>&-`: a result file would take its place
@@ -80,15 +91,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 _drop_output()
                 return fail(f"standard output: cannot be written ({error.strerror})")
         return fail(str(error))
-    except (
-        *(ValueError, TypeError, ImportError, MemoryError),
-        *(DatasetError, ConvergenceError, PreflightError),
-    ) as error:
+    except (ImportError, MemoryError, DatasetError, ConvergenceError, PreflightError) as error:
         return fail(str(error) or type(error).__name__)
-    except (LookupError, ZeroDivisionError) as error:  # a manipulated file may have a valid fingerprint
-        return fail(
-            f"not a whole result of asperity, or an error of its own: {type(error).__name__}: {error}"
-        )
+    except Exception as error:
+        if is_refusal(error):
+            return fail(str(error))
+        traceback.print_exc()
+        return fail(OWN_FAULT)
     finally:
         for number, handler in earlier.items():
             signal.signal(number, handler)
@@ -120,4 +129,6 @@ def _run(arguments: Sequence[str] | None) -> None:
         except InputError:
             raise
         except ValueError as error:
+            if not is_refusal(error):
+                raise
             raise ValueError(with_flags(str(error), options.command)) from error

@@ -5,6 +5,7 @@ The message of a refused argument or key names it, shows its value and says what
 
 import difflib
 import sys
+import traceback
 from collections.abc import Iterable, Sequence
 
 # Most characters of a value in a message.
@@ -91,6 +92,12 @@ class PlanError(ValueError):
 
 class PreflightError(RuntimeError):
     """Raised when a study cannot run on this machine; the message names the cause and the remedy."""
+
+
+def is_refusal(error: BaseException) -> bool:
+    """Whether a ``raise`` statement made a ValueError or TypeError, not an operation such as None + 1."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return isinstance(error, (ValueError, TypeError)) and (last.line or "").startswith("raise ")
 
 
 def one_line(message: str) -> str:

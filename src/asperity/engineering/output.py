@@ -189,7 +189,6 @@ def _write_report(answer: Answer, folder: Path) -> None:
         spots=answer.spots.head(SPOTS),
         gaps=answer.gaps().set_index("share")["gap_m"],
         versions=versions,
-        paper=dataset.PAPER,
     )
     write_text(folder / "report.html", page)
 

@@ -18,7 +18,8 @@ from rocrate.model.person import Person
 from rocrate.rocrate import ROCrate
 
 from asperity.core.version import __version__
-from asperity.results.dataset import FINGERPRINT, PAPER
+from asperity.paper import PAPER
+from asperity.results.dataset import FINGERPRINT
 
 METADATA = "ro-crate-metadata.json"
 LICENCE = "https://spdx.org/licenses/MIT"

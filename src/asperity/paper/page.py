@@ -8,11 +8,11 @@ from typing import Any
 import pandas as pd
 
 from asperity.core.markup import html_table, rendered
+from asperity.paper import PAPER
 from asperity.paper.claims.report import counted, findings_of, tables
 from asperity.paper.claims.verdicts import CLAIMS, tally
 from asperity.paper.figures import Description
 from asperity.results.atomic import write_text
-from asperity.results.dataset import PAPER
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.study.cost.model import minutes
 from asperity.study.validation.table import for_reader

@@ -27,10 +27,6 @@ from asperity.results.atomic import atomic_write
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 
 CONVENTIONS = "CF-1.11"
-PAPER = (
-    "Y. Murugesan, S. P. Venugopalan, L. Nicola: "
-    "On sub-surface stress caused by contact roughness in compressible elastic solids"
-)
 
 UNIT_SYSTEM = "unit_system"
 """Attribute that names the system of units of a file; a file without it is in units of the study."""
@@ -122,7 +118,6 @@ def write(
     }
     kept = {
         "source": f"asperity {__version__}",
-        "references": PAPER,
         FFT_ENGINE: current_engine().description,
     }
     described.attrs = made | kept | dataset.attrs | made
