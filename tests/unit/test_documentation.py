@@ -110,3 +110,26 @@ def test_materials_of_the_page_are_known(tmp_path, monkeypatch):
 def test_links_to_project_files_exist(name):
     links = re.findall(r"\]\((?!https?:)([^)#]+)\)", (ROOT / name).read_text("utf-8"))
     assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+FOLDERS = ("src", "docs", "studies", "benchmarks", "workflow", "config", "examples", "profiles", "tests")
+"""Folders whose texts and comments name modules and pages."""
+MADE = {"results/claims.md", "results/validation/table.md", "validation/table.md", "study/workflow/maps.smk"}
+"""Files of a study that asperity writes."""
+
+
+def test_modules_and_pages_that_texts_name_exist():
+    inside = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.*")]
+    known = [path for path in (*inside, *ROOT.glob("*")) if "_build" not in path.parts]
+    ends = {"/".join(path.parts[-depth:]) for path in known for depth in range(1, 6)}
+    texts = [path for path in known if "tests" not in path.parts]
+    missing = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in texts
+        if path.suffix in (".py", ".yaml", ".smk", ".j2", ".md", ".rst")
+        for name in re.findall(
+            r"(?<![\w{}*/.-])[\w/]*\w\.(?:py|smk|md)\b(?![\w(]|\.\w)", path.read_text("utf-8")
+        )
+        if name not in ends | MADE
+    }
+    assert missing == set()

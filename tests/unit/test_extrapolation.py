@@ -1,7 +1,10 @@
 """Estimates at vanishing grid spacing, against finer grids and the closed form of Hertz."""
 
+import re
+
 import numpy as np
 import pytest
+from project import ROOT
 from samples import refuses, rough
 
 import asperity as asp
@@ -101,19 +104,60 @@ def test_boundary_share_gives_the_area_of_hertz():
     assert share == pytest.approx(BOUNDARY_SHARE, rel=0.35)  # discs have 0.08 to 0.09
 
 
-@pytest.mark.parametrize(
-    ("contact", "reason"),
-    [
-        (lambda: asp.solve_contact(np.zeros((16, 16)), LAYER, mean_pressure=1e-3), "flat or stepped"),
-        (lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5), "flat or stepped"),
-        (lambda: contact_on(8, area_fraction=0.005), "nodes are in contact, and 200"),
-        (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
-    ],
+def ridges():
+    height = 1e-3 * np.cos(2 * np.pi * np.arange(128) / 128) * np.ones((128, 1))
+    return asp.solve_contact(height, LAYER, mean_pressure=1e-5)
+
+
+def at_hardness():
+    contact = asp.solve_contact(
+        contact_on(8, area_fraction=0.2).height, LAYER, area_fraction=0.2, hardness=0.01
+    )
+    assert contact.plastic_area > 0
+    return contact
+
+
+CASES = {
+    "elastic, in a periodic cell": (lambda: contact_on(8, area_fraction=0.2), ""),
+    "the pressure reaches a hardness": (at_hardness, ""),
+    "ridges are straight": (ridges, ""),
+    "flat or stepped heights touch": (
+        lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5),
+        "flat or stepped",
+    ),
+    "fewer than 200 nodes touch, or do not": (
+        lambda: contact_on(8, area_fraction=0.005),
+        "nodes are in contact, and 200",
+    ),
+    "free boundary": (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
+}
+"""Contact as the page calls it, how it is made, and the reason against all of its estimates."""
+ROWS = re.findall(
+    r"^\| (.+?) \| ((?:(?:yes|no) \| ?){4})$", (ROOT / "docs/continuum.md").read_text("utf-8"), re.MULTILINE
 )
-def test_no_estimate_where_the_grid_allows_none(contact, reason):
-    found = asp.continuum_limit(contact())
-    assert reason in found.attrs["reason"]
+NUMBERS = (["area_fraction", "gradient_rms_contact"], ["largest"], ["mean_depth"], ["decay_length_depth"])
+"""The columns of the page."""
+
+
+@pytest.mark.parametrize(("name", "says"), ROWS)
+def test_page_says_which_numbers_have_an_estimate(name, says):
+    make, reason = CASES[name]
+    contact = make()
+    found = asp.continuum_limit(contact, stress_of(contact))
+    assert reason in found.attrs.get("reason", "")
+    assert bool(reason) == ("reason" in found.attrs)
     assert np.isfinite(found["area_fraction"].sel(kind="on_grid"))
+    known = [bool(found[each].sel(kind="estimate").to_array().notnull().any()) for each in NUMBERS]
+    assert ["yes" if each else "no" for each in known] == re.findall("yes|no", says)
+
+
+def test_page_has_all_reasons_against_an_estimate():
+    assert [name for name, _ in ROWS] == [*CASES]
+
+
+def test_no_estimate_on_flat_faces():
+    found = asp.continuum_limit(asp.solve_contact(np.zeros((16, 16)), LAYER, mean_pressure=1e-3))
+    assert "flat or stepped" in found.attrs["reason"]
     assert found.sel(kind=["estimate", "error"]).to_array().isnull().all()
 
 
