@@ -86,8 +86,11 @@ ADDED = [
 ]
 
 
-def test_the_first_commands_of_the_pages_run(answers, capsys):
-    assert len(FIRST_MINUTES) == 4
+def test_the_first_commands_of_the_pages_run(answers, capsys, tmp_path):
+    """The answer that the README shows is the one that is printed."""
+    assert len(FIRST_MINUTES) == 5
+    assert main(["case", "plain"]) == 0
+    (tmp_path / "case.yaml").write_text(capsys.readouterr().out)
     for line in dict.fromkeys(FIRST_MINUTES):
         assert main(shlex.split(line)[1:]) == 0
     printed = capsys.readouterr().out
@@ -95,7 +98,9 @@ def test_the_first_commands_of_the_pages_run(answers, capsys):
     assert "every calculation needs" not in printed
     assert "asperity run takes peaks as upward, fills points without data and mirrors the map" in printed
     assert "report    steel/report.html" in printed
-    assert len(answers) == 1
+    (shown,) = re.findall(r"```text\n(.*?)```", README, re.DOTALL)
+    assert [line for line in shown.splitlines() if line not in printed.splitlines()] == []
+    assert len(answers) == 3
     assert len(ADDED) >= 12
 
 

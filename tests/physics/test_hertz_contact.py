@@ -1,9 +1,11 @@
 """Smooth Hertz contacts against closed forms, and a rough cell in one against the whole rough contact."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from project import ROOT
 from samples import HALF_SPACE, refuses
 
 import asperity as asp
@@ -170,6 +172,27 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
     assert not any(
         advice.subject == "map in the Hertz contact" and advice.level == "warning" for advice in answer.advice
     )
+
+
+def test_a_published_ball_bearing_is_met():
+    """The page's own block and table; the published lengths have two to four digits."""
+    page = (ROOT / "docs/validation.md").read_text("utf-8").split("## A published ball bearing")[1]
+    names: dict = {}
+    exec(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], names)
+    rows = {row.name: row.value for row in names["answer"].rows}
+    found = [
+        rows["largest pressure"] / 1e6,
+        rows["real contact area"] * 1e6,
+        rows["largest shear stress (Tresca)"] / 1e6,
+        rows["approach since first touch"] * 1e3,
+    ]
+    table = re.findall(r"^\| [^|]+ \| ([\d.]+) \w+²? \| ([\d.]+) \w+²? \|", page, re.MULTILINE)
+    published, here = np.array(table, float).T
+    np.testing.assert_allclose(found, published, rtol=8e-3)
+    np.testing.assert_allclose(found, here, rtol=5e-4, atol=5e-5)
+    contact = asp.stress.HertzContact.from_radii(3.7764e-3, 182.66e-3, 210e9 / 0.91 / 2, force=5000 / 9)
+    np.testing.assert_allclose(contact.largest_pressure, 1746e6, rtol=1e-3)
+    np.testing.assert_allclose(contact.largest_shear(0.3), (546e6, 88e-6), rtol=5e-3)
 
 
 @pytest.mark.parametrize(
