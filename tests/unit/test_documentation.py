@@ -112,7 +112,18 @@ def test_links_to_project_files_exist(name):
     assert [link for link in links if not (ROOT / link).exists()] == []
 
 
-FOLDERS = ("src", "docs", "studies", "benchmarks", "workflow", "config", "examples", "profiles", "tests")
+FOLDERS = (
+    "src",
+    "docs",
+    "studies",
+    "benchmarks",
+    "workflow",
+    "config",
+    "examples",
+    "profiles",
+    "paper",
+    "tests",
+)
 """Folders whose texts and comments name modules and pages."""
 MADE = {"results/claims.md", "results/validation/table.md", "validation/table.md", "study/workflow/maps.smk"}
 """Files of a study that asperity writes."""
@@ -133,3 +144,33 @@ def test_modules_and_pages_that_texts_name_exist():
         if name not in ends | MADE
     }
     assert missing == set()
+
+
+def test_picture_of_the_rooms_is_that_of_the_imports():
+    pytest.importorskip("grimp")
+    made = runpy.run_path(str(ROOT / "docs/draw_rooms.py"))
+    assert made["picture"]() == (ROOT / "docs/rooms.svg").read_text("utf-8")
+    page = (ROOT / "docs/architecture.md").read_text("utf-8").split("## The way")[0]
+    rooms = [
+        name
+        for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
+        for name in re.findall(r"`(\w+)`", row)
+    ]
+    assert sorted(rooms) == sorted(made["rooms"]())
+
+
+def test_names_of_the_architecture_exist():
+    """Files below `src/asperity` or the folder, and identifiers of the code."""
+    page = (ROOT / "docs/architecture.md").read_text("utf-8")
+    code = "".join(
+        path.read_text("utf-8") for path in (ROOT / "src").rglob("*") if path.suffix in (".py", ".yaml")
+    )
+    names = {name for name in re.findall(r"`([\w./]+)`", page) if not name.startswith("draw_")}
+    places = [ROOT, *(ROOT / "src/asperity").rglob("*/"), ROOT / "src/asperity"]
+    lost = [
+        name
+        for name in sorted(names)
+        if not any((place / name).exists() for place in places)
+        and not re.search(rf"\b{re.escape(name)}\b", code)
+    ]
+    assert lost == []
