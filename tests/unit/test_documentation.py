@@ -146,6 +146,16 @@ def test_modules_and_pages_that_texts_name_exist():
     assert missing == set()
 
 
+def test_programs_have_a_source_and_a_date():
+    """A cell without a link has that of its program."""
+    table = (ROOT / "README.md").read_text("utf-8").split("## Beside other programs")[1]
+    rows = [row.split(" | ") for row in re.findall(r"^\| (.*) \|$", table, re.MULTILINE)]
+    assert len(rows) == 8
+    assert {len(row) for row in rows} == {7}
+    assert [row[0] for row in rows[2:] if not re.match(r"\[.*\]\(https://", row[0])] == []
+    assert re.search(r"Read on \d+ \w+ 20\d\d", table)
+
+
 def test_picture_of_the_rooms_is_that_of_the_imports():
     pytest.importorskip("grimp")
     made = runpy.run_path(str(ROOT / "docs/draw_rooms.py"))
