@@ -24,8 +24,10 @@ from asperity.core.errors import (
 from asperity.core.packages import BASE, NAMES, NEEDED, PACKAGES, MissingPackageError, message, require
 
 INTERRUPTED = "interrupted; run the same command again to start over"
-OWN_FAULT = """an error of asperity itself, or a result file that asperity has not written; please report it with the
-lines above and the output of asperity --version"""
+OWN_FAULT = (
+    "an error of asperity itself, or a result file that asperity has not written; please report it with the "
+    "lines above and the output of asperity --version"
+)
 
 RARELY = 100_000
 """Allocations between two garbage collections. Imports allocate many objects that stay: with Python's 700,
