@@ -19,11 +19,10 @@ from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import continuum_on_grids
 from asperity.engineering.values import DepthPlanes
-from asperity.fourier.grid import EVEN, Grid
+from asperity.fourier.grid import Grid
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.peaks.selection import select_peaks
-from asperity.stress.planes.fields import ODD
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -70,37 +69,26 @@ class CloseUp:
     depths: list[float] = field(default_factory=list)
     planes: list[dict[str, Array]] = field(default_factory=list)
 
-    def add(self, plane: LinearPlane, names: Sequence[str], poisson: float, periodic: bool) -> None:
+    def add(self, plane: LinearPlane, names: Sequence[str], poisson: float) -> None:
         """Keep the next plane, unless the planes already reach below the box."""
         from scipy.ndimage import map_coordinates
 
         edge = max((nodes.stop - nodes.start) * step for nodes, step in self._axes)
         if self.depths and self.depths[-1] > DEPTH * edge:
             return
-        nodes_along, places, is_image = [], [], []
+        nodes_along, places = [], []
         each = zip(self._axes, plane.grid.shape, plane.grid.spacing, plane.first_node, strict=True)
         for (nodes, step), count, own, first in each:
             place = (np.arange(nodes.start, nodes.stop) * step - first) / own
-            node = np.arange(int(place[0]) - INTERPOLATION_NODES, int(place[-1]) + INTERPOLATION_NODES + 2)
+            beyond = min(INTERPOLATION_NODES, count - 2)
+            node = np.arange(int(place[0]) - beyond, int(place[-1]) + beyond + 2)
             places.append(place - node[0])
-            if plane.grid.mirrored:
-                node = node % (2 * count)
-            elif periodic:
-                node = node % count
-            is_image.append(plane.grid.mirrored & (node >= count))
-            node = np.where(is_image[-1], 2 * count - 1 - node, node)
-            nodes_along.append(np.clip(node, 0, count - 1))
-        flat = (nodes_along[0][:, None] * plane.grid.shape[1] + nodes_along[1]).ravel()
+            nodes_along.append(node)
         at = np.meshgrid(*places, indexing="ij")
-        fields = {}
-        for name in names:
-            values = plane.field_at(name, poisson, flat).reshape([node.size for node in nodes_along])
-            odd_y, odd_x = ODD.get(name, EVEN)
-            values[odd_y & is_image[0]] *= -1
-            values[:, odd_x & is_image[1]] *= -1
-            fields[name] = map_coordinates(values, at)
         self.depths.append(plane.depth)
-        self.planes.append(fields)
+        self.planes.append(
+            {name: map_coordinates(plane.field_around(name, poisson, *nodes_along), at) for name in names}
+        )
 
     @property
     def _axes(self) -> list[tuple[slice, float]]:
@@ -155,7 +143,7 @@ def _close_up(face: TreatedMap, weight: Array, middle: tuple[int, int], half: in
 def _around_extremes(
     answer: Answer, loaded: LoadedSolid, near: Sequence[CloseUp], largest: Mapping[str, Extreme], name: str
 ) -> list[CloseUp]:
-    """Close-ups around the extreme values of the drawn fields that lie in none, from a second stream."""
+    """Close-ups around the extreme values of the drawn fields that lie in none, from one more stream."""
     case, face, found = answer.case, answer.face, list[CloseUp]()
     for field_name in case.fields if near else ():
         place = largest[field_name]
@@ -164,13 +152,14 @@ def _around_extremes(
         half = max(part.stop - part.start for part in near[0].part) // 2
         steps = zip((place.y, place.x), face.grid.spacing, face.grid.shape, strict=True)
         row, column = (min(round(at / step), count - 1) for at, step, count in steps)
-        box = _close_up(face, answer.contact.pressure, (row, column), half)
+        found.append(_close_up(face, answer.contact.pressure, (row, column), half))
+    if found:
         stream = PlaneStream(
             loaded, near[0].depths, None, case.fields, STRESS_TOLERANCE, **case.sliding_of(name)
         )
         for plane in stream.planes():
-            box.add(plane, case.fields, loaded.layer.poisson, face.boundary == "periodic")
-        found.append(box)
+            for box in found:
+                box.add(plane, case.fields, loaded.layer.poisson)
     return found
 
 
@@ -363,7 +352,7 @@ def body_answer(
         for watch in watches:
             watch(plane)
         for each in near:
-            each.add(plane, case.fields, layer.poisson, face.boundary == "periodic")
+            each.add(plane, case.fields, layer.poisson)
 
     stress = analyse_stress(
         loaded,
@@ -441,28 +430,29 @@ class _Extremes:
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
-        invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
+        von_mises, hydrostatic = (plane.field(name, self._poisson) for name in ("von_mises", "hydrostatic"))
+        highest, ends = von_mises.max(), {1.0: hydrostatic.max(), -1.0: hydrostatic.min(), 0.0: 0.0}
         if self._face <= plane.depth <= np.nextafter(self._face, np.inf):
             xx, zz, xz, yz = (plane.field(name, self._poisson) for name in ("xx", "zz", "xz", "yz"))
-            planes = {"shear": (plane.grid, np.hypot(xz, yz)), "tension": (plane.grid, zz.copy())}
+            planes = {"shear": (plane.grid, np.hypot(xz, yz)), "tension": (plane.grid, zz)}
             self.interface.append((float(xx.flat[np.abs(xx).argmax()]), planes))
         for name in self._fields:
-            known = self.found[name].value if name in self.found else None
             if name in BOUNDS:  # only at nodes where the bound exceeds the extreme value so far
-                bound = (
-                    BOUNDS[name][0] * invariants["von_mises"] + BOUNDS[name][1] * invariants["hydrostatic"]
-                )
-                highest = bound.argmax()
-                if known is None:
-                    known = float(plane.field_at(name, self._poisson, np.array([highest]))[0])
-                least = DIRECTION[name] * known - BOUND_ERROR * abs(float(bound[highest]))
+                of_von_mises, of_hydrostatic = BOUNDS[name]
+                most = of_von_mises * highest + of_hydrostatic * ends[of_hydrostatic]
+                least = self._sizes.get(name, -np.inf) - BOUND_ERROR * abs(most)
+                if most < least:
+                    continue
+                bound = (of_von_mises * von_mises + of_hydrostatic * hydrostatic).ravel()
+                if name not in self.found:
+                    known = plane.field_at(name, self._poisson, np.array([bound.argmax()]))
+                    least = DIRECTION[name] * float(known[0]) - BOUND_ERROR * abs(most)
                 nodes = np.flatnonzero(bound >= least)
                 values = plane.field_at(name, self._poisson, nodes)
             else:
-                field = invariants.get(name)
-                field = plane.field(name, self._poisson).ravel() if field is None else field
+                field = plane.field(name, self._poisson)
                 nodes = np.array([field.argmax(), field.argmin()])
-                values = field[nodes]
+                values = field.flat[nodes]
             sizes = DIRECTION[name] * values if name in DIRECTION else np.abs(values)
             if sizes.size and sizes.max() > self._sizes.get(name, -np.inf):
                 best = int(sizes.argmax())
@@ -471,4 +461,4 @@ class _Extremes:
                 self._sizes[name] = sizes[best]
                 self.found[name] = Extreme(float(values[best]), plane.depth, y, x)
                 if name in self._drawn:
-                    self.planes[name] = plane.depth, plane.grid, plane.field(name, self._poisson).copy()
+                    self.planes[name] = plane.depth, plane.grid, plane.field(name, self._poisson)

@@ -266,6 +266,7 @@ class _Analysis:
             self._largest[:, number] = search.sums[:count, :, 2].max(axis=1)
             if observe is not None:
                 observe(plane)
+                plane.forget_fields()
             scale = np.sqrt(search.sums[count, :, 1].sum() / size)
             searched = SearchedPlane(plane.depth, plane.grid, plane.first_node, search.fields, plane.refresh)
             floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from dataclasses import field as dataclass_field
 from functools import partial
 from typing import Any
 
@@ -41,6 +42,8 @@ from asperity.stress.planes.fields import (
     PlaneFields,
     Visit,
     edges_of,
+    image_sign,
+    neighbour,
 )
 from asperity.stress.planes.free_boundary import FreePlanes
 from asperity.stress.planes.periodic import PeriodicPlanes
@@ -102,6 +105,7 @@ class LinearPlane:
     solid: LoadedSolid
     scale: float
     refresh: Callable[..., None]
+    _known: dict[tuple[str, float], Array] = dataclass_field(default_factory=dict, init=False, repr=False)
 
     @property
     def first_node(self) -> tuple[float, float]:
@@ -120,17 +124,36 @@ class LinearPlane:
         return PlaneFields(self.basis, formulas, edges_of(self.solid.boundary, self.grid))
 
     def field(self, name: str, poisson: float) -> Array:
-        """The field `name` for one Poisson's ratio, (ny, nx)."""
-        return self._one(name, poisson).whole()[0]
+        """The field `name` for one Poisson's ratio, (ny, nx).
+
+        It is computed once for all that ask for it, and must not be changed.
+        """
+        if (name, poisson) not in self._known:
+            self._known[name, poisson] = np.ascontiguousarray(self._one(name, poisson).whole()[0])
+        return self._known[name, poisson]
+
+    def forget_fields(self) -> None:
+        """Release the memory of the fields that `field` has computed."""
+        self._known.clear()
 
     def field_at(self, name: str, poisson: float, nodes: Array) -> Array:
         """The field `name` at some nodes, given by their places in the flat array of the plane."""
         row, column = np.divmod(nodes, self.grid.shape[1])
         return self._one(name, poisson).at(row, column)
 
+    def field_around(self, name: str, poisson: float, rows: Array, columns: Array) -> Array:
+        """The field `name`, (rows, columns), at nodes that may lie beyond the edges, see `neighbour`."""
+        edges, (ny, nx), kind = edges_of(self.solid.boundary, self.grid), self.grid.shape, FIELDS.index(name)
+        row = np.array([neighbour(node, ny, edges) for node in rows.tolist()])
+        column = np.array([neighbour(node, nx, edges) for node in columns.tolist()])
+        along_y = [image_sign(kind, node, 0, (ny, nx), edges) for node in rows.tolist()]
+        along_x = [image_sign(kind, 0, node, (ny, nx), edges) for node in columns.tolist()]
+        values = self.field_at(name, poisson, (row[:, None] * nx + column).ravel())
+        return values.reshape(row.size, column.size) * np.outer(along_y, along_x).astype(values.dtype)
+
     def named_fields(self, names: Sequence[str], ratios: Sequence[float]) -> dict[str, Array]:
         """Fields by name, (ratios, ny, nx)."""
-        return {name: np.stack([self.field(name, nu) for nu in ratios]) for name in names}
+        return {name: np.stack([self._one(name, nu).whole()[0] for nu in ratios]) for name in names}
 
     def _one(self, name: str, poisson: float) -> PlaneFields:
         return self.fields([name], [poisson], [uniform_part(self.solid.layer, poisson, self.depth)])
