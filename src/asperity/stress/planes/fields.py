@@ -6,13 +6,13 @@ in one order of operations, so that the results have the same bits, in the preci
 
 Principal stresses
 ------------------
-They are in closed form. The deviator is divided by its largest element. Its eigenvalue farthest from the two
-others comes from the trigonometric solution of the cubic (O. K. Smith, Commun. ACM 4 (1961) 168, DOI
+They are in closed form. The deviator is divided by its largest element. Its eigenvalue λ farthest from the
+two others comes from the trigonometric solution of the cubic (O. K. Smith, Commun. ACM 4 (1961) 168, DOI
 10.1145/355578.366316), which is accurate for this one only: the two others may be close together, and there
-the arc cosine loses half of the digits. They are therefore the eigenvalues of the 2 × 2 tensor that is left
-in the plane across the first principal direction (W. M. Scherzinger, C. R. Dohrmann, Comput. Methods Appl.
-Mech. Eng. 197 (2008) 4007, DOI 10.1016/j.cma.2008.03.031). All three are accurate to rounding of the largest
-stress.
+the arc cosine loses half of the digits. Their mean is −λ/2, and half of their difference follows from the
+part of the tensor in the plane across the first principal direction n, less its mean. With the deviator S,
+n nᵀ is the adjugate of S − λ I over its trace, which has no small divisor because λ is far from the others.
+All three are accurate to rounding of the largest stress.
 """
 
 from __future__ import annotations
@@ -82,6 +82,9 @@ NODES_AT_ONCE = 2**15
 
 COMPARED_AT_ONCE = 2**16
 """Maxima that are compared with a plane together: the values around them take memory."""
+
+SMALLEST_DEVIATOR = 1e-300
+"""Principal stresses of a tensor whose deviator has only smaller elements are its mean."""
 
 BLOCK = 512
 """Nodes for which the values that all von Mises stresses share fit into the processor's cache."""
@@ -333,9 +336,10 @@ def principal_stresses(
     mean = (xx + yy + zz) / 3.0
     a, b, c = xx - mean, yy - mean, zz - mean
     scale = max(abs(a), abs(b), abs(c), abs(yz), abs(xz), abs(xy))
-    if scale == 0.0:
+    if scale < SMALLEST_DEVIATOR:
         return mean, mean, mean
-    a, b, c, f, g, h = a / scale, b / scale, c / scale, yz / scale, xz / scale, xy / scale
+    per = 1.0 / scale
+    a, b, c, f, g, h = a * per, b * per, c * per, yz * per, xz * per, xy * per
     # Where the three normal stresses are equal, rounding of the mean would leave a false deviator.
     rest = (a + b + c) / 3.0
     mean += scale * rest
@@ -348,56 +352,18 @@ def principal_stresses(
     apart = 2.0 * radius * np.cos(np.arccos(cosine) / 3.0)
     if determinant < 0.0:
         apart = -apart
-    first, second, coupling = _tensor_across(a - apart, b - apart, c - apart, f, g, h)
-    first += apart
-    second += apart
-    middle = 0.5 * (first + second)
-    half = np.hypot(0.5 * (first - second), coupling)
+    middle, x, y, z = -0.5 * apart, a - apart, b - apart, c - apart
+    # The adjugate of the deviator less `apart`, whose trace is the product of its two other eigenvalues.
+    aa, bb, cc = y * z - f * f, x * z - g * g, x * y - h * h
+    ff, gg, hh = g * h - f * x, f * h - g * y, f * g - h * z
+    per_trace = 1.5 * apart / (aa + bb + cc)
+    a, b, c = a - middle - per_trace * aa, b - middle - per_trace * bb, c - middle - per_trace * cc
+    f, g, h = f - per_trace * ff, g - per_trace * gg, h - per_trace * hh
+    half = np.sqrt(0.5 * (a * a + b * b + c * c) + f * f + g * g + h * h)
     upper, lower = middle + half, middle - half
     if determinant < 0.0:
         return mean + scale * max(upper, apart), mean + scale * lower, mean + scale * min(lower, apart)
     return mean + scale * max(upper, apart), mean + scale * upper, mean + scale * min(lower, apart)
-
-
-@compiled
-def _tensor_across(a: float, b: float, c: float, f: float, g: float, h: float) -> tuple[float, float, float]:
-    """A tensor with one eigenvalue 0 in the plane across that direction: two normal elements and the shear.
-
-    The rows of the tensor span this plane. The longest row gives the first axis, what is left of the longest
-    of the others the second.
-    """
-    rows = ((a, h, g), (h, b, f), (g, f, c))
-    longest, axis = -1.0, 0
-    for n in range(3):
-        x, y, z = rows[n]
-        length = x * x + y * y + z * z
-        if length > longest:
-            longest, axis = length, n
-    ux, uy, uz = rows[axis]
-    length = np.sqrt(longest)
-    ux, uy, uz = ux / length, uy / length, uz / length
-    longest = -1.0
-    vx = vy = vz = 0.0
-    for n in range(3):
-        x, y, z = rows[n]
-        along = x * ux + y * uy + z * uz
-        x, y, z = x - along * ux, y - along * uy, z - along * uz
-        length = x * x + y * y + z * z
-        if n != axis and length > longest:
-            longest, vx, vy, vz = length, x, y, z
-    length = np.sqrt(longest)
-    vx, vy, vz = vx / length, vy / length, vz / length
-    first = a * ux * ux + b * uy * uy + c * uz * uz + 2.0 * (f * uy * uz + g * ux * uz + h * ux * uy)
-    second = a * vx * vx + b * vy * vy + c * vz * vz + 2.0 * (f * vy * vz + g * vx * vz + h * vx * vy)
-    coupling = (
-        a * ux * vx
-        + b * uy * vy
-        + c * uz * vz
-        + f * (uy * vz + uz * vy)
-        + g * (ux * vz + uz * vx)
-        + h * (ux * vy + uy * vx)
-    )
-    return first, second, coupling
 
 
 @inlined
