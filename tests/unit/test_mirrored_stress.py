@@ -10,6 +10,7 @@ import asperity as asp
 from asperity.fourier.grid import Fourier, Grid, with_mirror_images
 from asperity.stress.exceedance import Exceedance
 from asperity.stress.planes.fields import ODD
+from asperity.stress.planes.stream import PlaneStream
 from asperity.stress.statistics.extrapolation import OnGrid, numbers_on, reason_against
 
 pytestmark = pytest.mark.engines
@@ -69,6 +70,20 @@ def peak_table(stress, name, grid, scale):
         distance[distance > edge - 1.6 * step] = edge
         places.append(distance - step / 2)
     return np.column_stack([peaks["peak_depth"], *places, np.abs(peaks["peak_value"]) / scale])
+
+
+def test_nodes_beyond_the_mirror_lines_are_those_of_the_cell_of_four():
+    shape = SHAPES[0]
+    streams = [
+        PlaneStream(each, DEPTHS[:3], None, ("von_mises",), 0.0)
+        for each in pressed(shape, SOLIDS["half-space"])
+    ]
+    rows, columns = np.arange(-4, shape[0] + 4), np.arange(-3, 5)
+    for own, cell in zip(*(stream.planes() for stream in streams), strict=True):
+        for name in (*EVEN_FIELDS, *ODD):
+            around = own.field_around(name, 0.3, rows, columns)
+            expected = cell.field(name, 0.3)[np.ix_(rows % (2 * shape[0]), columns % (2 * shape[1]))]
+            np.testing.assert_allclose(around, expected, atol=1e-14 * np.abs(cell.field("zz", 0.3)).max())
 
 
 @pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS)
