@@ -68,9 +68,9 @@ fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=
 wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the package index and use it, with a small study
 	pytest -m wheel tests/wheel
 
-test-oldest: ## Run the unit tests with the oldest versions of all dependencies (requirements-oldest.lock)
+test-oldest: ## Run the unit tests with the oldest versions of all dependencies (tests/requirements-oldest.lock)
 	NUMBA_CACHE_DIR=$(CURDIR)/.venv-oldest/machine_code \
-		$(MAKE) VENV=.venv-oldest LOCK=requirements-oldest.lock PYTEST="-W default" unit-tests
+		$(MAKE) VENV=.venv-oldest LOCK=tests/requirements-oldest.lock PYTEST="-W default" unit-tests
 
 test-python: ## Run the unit tests with another Python: make test-python PYTHON=python3.13
 	$(MAKE) VENV=.venv-$$($(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])') unit-tests
@@ -92,7 +92,7 @@ report: study ## Write the study as one page, report.html, and how each file was
 	snakemake --cores 1 report_page $(STUDY)
 	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/provenance.html"
 
-metadata: $(VENV)/ready ## Write what is made from pyproject.toml and the schema of the settings: environment, schema and README of the workflow
+metadata: $(VENV)/ready ## Write what is made from pyproject.toml, CITATION.cff and the settings: environment, schema and README of the workflow, codemeta.json
 	python workflow/metadata.py
 
 address: $(VENV)/ready ## Write the address of the repository into all files that name it: make address URL=https://…
@@ -115,9 +115,9 @@ bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md;
 tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and docs/tradeoff.md (ten minutes)
 	python benchmarks/tradeoff.py
 
-lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and requirements-oldest.lock (needs uv)
+lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and tests/requirements-oldest.lock (needs uv)
 	$(COMPILE) --output-file requirements.lock --extra slurm --extra lint --extra docs
-	$(COMPILE) --output-file requirements-oldest.lock --resolution lowest-direct
+	$(COMPILE) --output-file tests/requirements-oldest.lock --resolution lowest-direct
 
 clean: ## Delete the results and the documentation site (the environments stay)
 	rm -rf results .snakemake docs/_build docs/api docs/gallery

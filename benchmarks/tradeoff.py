@@ -10,7 +10,7 @@ on λ_s. Every other parameter is varied alone from a converged reference on 8 n
 the largest of all surfaces under that load. Times are those of a surface with λ_s = L/256, as the paper has.
 
 Written are ``src/asperity/study/cost/errors.csv``, which `asperity plan` uses, the tables of
-``docs/tradeoff.md`` and ``config/README.md``, and the figure of both ``docs`` and ``paper``.
+``docs/tradeoff.md`` and ``config/README.md``, and ``docs/tradeoff.png``.
 """
 
 import argparse
@@ -36,7 +36,7 @@ from asperity.views.style import panels, save, style
 
 ERRORS = Path("src/asperity/study/cost/errors.csv")
 PAGES = {Path("docs/tradeoff.md"): ("grids", "settings"), Path("config/README.md"): ("presets",)}
-FIGURES = Path("docs/tradeoff.png"), Path("paper/tradeoff.png")
+FIGURE = Path("docs/tradeoff.png")
 
 AREAS, EXPONENTS, SEEDS = (0.02, 0.1), (0.2, 0.8), range(1, 9)
 GRIDS, FINEST, PAPER = (4, 6, 8, 12, 16), 32, 8
@@ -238,7 +238,7 @@ def write_pages(table: pd.DataFrame) -> None:
             text = re.sub(below, lambda found: f"{found[1]}{markdown(shown[mark])}\n", text)  # noqa: B023
         page.write_text(text, encoding="utf-8")
     with style():
-        save(draw(table), *FIGURES)
+        save(draw(table), FIGURE)
 
 
 def draw(table: pd.DataFrame) -> Any:

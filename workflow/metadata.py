@@ -1,14 +1,16 @@
-"""Write the files that are made from others: environment, schema, diagram, and the address of the repository.
+"""Write the files that are made from others: environment, schema, diagram, metadata, and the address.
 
     python workflow/metadata.py [--address URL]
 
 workflow/envs/asperity.yaml has the requirements of pyproject.toml, workflow/schemas/config.schema.yaml
-the settings of the study, workflow/README.md some of them and the rules of the quick study.
+the settings of the study, workflow/README.md some of them and the rules of the quick study, and codemeta.json
+what CITATION.cff says, which GitHub and Zenodo read themselves.
 With --address the address of the repository, field Repository of pyproject.toml, is replaced there and
 wherever it is written.
 """
 
 import argparse
+import json
 import re
 import subprocess
 import sys
@@ -27,8 +29,6 @@ ROOT = Path(__file__).parents[1]
 ADDRESSED = (
     "pyproject.toml",
     "CITATION.cff",
-    "codemeta.json",
-    ".zenodo.json",
     "examples/try_asperity.ipynb",
     "paper/metadata.yaml",
 )
@@ -59,6 +59,28 @@ dependencies:
   - pip
   - pip:
 {lines}"""
+
+
+def codemeta() -> str:
+    """Metadata of the software for registries (https://codemeta.github.io), from CITATION.cff."""
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    paper, *_ = citation["references"]
+    found = {
+        "@context": "https://w3id.org/codemeta/3.0",
+        "@type": "SoftwareSourceCode",
+        "name": "asperity",
+        "description": citation["abstract"],
+        "version": citation["version"],
+        "dateModified": str(citation["date-released"]),
+        "license": f"https://spdx.org/licenses/{citation['license']}",
+        "codeRepository": citation["repository-code"],
+        "programmingLanguage": "Python",
+        "runtimePlatform": f"Python {project()['requires-python']}",
+        "keywords": citation["keywords"],
+        "author": [{"@type": "Organization", "name": author["name"]} for author in citation["authors"]],
+        "referencePublication": {"@type": "ScholarlyArticle", "name": paper["title"]},
+    }
+    return json.dumps(found, indent=2, ensure_ascii=False) + "\n"
 
 
 def config_schema() -> str:
@@ -116,6 +138,7 @@ def main() -> None:
     for path, text in {
         ROOT / "workflow/envs/asperity.yaml": environment(),
         ROOT / "workflow/schemas/config.schema.yaml": config_schema(),
+        ROOT / "codemeta.json": codemeta(),
         readme: f"{readme.read_text(encoding='utf-8').split(MARK)[0]}{MARK}\n{parameters()}\n{diagram()}",
     }.items():
         path.write_text(text, encoding="utf-8")

@@ -8,6 +8,8 @@ import pytest
 import yaml
 from project import ROOT, run
 
+import asperity
+
 MADE = runpy.run_path(str(ROOT / "workflow/metadata.py"))
 
 
@@ -17,6 +19,14 @@ def test_files_are_current():
     assert readme.endswith(f"{MADE['MARK']}\n{MADE['parameters']()}\n{MADE['diagram']()}")
     schema = (ROOT / "workflow/schemas/config.schema.yaml").read_text(encoding="utf-8")
     assert schema == MADE["config_schema"]()
+    assert (ROOT / "codemeta.json").read_text(encoding="utf-8") == MADE["codemeta"]()
+
+
+def test_citation_repeats_version_and_project():
+    citation, project = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8")), MADE["project"]()
+    assert citation["version"] == asperity.__version__
+    assert citation["license"] == project["license"]
+    assert [author["name"] for author in citation["authors"]] == [each["name"] for each in project["authors"]]
 
 
 def test_schema_accepts_the_test_study_and_no_wrong_one():
@@ -66,14 +76,14 @@ def test_address_is_one_field(tmp_path):
     (tmp_path / "Snakefile").symlink_to(ROOT / "Snakefile")
     old = MADE["project"]()["urls"]["Repository"]
     named = run(ROOT, "git", "grep", "-lF", old).stdout.split()  # empty where git has no checkout
-    assert set(named) <= set(MADE["ADDRESSED"])
+    assert set(named) <= {*MADE["ADDRESSED"], "codemeta.json"}
     for name in MADE["ADDRESSED"]:
         assert old in (ROOT / name).read_text(encoding="utf-8"), name
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     found = run(tmp_path, "python", "workflow/metadata.py", "--address", "https://github.com/one/asperity/")
     assert found.returncode == 0, found.stderr
-    for name in MADE["ADDRESSED"]:
+    for name in (*MADE["ADDRESSED"], "codemeta.json"):
         text = (tmp_path / name).read_text(encoding="utf-8")
         assert "https://github.com/one/asperity" in text
         assert old not in text
