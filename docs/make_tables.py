@@ -5,6 +5,7 @@ python docs/make_tables.py
 
 from pathlib import Path
 
+from asperity.core.data import packaged_yaml
 from asperity.engineering.case import Case
 from asperity.settings.describe import describe
 from asperity.settings.materials import CONSTANTS, table
@@ -22,19 +23,29 @@ def settings() -> str:
 
 
 def materials() -> str:
-    """The materials: a table of their constants, and one of the range and source of each constant."""
+    """The materials: constants, their ranges and places in the sources, and the numbered sources."""
+    texts = list(packaged_yaml("asperity.settings", "materials.yaml")["sources"].values())
     head = ["material", "also", "kind", *(UNITS.get(name, name) for name in CONSTANTS)]
-    values, sources = [], []
+    values, places, used = [], [], []
     for each in table().values():
         found = each.constants
         kind = ", ".join(filter(None, [each.group, str(each.state)]))
         shown = [str(found[name].value) if name in found else "" for name in CONSTANTS]
         values.append([each.name, ", ".join(each.also), kind, *shown])
+        of_place: dict[str, list[str]] = {}
         for name, constant in found.items():
-            span = "" if constant.range is None else " to ".join(map(str, constant.range))
-            sources.append([each.name, name, str(constant.value), span, constant.source])
-    title = ["material", "constant", "value", "range", "source"]
-    return f"{_table(head, values)}\n\n## Sources\n\n{_table(title, sources)}\n"
+            source = max((text for text in texts if constant.source.startswith(text)), key=len)
+            used += [source] if source not in used else []
+            place = f"[{used.index(source) + 1}]{constant.source.removeprefix(source)}"
+            span = "" if constant.range is None else f" ({' to '.join(map(str, constant.range))})"
+            of_place.setdefault(place, []).append(f"{name}{span}")
+        cited = (f"{', '.join(names)}: {place}" for place, names in of_place.items())
+        places.append([each.name, "; ".join(cited)])
+    numbered = "\n".join(f"{number}. {source}" for number, source in enumerate(used, 1))
+    return (
+        f"{_table(head, values)}\n\n## Ranges and places in the sources\n\n"
+        f"{_table(['material', 'constant (range): source, place'], places)}\n\n## Sources\n\n{numbered}\n"
+    )
 
 
 def _table(head: list[str], rows: list[list[str]]) -> str:

@@ -1,14 +1,25 @@
 """Tables of all settings, in Markdown."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Mapping
 
 from asperity.settings.configuration import Configuration
-from asperity.settings.model import Entry, Settings, accepted, described, entries
+from asperity.settings.model import Entry, Settings, accepted, described
 
 MARK = "<!-- settings: python -m asperity.settings describe config/README.md -->\n"
 """Line of the README after which everything is generated."""
 
-_HEAD = ["| key | accepts | unit | default | meaning |", "|---|---|---|---|---|"]
+_HEAD = ["| key | accepts | default | meaning |", "|---|---|---|---|"]
+
+_KINDS = {
+    "a length > 0 with its unit such as 512 um, or a number > 0": "a length",
+    "a pressure > 0 with its unit (kPa, MPa, GPa, N/mm^2)": "a pressure",
+    "a length > 0 with its unit (nm, um, mm, m)": "a length with its unit",
+}
+"""Values that several settings accept → their short name in the tables, which `describe` explains once."""
+
+
+FEWEST = 3
+"""A group that repeats at least so many settings of another one refers to it."""
 
 
 def describe(root: type[Settings] = Configuration, title: str = "Settings of the whole study") -> str:
@@ -19,15 +30,13 @@ def describe(root: type[Settings] = Configuration, title: str = "Settings of the
     parts = [f"### {title}", whole["description"], table(alone.items())]
     known: dict[str, Entry] = {}
     for key, entry in sections.items():
-        if key in alone:
-            continue
-        parts += [f"### `{key}`", entry["description"]]
-        below = entry.get("properties")
-        if twin := next((other for other, each in known.items() if below and each == below), None):
-            parts[-1] += f" Settings as in `{twin}`."
-        elif rows := [*_rows(key, entry)]:
-            parts += [table(rows)]
-        known[key] = below or {}
+        if key not in alone:
+            words, rows = _group(key, entry, known)
+            parts += [f"### `{key}`", entry["description"] + words]
+            parts += [table(rows)] if rows else []
+    explained = [f"*{name}* is {text}" for text, name in _KINDS.items() if f" | {name} | " in "".join(parts)]
+    if explained:
+        parts.insert(2, f"In the tables {'; '.join(explained)}.")
     return "\n\n".join(parts) + "\n"
 
 
@@ -44,22 +53,39 @@ def table(rows: Iterable[tuple[str, Entry]]) -> str:
         if "default" in entry:
             value = entry["default"]
             default_text = f"`{str(value).lower() if isinstance(value, bool) else value}`"
-        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), default_text, entry["description"])
+        unit = f", in {entry['unit']}" if entry.get("unit") else ""
+        values = accepted(entry) + unit
+        cells = (f"`{key}`", _KINDS.get(values, values), default_text, entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
-def _rows(section: str, entry: Entry) -> Iterator[tuple[str, Entry]]:
-    """Key and description of all settings of a section; a group that repeats another refers to it."""
-    groups: dict[str, Entry] = {}
-    repeated = ""
-    for key, below in entries(entry, f"{section}."):
-        if repeated and key.startswith(repeated):
-            continue
-        if "properties" in below:
-            twin = next((other for other, known in groups.items() if known == below["properties"]), None)
-            if twin:
-                repeated = f"{key}."
-                below = {**below, "description": f"{below['description']} Settings as in `{twin}`."}
-            groups[key] = below["properties"]
-        yield key, below
+def _group(group: str, entry: Entry, known: dict[str, Entry]) -> tuple[str, list[tuple[str, Entry]]]:
+    """Words after the description of a group, and its rows without settings that a group in `known` has, too.
+
+    The group is added to `known`, which holds the settings of every group.
+    """
+    words, rows = "", list[tuple[str, Entry]]()
+    own = entry.get("properties", {})
+    alike = {other: [name for name in own if own[name] == each.get(name)] for other, each in known.items()}
+    other = max(alike, key=lambda name: len(alike[name]), default="")
+    common = alike.get(other, [])
+    if len(common) < min(FEWEST, len(own)):
+        common = []
+    elif common == [*own]:
+        words = f" Settings as in `{other}`." if own else ""
+    else:
+        names = (
+            "Settings" if common == [*known[other]] else f"{', '.join(f'`{name}`' for name in common)} are"
+        )
+        words = f" {names} as in `{other}`, besides those below."
+    if own:
+        known[group] = own
+    for name, below in own.items():
+        if name not in common:
+            more, inner = _group(f"{group}.{name}", below, known)
+            rows += [(f"{group}.{name}", {**below, "description": below["description"] + more}), *inner]
+    if isinstance(named := entry.get("additionalProperties"), Mapping):
+        more, inner = _group(f"{group}.NAME", named, known)
+        words, rows = words + more, rows + inner
+    return words, rows
