@@ -5,11 +5,7 @@
 Each row of the table is one run in a process of its own, kept in ``contact.csv`` of the folder in place of an
 earlier one. Times are processor times on one thread, the least of up to three runs. True errors are relative
 L2 errors of the pressure, against the active-set solver at an estimated error of 1e-10; on grids larger than
-``--largest-reference`` they are not known.
-
-A pair is a forward and an inverse Fourier transform of the grid. Transforms of coarser grids count in
-proportion to their nodes. In *pair equivalents*, one in single precision counts as the fraction of the time
-of a double one that it takes, measured in the same process.
+``--largest-reference`` they are not known. Pairs of transforms are those of `asperity.Certificate`.
 
 With ``--threads`` the contact is solved on one thread and on two alternately, and ``threads.csv`` is written.
 """
@@ -17,13 +13,11 @@ With ``--threads`` the contact is solved on one thread and on two alternately, a
 import argparse
 import json
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -38,8 +32,6 @@ from memory import peak_memory, reset_peak_memory
 
 import asperity as asp
 from asperity.core.types import Array
-from asperity.elasticity.loaded_rectangle import PaddedFourier
-from asperity.fourier.grid import Fourier, Grid
 
 LAYER = asp.Solid(1.0, 0.0)
 FRACTION = 0.05
@@ -65,10 +57,8 @@ RUNS: dict[str, tuple[tuple[float, ...], int, int]] = {
 
 KEY = ["points", "hurst", "load", "boundary", "threads", "solver", "tolerance"]
 COLUMNS = [
-    *KEY,
-    *("program", "error", "certificate", "iterations", "seconds", "wall", "memory_GB", "bytes_per_node"),
-    *("transform_seconds", "transform_wall", "pair_seconds", "pair_wall", "single_fraction"),
-    *("double_pairs", "single_pairs", "equivalents", "load_average", "date"),
+    *(*KEY, "program", "error", "iterations", "pairs", "seconds", "wall"),
+    *("memory_GB", "bytes_per_node", "load_average", "date"),
 ]
 
 
@@ -82,77 +72,24 @@ def load_on(height: Array, fraction: float) -> float:
     return fraction * asp.roughness_parameters(height).rms_gradient
 
 
-class Transforms:
-    """Nodes by precision, and processor and wall time, of all Fourier transforms while `counted` runs."""
-
-    def __init__(self) -> None:
-        self.nodes = {"float64": 0, "float32": 0}
-        self.processor = self.wall = 0.0
-
-
-@contextmanager
-def counted() -> Iterator[Transforms]:
-    """Count and time the transforms of all grids."""
-    total = Transforms()
-    originals = [
-        (kind, name, getattr(kind, name))
-        for kind in (Fourier, PaddedFourier)
-        for name in ("forward", "inverse")
-    ]
-
-    def watched(transform: Any) -> Any:
-        def run(self: Fourier, *arguments: object, **options: object) -> Array:
-            nodes, wall, processor = self.work.nodes, time.perf_counter(), time.process_time()
-            result = transform(self, *arguments, **options)
-            total.processor += time.process_time() - processor
-            total.wall += time.perf_counter() - wall
-            total.nodes[self.real.name] += self.work.nodes - nodes
-            return result
-
-        return run
-
-    for kind, name, transform in originals:
-        setattr(kind, name, watched(transform))
-    try:
-        yield total
-    finally:
-        for kind, name, transform in originals:
-            setattr(kind, name, transform)
-
-
-def pair_seconds(shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
-    """Precision → least processor and wall time of a pair of transforms, the two precisions alternating."""
-    transforms = {}
-    for precision in ("float64", "float32"):
-        fourier, field = Fourier(Grid(shape), precision), np.random.default_rng(0).random(shape, precision)
-        transforms[precision] = fourier, field, fourier.forward(field)
-    best = dict.fromkeys(transforms, (np.inf, np.inf))
-    for _ in range(7):
-        for precision, (fourier, field, coefficients) in transforms.items():
-            processor, wall = time.process_time(), time.perf_counter()
-            fourier.inverse(fourier.forward(field, coefficients), field, overwrite=True)
-            taken = time.process_time() - processor, time.perf_counter() - wall
-            best[precision] = min(best[precision][0], taken[0]), min(best[precision][1], taken[1])
-    return best
-
-
 def solve(
     solver: str, height: Array, load: float, tolerance: float, boundary: str
 ) -> tuple[Array, float, float]:
-    """Pressure of a solver, its iterations, and the largest violation in its certificate."""
+    """Pressure of a solver, its iterations, and its pairs of transforms, which other programs do not tell."""
     if solver in peers.SOLVERS:
         return *peers.SOLVERS[solver](height, load, tolerance, boundary), np.nan
     method, dtype = solver.split()
     settings = {"method": method, "dtype": dtype, "boundary": boundary}
     contact = asp.solve_contact(height, LAYER, mean_pressure=load, rtol=tolerance, **settings)
-    return contact.pressure, contact.certificate.iterations, contact.certificate.worst
+    return contact.pressure, contact.certificate.iterations, contact.certificate.pairs
 
 
 def run_once(options: argparse.Namespace) -> None:
     """Solve for the heights in a file, write the pressure beside it, and print the cost as JSON."""
     height, (solver,), (tolerance,) = np.load(options.run), options.solver, options.tolerance
     load, spent, cost = load_on(height, options.fraction), 0.0, {"seconds": np.inf}
-    if solver not in peers.SOLVERS:
+    is_peer = solver in peers.SOLVERS
+    if not is_peer:
         for hurst in (0.2, 0.8):
             solve(solver, rough(COMPILED_POINTS, hurst), 5e-3, tolerance, options.boundary)
     for number in range(REPEATS):
@@ -160,32 +97,18 @@ def run_once(options: argparse.Namespace) -> None:
             break
         before = psutil.Process().memory_info().rss
         reset_peak_memory()
-        with counted() as transforms:
-            wall, processor = time.perf_counter(), time.process_time()
-            pressure, iterations, certificate = solve(solver, height, load, tolerance, options.boundary)
-            processor, wall = time.process_time() - processor, time.perf_counter() - wall
+        wall, processor = time.perf_counter(), time.process_time()
+        pressure, iterations, pairs = solve(solver, height, load, tolerance, options.boundary)
+        processor, wall = time.process_time() - processor, time.perf_counter() - wall
         spent += processor
         if not number:  # later runs reuse memory that this one has freed
             added = (1e6 * peak_memory() - before) / height.size
             memory = {"memory_GB": peak_memory() / 1e3, "bytes_per_node": added}
         if processor < cost["seconds"]:
-            cost = {"seconds": processor, "wall": wall, "iterations": iterations}
-            cost |= {"transform_seconds": transforms.processor, "transform_wall": transforms.wall}
-            nodes = transforms.nodes
-    if solver in peers.SOLVERS:
-        program = f"{solver} {version(solver.split()[0])}"
-        del cost["transform_seconds"], cost["transform_wall"]
-    else:
-        program = f"asperity {asp.__version__}"
-        alone = pair_seconds(height.shape)
-        double, single = (nodes[name] / (2 * height.size) for name in ("float64", "float32"))
-        fraction = alone["float32"][0] / alone["float64"][0]
-        cost |= {"pair_seconds": alone["float64"][0], "pair_wall": alone["float64"][1]}
-        cost |= {"single_fraction": fraction, "double_pairs": double, "single_pairs": single}
-        cost["equivalents"] = double + fraction * single
+            cost = {"seconds": processor, "wall": wall, "iterations": iterations, "pairs": pairs}
     np.save(options.run.with_name("pressure.npy"), pressure)
-    cost |= memory | {"program": program, "certificate": certificate, "load_average": os.getloadavg()[0]}
-    print(json.dumps(cost))
+    program = f"{solver} {version(solver.split()[0])}" if is_peer else f"asperity {asp.__version__}"
+    print(json.dumps(cost | memory | {"program": program, "load_average": os.getloadavg()[0]}))
 
 
 def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
@@ -234,28 +157,17 @@ def keep(row: dict[str, Any], path: Path) -> None:
 
 
 def compare_threads(points: int, hurst: float, pairs: int = 9) -> dict[str, Any]:
-    """Wall times of a contact and of its transforms on one thread and on two, alternately in one process."""
+    """Wall times of a contact on one thread and on two, alternately in one process."""
     height = rough(points, hurst)
-    load = load_on(height, FRACTION)
-    walls, transforms = np.empty((2, 2, pairs + 1))
+    load, walls = load_on(height, FRACTION), np.empty((2, pairs + 1))
     for number in range(pairs + 1):
         for threads in (1, 2):
-            with counted() as spent:
-                start = time.perf_counter()
-                asp.solve_contact(height, LAYER, mean_pressure=load, rtol=1e-6, threads=threads)
-                walls[threads - 1, number] = time.perf_counter() - start
-            transforms[threads - 1, number] = spent.wall
-    walls, transforms = walls[..., 1:], transforms[..., 1:]  # the first compiles and finds no memory to reuse
-    return {
-        "points": points,
-        "hurst": hurst,
-        "one": walls[0].min(),
-        "two": walls[1].min(),
-        "median_ratio": statistics.median(walls[0] / walls[1]),
-        "transforms": transforms[0].min() / transforms[1].min(),
-        "load_average": os.getloadavg()[0],
-        "date": time.strftime("%Y-%m-%d"),
-    }
+            start = time.perf_counter()
+            asp.solve_contact(height, LAYER, mean_pressure=load, rtol=1e-6, threads=threads)
+            walls[threads - 1, number] = time.perf_counter() - start
+    one, two = walls[:, 1:]  # the first compiles and finds no memory to reuse
+    times = {"one": one.min(), "two": two.min(), "ratio": float(np.median(one / two))}
+    return {"points": points, "hurst": hurst, **times, "date": time.strftime("%Y-%m-%d")}
 
 
 def main() -> None:
@@ -290,7 +202,7 @@ def main() -> None:
         for hurst in options.hurst:
             for row in measure(points, hurst, options):
                 keep(row, options.out / "contact.csv")
-                shown = ("seconds", "memory_GB", "equivalents", "error")
+                shown = ("seconds", "memory_GB", "pairs", "error")
                 numbers = ", ".join(f"{name} {row[name]:.3g}" for name in shown if name in row)
                 print(f"{points}², H = {hurst}, {row['solver']}, {row['tolerance']:g}: {numbers}", flush=True)
 

@@ -10,7 +10,6 @@ Every surface has the waves of one Gaussian surface of its seed, so that seeds a
 is the mean of the logarithmic ratios over seeds, and its error that over seeds and those of the grid.
 """
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -24,43 +23,39 @@ from matplotlib.figure import Figure
 from scipy.special import ndtri
 
 import asperity as asp
-from asperity.core.markup import with_error
-from asperity.study.small_studies import computed_once, rendered
-from asperity.surface.heights import ShapedSurface
-from asperity.views.style import panels, save, style
+from asperity.core.markup import markdown, with_error
+from asperity.study.small_studies import computed_once, rendered, write_study
+from asperity.views.style import panels
 
-KEPT = Path("docs/height_distribution.csv")
+CONFIG = yaml.safe_load(Path(__file__).with_name("config.yaml").read_text(encoding="utf-8"))
 
-NUMBERS = {
-    "kappa": "κ = a_r E\\*ḡ/p̄",
-    "kappa_contact": "κ_r = a_r E\\*ḡ_r/p̄",
-    "gradient_contact": "ḡ_r/ḡ",
-    "p90": "90 % peak / E\\*ḡ",
-    "p99": "99 % peak / E\\*ḡ",
-    "p99_contact": "99 % peak / E\\*ḡ_r",
-    "depth": "depth / λ_s",
-}
-"""Column of the table → number on the page. The gradient ḡ is that of the Gaussian surface, which
-all surfaces of one spectrum share."""
+STATEMENTS = (
+    ("the gradient of the contact is lower for positive skewness", "gradient_contact", -1),
+    ("peaks over E\\*ḡ_r are larger for positive skewness", "p99_contact", 1),
+    ("peaks that are not divided by the gradient are smallest for positive skewness", "p99", -1),
+    ("a larger kurtosis has the larger peaks", "p99", 1),
+    ("the high peaks are nearer to the surface for a larger kurtosis", "depth", -1),
+)
+"""Statements of section 5.4, the number that decides each, and the sign of its change; the last two, of the
+kurtosis, are made with λ_s in the paper."""
 
 GAUSSIAN = "gaussian"
 
 
-def shaped(gaussian: np.ndarray, distribution: Mapping[str, Any]) -> tuple[np.ndarray, float]:
-    """Heights of a case, and the residual of their distribution."""
+def shaped(gaussian: np.ndarray, distribution: Mapping[str, Any]) -> np.ndarray:
+    """Heights of a case."""
     if "johnson" in distribution:
-        return asp.surface.johnson(gaussian, **distribution["johnson"]), 0.0
+        return asp.surface.johnson(gaussian, **distribution["johnson"])
     if "moments" in distribution:
-        found = asp.surface.with_heights(gaussian, moments=distribution["moments"])
-        return found.height, found.heights_residual
-    return gaussian, 0.0
+        return asp.surface.with_heights(gaussian, moments=distribution["moments"]).height
+    return gaussian
 
 
 def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed: int) -> xr.Dataset:
     """Numbers of one surface and seed under the area, with estimates at vanishing grid spacing."""
     points, band = config["points"], config["spectrum"]
     gaussian = asp.self_affine((points, points), seed=seed, **band)
-    height, residual = shaped(gaussian, distribution)
+    height = shaped(gaussian, distribution)
     reference, own = (asp.roughness_parameters(each) for each in (gaussian, height))
     contact = asp.solve_contact(
         height, asp.Solid(1.0, config["poisson"]), area_fraction=config["area_fraction"]
@@ -93,7 +88,6 @@ def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed:
         "skewness": own.skewness,
         "kurtosis": own.kurtosis,
         "gradient": own.rms_gradient / reference.rms_gradient,
-        "residual": residual,
         "load": load / reference.rms_gradient,
         "certificate": contact.certificate.worst,
     }
@@ -125,7 +119,7 @@ def change(rows: pd.DataFrame, key: str, case: str, other: str = GAUSSIAN) -> tu
     return float(ratio.mean()), float(np.hypot(ratio.std(ddof=1) / np.sqrt(ratio.size), np.hypot(*grid)))
 
 
-def draw(rows: pd.DataFrame, config: Mapping[str, Any]) -> Figure:
+def draw(rows: pd.DataFrame) -> Figure:
     """Numbers by skewness and kurtosis, heights wanted and reached, and the surfaces of section 5.4."""
     figure, (by_skewness, by_kurtosis, heights, parts) = panels(2, 2, height=75.0)
     labels = {
@@ -147,7 +141,7 @@ def draw(rows: pd.DataFrame, config: Mapping[str, Any]) -> Figure:
         axis.set(xlabel=f"{along} of the lower face")
         _ratios(axis)
     by_skewness.legend(fontsize="x-small")
-    _draw_heights(heights, config)
+    _draw_heights(heights)
     for number, key in enumerate(shown := ("kappa", "gradient_contact", "p99", "p99_contact", "depth")):
         for sign, colour, shift in (("plus", "C3", -0.15), ("minus", "C0", 0.15)):
             for made, marker, face in ((f"johnson_{sign}", "s", "none"), (f"moments_{sign}", "o", colour)):
@@ -176,14 +170,14 @@ def _ratios(axis: Axes) -> None:
     axis.set_yticks([], minor=True)
 
 
-def _draw_heights(axis: Axes, config: Mapping[str, Any]) -> None:
+def _draw_heights(axis: Axes) -> None:
     """Density of the heights of the first seed: those asked for (broken lines), and those reached."""
-    points, band = config["points"], config["spectrum"]
-    gaussian = asp.self_affine((points, points), seed=config["seeds"][0], **band)
+    points, band = CONFIG["points"], CONFIG["spectrum"]
+    gaussian = asp.self_affine((points, points), seed=CONFIG["seeds"][0], **band)
     normal = ndtri((np.arange(points**2) + 0.5) / points**2)[None]
     bins = np.linspace(-4, 4, 81)
     for number, name in enumerate(("kurtosis_22", "skewness_plus_10", "kurtosis_6")):
-        moments = config["cases"][name]["moments"]
+        moments = CONFIG["cases"][name]["moments"]
         reached = asp.surface.with_heights(gaussian, moments=moments).height / band["rms_height"]
         wanted = asp.surface.with_moments(normal, *moments)
         for values, look in ((wanted, "--"), (reached, "-")):
@@ -194,56 +188,44 @@ def _draw_heights(axis: Axes, config: Mapping[str, Any]) -> None:
     axis.legend(title="skewness, kurtosis", fontsize="x-small")
 
 
-def residuals(config: Mapping[str, Any]) -> dict[str, ShapedSurface]:
-    """Surfaces of the first seed with six distributions, one of them that of a given sample."""
-    points, band = config["points"], config["spectrum"]
-    gaussian = asp.self_affine((points, points), seed=config["seeds"][0], **band)
-    cases: dict[str, dict[str, Any]] = {
-        f"skewness {s:g}, kurtosis {k:g}": {"moments": (s, k)}
-        for s, k in ((1, 4), (-0.5, 4), (0, 2.2), (0, 6))
-    }
-    cases["honed, Rpq/Rvq = 0.25, Rmq = 80 %"] = {"plateau": (0.1, 0.4, 80)}
-    cases["sample of uniform heights, squared"] = {"sample": np.linspace(0, 1, 1001) ** 2}
-    return {name: asp.surface.with_heights(gaussian, **case) for name, case in cases.items()}
+def percent(found: tuple[float, float]) -> str:
+    """A logarithm of a ratio and its error as a change in per cent."""
+    value, error = found
+    return f"{with_error(100 * np.expm1(value), 100 * np.exp(value) * error, signed=True)} %"
 
 
-def page(rows: pd.DataFrame, config: Mapping[str, Any]) -> str:
+def statements(rows: pd.DataFrame) -> pd.DataFrame:
+    """Statements of section 5.4: their number on the paper's surfaces and at one spectrum, and a verdict."""
+    found = []
+    for sentence, key, sign in STATEMENTS:
+        of_kurtosis = "kurtosis" in sentence
+        pair = ("kurtosis_6", "kurtosis_22") if of_kurtosis else ("skewness_plus_10", "skewness_minus_10")
+        value, error = change(rows, key, *pair)
+        verdict = "holds" if value * sign > 0 else "does not hold"
+        paper = "" if of_kurtosis else percent(change(rows, key, "johnson_plus", "johnson_minus"))
+        own = percent((value, error))
+        found.append((sentence, paper, own, "not decided" if abs(value) < 2 * error else verdict))
+    columns = [
+        "section 5.4 says",
+        "the paper's surfaces, γ = +1.25 against −1.25",
+        "one spectrum, skewness +1 against −1 or kurtosis 6 against 2.2",
+        "at one spectrum it",
+    ]
+    return pd.DataFrame(found, columns=columns)
+
+
+def page(rows: pd.DataFrame) -> str:
     """The page docs/height_distribution.md, from its template."""
     share = change(rows, "p99", "moments_plus", "moments_minus")[0]
     share /= change(rows, "p99", "johnson_plus", "johnson_minus")[0]
-    means = (
-        rows.groupby("case", sort=False)
-        .mean()
-        .assign(residual=rows.groupby("case")["residual"].max(), certificate=rows["certificate"].max())
-    )
     return rendered(
         Path(__file__).with_name("page.md.j2"),
-        {"percent": lambda found: f"{with_error(*_percent(*found), signed=True)} %"},
-        rows=means,
-        config=config,
-        numbers=NUMBERS,
+        config=CONFIG,
         share=share,
-        residuals=residuals(config),
-        change=lambda key, case, other=GAUSSIAN: change(rows, key, case, other),
+        table=markdown(statements(rows)),
+        change=lambda *of: percent(change(rows, *of)),
     )
-
-
-def _percent(value: float, error: float) -> tuple[float, float]:
-    """Change in per cent of a logarithm of a ratio, and its error."""
-    return 100 * float(np.expm1(value)), 100 * float(np.exp(value)) * error
-
-
-def main() -> None:
-    """Write table, figure and page."""
-    if sys.argv[1:]:
-        config = yaml.safe_load(Path(sys.argv[1]).read_text(encoding="utf-8"))
-        table(config).to_csv(KEPT, index=False, float_format="%.6g")
-    config = yaml.safe_load(Path(__file__).with_name("config.yaml").read_text(encoding="utf-8"))
-    rows = pd.read_csv(KEPT)
-    with style():
-        save(draw(rows, config), KEPT.with_suffix(".png"))
-    KEPT.with_suffix(".md").write_text(page(rows, config), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    write_study("height_distribution", table, draw, page)

@@ -31,12 +31,12 @@ from asperity.results.dataset import grid_of
 from asperity.settings.study import read_study
 from asperity.stress import autocorrelation
 from asperity.stress.statistics.covariance import half_length
-from asperity.study.small_studies import computed_once, rendered
+from asperity.study.small_studies import computed_once, rendered, write_study
 from asperity.study.stages.contact import press_surface
 from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
-from asperity.views.style import panels, save, style
+from asperity.views.style import panels
 
 HEIGHT_SCALES = {
     "height_gradient_contact": ("E\\*ḡ_r, gradient of the contact", r"$E^*\bar{g}_r$"),
@@ -154,10 +154,10 @@ def table(config: Mapping[str, Any], samples: Mapping[str, xr.Dataset]) -> pd.Da
 def _design(rows: pd.DataFrame, terms: Sequence[str]) -> Array:
     """Columns of least squares: one for each Poisson's ratio, then the terms.
 
-    A term is ``"ln a_r"``, ``"H"``, ``"ln λ_l/λ_s"`` or a key of `DEPTH_SCALES`: the logarithm of that length
-    over λ_s, from the depth over both.
+    A term is ``"ln a_r"``, or a key of `DEPTH_SCALES`: the logarithm of that length over λ_s, from the depth
+    over both.
     """
-    known = {"ln a_r": np.log(rows["area"]), "H": rows["hurst"], "ln λ_l/λ_s": np.log(rows["ratio"])}
+    known = {"ln a_r": np.log(rows["area"])}
     known |= {key: np.log(rows[WAVELENGTH] / rows[key]) for key in DEPTH_SCALES}
     constants = [(rows["poisson"] == nu).astype(float) for nu in np.sort(rows["poisson"].unique())]
     return np.column_stack([*constants, *(known[term] for term in terms)])
@@ -190,10 +190,9 @@ def scatter(rows: pd.DataFrame, key: str, terms: Sequence[str] = ()) -> Array:
     return _jackknife(rows, lambda some: _root_mean_square(_left(some, key, terms, _fit(some, key, terms))))
 
 
-def exponents(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> dict[str, Array]:
-    """Slope of the logarithm of a number with each term, and its error."""
-    found = _jackknife(rows, lambda some: _fit(some, key, terms)[-len(terms) :])
-    return dict(zip(terms, found.T, strict=True))
+def exponent(rows: pd.DataFrame, key: str, term: str) -> Array:
+    """Slope of the logarithm of a number with a term, and its error."""
+    return _jackknife(rows, lambda some: _fit(some, key, [term])[-1])
 
 
 def of_poisson(rows: pd.DataFrame, key: str) -> dict[float, Array]:
@@ -284,43 +283,32 @@ def page(rows: pd.DataFrame) -> str:
     """The page docs/master_curve.md, from its template."""
     height = min(HEIGHT_SCALES, key=lambda key: scatter(rows, key)[0])
     length = min(list(DEPTH_SCALES)[:-1], key=lambda key: scatter(rows, WAVELENGTH, [key])[0])
-    fits = [("height", key, key, "ln a_r", "a_r^b") for key in HEIGHT_SCALES]
-    fits += [("depth", key, WAVELENGTH, key, "λ_s (s/λ_s)^b") for key in DEPTH_SCALES if key != WAVELENGTH]
-    fits.append(("depth", WAVELENGTH, WAVELENGTH, "ln a_r", "a_r^b"))
     filters = {
         "percent": lambda found: f"{with_error(*(100 * found))} %",
         "error": lambda found: with_error(*found),
-        "signed": lambda found: with_error(*found, signed=True),
     }
-    names = {key: name for key, (name, _) in (HEIGHT_SCALES | DEPTH_SCALES).items()}
-    functions = (scatter, exponents, held_out, of_poisson, hertz_peak)
+    deviations = [
+        found[nu][0] / found[REFERENCE][0] * hertz_peak(REFERENCE)[number] / hertz_peak(nu)[number] - 1
+        for number, found in enumerate((of_poisson(rows, height), of_poisson(rows, length)))
+        for nu in found
+    ]
     return rendered(
         Path(__file__).with_name("page.md.j2"),
         filters,
         rows=rows,
-        gaussian=rows[~rows["skewed"]],
         height=height,
         length=length,
-        fits=fits,
-        names=names,
+        names={key: name for key, (name, _) in (HEIGHT_SCALES | DEPTH_SCALES).items()},
+        depths=DEPTH_SCALES,
         wavelength=WAVELENGTH,
         collapsed=COLLAPSED,
         reference=REFERENCE,
-        **{function.__name__: function for function in functions},
+        hertz=max(map(abs, deviations)),
+        **{function.__name__: function for function in (scatter, exponent, held_out, of_poisson)},
     )
 
 
-def main() -> None:
-    """Write table, figure and page."""
-    table_file = Path("docs/master_curve.csv")
-    if sys.argv[1:]:
-        config = read_study(sys.argv[1:])
-        table(config, collect(config)).to_csv(table_file, index=False, float_format="%.6g")
-    rows = pd.read_csv(table_file)
-    with style():
-        save(draw(rows), table_file.with_suffix(".png"))
-    table_file.with_suffix(".md").write_text(page(rows), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    write_study(
+        "master_curve", lambda _: table(config := read_study(sys.argv[1:]), collect(config)), draw, page
+    )

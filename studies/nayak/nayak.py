@@ -10,27 +10,24 @@ and that of the real contact, ḡ_r, where the rough surface has the slope of th
 """
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-import yaml
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import stdtrit
 
 from asperity import Grid, Solid, self_affine, solve_load_path
-from asperity.core.markup import with_error
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, gradient, mean_square
-from asperity.study.small_studies import computed_once, rendered
-from asperity.views.style import panels, save, style
+from asperity.study.small_studies import computed_once, rendered, write_study
+from asperity.views.style import panels
 
 HALF_SPACE = Solid(young=1.0, poisson=0.0)
 """A solid with E* = 1; area over load does not depend on Poisson's ratio."""
@@ -51,8 +48,7 @@ ORDERS = (0.5, 2.0)
 """Smallest and largest order of convergence with which a limit is extrapolated."""
 
 NUMBERS = {"kappa": "κ", "kappa_r": "κ_r"}
-TERMS = {"ln_nayak": "ln α", "hurst": "H", "ln_ratio": "ln λ_l/λ_s", "ln_area": "ln a_r"}
-STRUCTURE = ("ln_nayak", "hurst", "ln_ratio")
+STRUCTURE = {"ln_nayak": "ln α", "hurst": "H", "ln_ratio": "ln λ_l/λ_s"}
 """Terms that describe the surface, each tried beside the area."""
 
 MARKERS = ("o", "s", "^")
@@ -237,54 +233,35 @@ def with_logarithms(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(**{f"ln_{name}": np.log(rows[name]) for name in ("nayak", "ratio", "area")})
 
 
-class Regression(NamedTuple):
-    """Least squares of a number on some terms and a constant.
+def regress(rows: pd.DataFrame, number: str, term: str) -> tuple[float, float, float]:
+    """Change of a number over the range of a term, and share of the variance explained.
 
-    `slopes` and `errors`, half widths of 95 % intervals, are by term, as are `changes`: relative changes of
-    the number over the range of a term, with the half widths of their intervals. `residual` is the root of
-    the mean squared residual per degree of freedom over the mean, `explained` the weighted R².
+    Least squares on the term, ln a_r and a constant, weighted by the errors. The change is relative. The half
+    width of its 95 % interval (Student's t) is from the leave-one-surface-out jackknife, because rows of
+    one surface share their seeds.
     """
-
-    slopes: dict[str, float]
-    errors: dict[str, float]
-    changes: dict[str, tuple[float, float]]
-    residual: float
-    explained: float
-
-
-def regress(rows: pd.DataFrame, number: str, terms: Sequence[str]) -> Regression:
-    """Regression of a number on terms and a constant, weighted by its error.
-
-    Rows of one surface share their seeds and are not independent: the errors of the slopes are those of the
-    leave-one-surface-out jackknife (Student's t), which also holds what the terms do not explain.
-    """
-    names = rows["surface"].unique()
-    whole, residual, explained = _fit(rows, number, terms)
-    left_out = np.array([_fit(rows[rows["surface"] != name], number, terms)[0] for name in names])
-    variance = (names.size - 1) / names.size * ((left_out - left_out.mean(axis=0)) ** 2).sum(axis=0)
-    errors = float(stdtrit(names.size - len(terms) - 1, 0.975)) * np.sqrt(variance)
-    mean = float(rows[number].mean())
-    widths = [float(rows[term].max() - rows[term].min()) / mean for term in terms]
-    changes = [(s * w, e * w) for s, e, w in zip(whole[1:], errors[1:], widths, strict=True)]
-    slopes, halves = (dict(zip(terms, values[1:], strict=True)) for values in (whole, errors))
-    return Regression(slopes, halves, dict(zip(terms, changes, strict=True)), residual / mean, explained)
+    slope, explained = _fit(rows, number, term)
+    left_out = [_fit(rows[rows["surface"] != name], number, term)[0] for name in rows["surface"].unique()]
+    count = len(left_out)
+    error = float(stdtrit(count - 3, 0.975)) * math.sqrt(count - 1) * float(np.std(left_out))
+    width = float(np.ptp(rows[term])) / float(rows[number].mean())
+    return slope * width, error * width, explained
 
 
-def _fit(rows: pd.DataFrame, number: str, terms: Sequence[str]) -> tuple[Array, float, float]:
-    """Constant and slopes, root mean squared residual, share of the variance explained."""
+def _fit(rows: pd.DataFrame, number: str, term: str) -> tuple[float, float]:
+    """Slope with a term, and share of the variance explained."""
     weight = 1 / np.maximum(rows[f"{number}_error"].to_numpy(), 1e-3 * rows[number].abs().to_numpy())
-    matrix = np.column_stack([np.ones(len(rows)), *(rows[term] for term in terms)])
+    matrix = np.column_stack([np.ones(len(rows)), rows[term], rows["ln_area"]])
     value = rows[number].to_numpy()
     found = np.linalg.lstsq(matrix * weight[:, None], value * weight, rcond=None)[0]
-    left = value - matrix @ found
-    mean = np.average(value, weights=weight**2)
-    explained = 1 - np.sum((weight * left) ** 2) / np.sum((weight * (value - mean)) ** 2)
-    residual = math.sqrt(np.average(left**2, weights=weight**2) * len(rows) / (len(rows) - matrix.shape[1]))
-    return found, residual, float(explained)
+    spread = value - np.average(value, weights=weight**2)
+    explained = 1 - np.sum((weight * (value - matrix @ found)) ** 2) / np.sum((weight * spread) ** 2)
+    return float(found[1]), float(explained)
 
 
 def draw(rows: pd.DataFrame) -> Figure:
     """κ and κ_r against α with their standard errors, a marker for each H and a colour for each load."""
+    rows = with_logarithms(rows)
     symbols = {"kappa": r"\kappa = a_r E^* \bar{g}", "kappa_r": r"\kappa_r = a_r E^* \bar{g}_r"}
     figure, axes = panels(2, 1, height=75.0)
     limits = (rows[[*symbols]].min(axis=None) - 0.05, rows[[*symbols]].max(axis=None) + 0.05)
@@ -314,36 +291,21 @@ def _draw_panel(axis: Axes, rows: pd.DataFrame, key: str) -> None:
 
 def page(rows: pd.DataFrame) -> str:
     """The page docs/nayak.md, from its template."""
-    kinds = [(term, "ln_area") for term in STRUCTURE] + [("hurst", "ln_ratio", "ln_area")]
-    found = {number: {terms: regress(rows, number, terms) for terms in kinds} for number in NUMBERS}
-    changes = {
-        number: {term: found[number][term, "ln_area"].changes[term] for term in STRUCTURE}
-        for number in NUMBERS
-    }
+    rows = with_logarithms(rows)
+    found = {number: {term: regress(rows, number, term) for term in STRUCTURE} for number in NUMBERS}
+    change, error, _ = found["kappa"]["ln_nayak"]
     return rendered(
         Path(__file__).with_name("page.md.j2"),
         rows=rows,
         numbers=NUMBERS,
-        terms=TERMS,
-        regressions=found,
-        changes=changes,
-        falls=changes["kappa"]["ln_nayak"][0] < -changes["kappa"]["ln_nayak"][1],
-        clear=[TERMS[term] for term, (change, error) in changes["kappa_r"].items() if abs(change) > error],
-        with_error=with_error,
+        changes=found,
+        explained={term: share for term, (*_, share) in found["kappa"].items()},
+        falls=change < -error,
+        clear=[
+            STRUCTURE[term] for term, (change, error, _) in found["kappa_r"].items() if abs(change) > error
+        ],
     )
 
 
-def main() -> None:
-    """Write table, figure and page."""
-    table_file = Path("docs/nayak.csv")
-    if sys.argv[1:]:
-        config = yaml.safe_load(Path(sys.argv[1]).read_text(encoding="utf-8"))
-        table(config, collect(config)).to_csv(table_file, index=False, float_format="%.6g")
-    rows = with_logarithms(pd.read_csv(table_file))
-    with style():
-        save(draw(rows), table_file.with_suffix(".png"))
-    table_file.with_suffix(".md").write_text(page(rows), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    write_study("nayak", lambda config: table(config, collect(config)), draw, page)

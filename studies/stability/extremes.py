@@ -8,7 +8,6 @@ defect. A solution counts only if `solution_check` confirms it.
 """
 
 import math
-import time
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -17,8 +16,8 @@ from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
-from solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
+import pandas as pd
+from solution_check import check_solution, mode_compliance
 
 from asperity.contact import solve_contact
 from asperity.core.errors import ConvergenceError
@@ -36,18 +35,16 @@ Arguments = tuple[Array, Solids, dict[str, Any], dict[str, Any]]
 TOLERANCES = {"float64": 1e-6, "float32": 1e-4}
 """Tolerance of the solver in each precision."""
 
-OUTCOMES = (
-    *("no cell", "certified and checked", "certified", "not converged"),
-    *("refused", "wrong", "warned", "failed"),
-)
-"""Outcomes of a case, by number; "no cell" marks two levels of the same setting."""
+CHECKED, CERTIFIED = "certified and checked", "certified"
+NOT_CONVERGED, REFUSED = "not converged", "refused"
+WRONG, WARNED, FAILED = "wrong", "warned", "failed"
+ACCEPTABLE = (CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED)
+"""Certified solutions and named errors; all other outcomes are defects."""
+
+OUTCOMES = (*ACCEPTABLE, WRONG, WARNED, FAILED)
 
 NAMING = (" = ", "height:")
 """A message that names an argument contains one of them."""
-
-NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED, WRONG, WARNED, FAILED = range(len(OUTCOMES))
-ACCEPTABLE = (NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED)
-"""Certified solutions and named errors; all other outcomes are defects."""
 
 
 @dataclass(frozen=True)
@@ -135,71 +132,39 @@ class Attempt(NamedTuple):
 
     Attributes
     ----------
-    outcome : int
-        Index into `OUTCOMES`.
+    outcome : str
+        One of `OUTCOMES`.
     violation, error : float
         Violation of the conditions of contact and error of the pressure, in units of the tolerance.
     reason : str
         Why there is no solution, or none that was compared with the direct one.
-    seconds : float
-        Processor time of the solution.
     """
 
-    outcome: int
+    outcome: str
     violation: float = math.nan
     error: float = math.nan
     reason: str = ""
-    seconds: float = math.nan
 
 
-def outcome_matrix(levels: str = "all") -> xr.Dataset:
-    """Outcome of contacts with every level of every setting, alone and with every level of another setting.
+def outcomes(levels: str = "all") -> pd.DataFrame:
+    """Settings, outcome and reason of contacts with every level of every setting, alone and in pairs.
 
-    Parameters
-    ----------
-    levels : "all" | "ends"
-        All levels, or of each setting the default, the first and the last.
-
-    Returns
-    -------
-    Dataset
-        ``outcome``, ``scaled_violation`` and ``scaled_pressure_error`` over (level, other_level), symmetric,
-        with single levels on the diagonal; ``reason`` as in `Attempt`; outcome and reason of values out of
-        range along ``beyond``.
+    `levels` is ``"all"``, or ``"ends"``: of each setting the default, the first and the last.
     """
-    chosen = list(chosen_levels(levels))
-    matrix = np.full((len(chosen), len(chosen)), None, object)
-    for i, j in combinations_with_replacement(range(len(chosen)), 2):
-        different = i == j or chosen[i][0] != chosen[j][0]
-        case = ExtremeCase(**dict([chosen[i], chosen[j]]))
-        matrix[i, j] = matrix[j, i] = attempt(case) if different else Attempt(NO_CELL)
-    beyond = [(name, value) for name, values in BEYOND.items() for value in values]
-    outside = np.array([attempt(ExtremeCase(**{name: value})) for name, value in beyond], object)
-    meanings = " ".join(name.replace(" ", "_") for name in OUTCOMES)
-    flags = {"flag_values": np.arange(len(OUTCOMES), dtype=np.int8), "flag_meanings": meanings}
-    outcome, violation, error, reason, _ = np.moveaxis(np.array(matrix.tolist(), object), 2, 0)
-    both, out = ("level", "other_level"), "beyond"
-    default = [getattr(ExtremeCase(), name) == value for name, value in chosen]
-    return xr.Dataset(
-        {
-            "outcome": (both, outcome.astype(np.int8), flags),
-            "scaled_violation": (both, violation.astype(float)),
-            "scaled_pressure_error": (both, error.astype(float)),
-            "reason": (both, reason),
-            "level_axis": ("level", [name for name, _ in chosen]),
-            "level_value": ("level", [label(value) for _, value in chosen]),
-            "level_default": ("level", np.array(default, np.int8)),
-            "beyond_axis": (out, [name for name, _ in beyond]),
-            "beyond_value": (out, [label(value) for _, value in beyond]),
-            "beyond_outcome": (out, outside[:, 0].astype(np.int8), flags),
-            "beyond_reason": (out, outside[:, 3]),
-        },
-        attrs={
-            "allowed": ALLOWED,
-            **{f"tolerance_{precision}": tolerance for precision, tolerance in TOLERANCES.items()},
-            "direct_nodes": DIRECT_NODES,
-        },
-    )
+    pairs = combinations_with_replacement(list(chosen_levels(levels)), 2)
+    cases = [dict(pair) for pair in pairs if pair[0] == pair[1] or pair[0][0] != pair[1][0]]
+    return _attempted(cases)
+
+
+def refusals() -> pd.DataFrame:
+    """The same for all values just out of range."""
+    return _attempted([{name: value} for name, values in BEYOND.items() for value in values])
+
+
+def _attempted(cases: list[dict[str, Any]]) -> pd.DataFrame:
+    found = [attempt(ExtremeCase(**case)) for case in cases]
+    rows = [(str(case), one.outcome, one.reason) for case, one in zip(cases, found, strict=True)]
+    return pd.DataFrame(rows, columns=["settings", "outcome", "reason"])
 
 
 def chosen_levels(levels: str) -> Iterator[tuple[str, Any]]:
@@ -209,15 +174,6 @@ def chosen_levels(levels: str) -> Iterator[tuple[str, Any]]:
     for name, values in EXTREME_LEVELS.items():
         ends = (values[0], values[-1], getattr(ExtremeCase(), name))
         yield from ((name, value) for value in values if levels == "all" or value in ends)
-
-
-def label(value: Any) -> str:
-    """Text of a level."""
-    if isinstance(value, tuple):
-        return " ".join(map(label, value))
-    if value is None:
-        return "none"
-    return value if isinstance(value, str) else f"{value:.4g}"
 
 
 @cache
@@ -235,9 +191,7 @@ def solve_and_check(arguments: Callable[[], Arguments]) -> Attempt:
         warnings.simplefilter("error")
         try:
             height, solid, imposed, settings = arguments()
-            begin = time.process_time()
             contact = solve_contact(height, solid, **imposed, **settings)
-            seconds = time.process_time() - begin
         except ConvergenceError as error:
             return Attempt(NOT_CONVERGED, reason=str(error))
         except Exception as error:
@@ -248,7 +202,7 @@ def solve_and_check(arguments: Callable[[], Arguments]) -> Attempt:
             return Attempt(outcome, reason=f"{type(error).__name__}: {text}")
         check = check_solution(contact, imposed, settings["rtol"], height)
     outcome = (CHECKED if check.direct else CERTIFIED) if check.holds else WRONG
-    return Attempt(outcome, check.violation, check.error, check.reason, seconds)
+    return Attempt(outcome, check.violation, check.error, check.reason)
 
 
 def extreme_arguments(case: ExtremeCase) -> Arguments:

@@ -2,10 +2,8 @@
 
 from dataclasses import replace
 
-import family_figure
 import numpy as np
 import pytest
-from extremes import OUTCOMES
 from families import FamilyCase, family_arguments
 from family_outcomes import ACCEPTABLE, SOLVED, attempt_family, family_outcomes
 from samples import difference
@@ -21,24 +19,10 @@ def solved(case):
     return solve_contact(height, solid, **imposed, **settings), imposed
 
 
-@pytest.fixture(scope="module")
-def outcomes():
-    return family_outcomes(every=16)
-
-
-def test_every_family_is_solved_at_every_setting(outcomes):
-    found = outcomes["outcome"].values
-    bad = ~np.isin(found, ACCEPTABLE)
-    assert not list(zip(outcomes["case"].values[bad], outcomes["reason"].values[bad], strict=True))
-    assert np.isin(found, SOLVED).mean() > 0.9
-
-
-def test_figure_and_table_show_every_contact(outcomes):
-    drawn = family_figure.draw(outcomes).axes[0]
-    assert len(drawn.get_xticks()) * len(drawn.get_yticks()) == outcomes["outcome"].size
-    count = int(np.isin(outcomes["outcome"].values, SOLVED).sum())
-    assert f"solved, and confirmed: {count}," in family_figure.caption(outcomes)
-    assert family_figure.times_by_grid(outcomes)["contacts"].sum() == count
+def test_every_family_is_solved_at_every_setting():
+    found = family_outcomes(every=16)
+    assert found[~found["outcome"].isin(ACCEPTABLE)].empty
+    assert found["outcome"].isin(SOLVED).mean() > 0.9
 
 
 def load(exponent, **settings):
@@ -94,7 +78,7 @@ SINGLE = {"precision": ("float32", 1e-4)}
 )
 def test_contacts_that_an_active_set_lost_are_solved(settings):
     found = attempt_family(FamilyCase(**{"family": "round punch"} | settings))
-    assert found.outcome in SOLVED, f"{OUTCOMES[found.outcome]}: {found.reason}"
+    assert found.outcome in SOLVED, f"{found.outcome}: {found.reason}"
 
 
 @pytest.mark.parametrize(

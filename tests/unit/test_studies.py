@@ -53,7 +53,7 @@ def test_tiny_nayak_study(tmp_path):
     assert len(rows) == 12
     assert rows["kappa"].between(1.5, 3).all()
     assert (rows["kappa_r"] < rows["kappa"]).all()  # contacts are at summits, which are less steep
-    assert "| 0.2 | 2 | 1." in nayak.page(nayak.with_logarithms(rows))
+    assert "over the same range" in nayak.page(rows)
 
 
 def test_lengths_of_a_wave():
@@ -95,7 +95,7 @@ def test_tiny_master_curve_study(tmp_path):
     assert files == {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
     assert len(rows) == 3 * 2 * 2
     assert (rows.loc[rows["poisson"] == 0, "height_gradient_contact"] > 1).all()
-    assert "Hertz" in master_curve.page(rows)
+    assert "as on the axis of a Hertzian contact" in master_curve.page(rows)
 
 
 def test_tiny_height_distribution(tmp_path, monkeypatch):
@@ -116,7 +116,7 @@ def test_tiny_height_distribution(tmp_path, monkeypatch):
     assert blunt < -3 * error
     assert height_distribution.change(rows, "p99", "skewness_plus_10")[0] == pytest.approx(blunt, abs=0.2)
     kept = pd.read_csv(ROOT / "docs/height_distribution.csv")
-    assert "| skewness plus 10 | 1.0" in height_distribution.page(kept, config)
+    assert "positive skewness | -77.64 ± 0.16 % | -75.5 ± 1.2 % | holds |" in height_distribution.page(kept)
 
 
 def test_persson_area_is_an_error_function():

@@ -2,15 +2,13 @@
 
     python -m asperity.paper [RESULTS]
 
-With the folder of its results, the table of all interpretations of the statements replaces docs/claims.csv,
-and the captions of the figures those in docs/figures.md. The verdicts in docs/claims.md and their counts in
-README.md are written from the table.
+With the folder of its results, the table of all interpretations of the statements replaces docs/claims.csv.
+The verdicts in docs/claims.md and their counts in README.md are written from the table.
 """
 
 import re
 import sys
 import textwrap
-from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
@@ -25,7 +23,6 @@ def main(results: Path | None = None) -> None:
     """Write the pages, from new results if there are such."""
     if results is not None:
         TABLE.write_bytes((results / "interpretations.csv").read_bytes())
-        replace(Path("docs/figures.md"), captions(sorted((results / "figures").glob("fig*.rst"))))
     findings = findings_of(pd.read_csv(TABLE), CLAIMS)
     replace(Path("docs/claims.md"), markdown(findings))
     surfaces = max(finding.own.seeds for finding in findings)
@@ -36,15 +33,6 @@ def main(results: Path | None = None) -> None:
         "number, its interval and the interpretations on which it depends."
     )
     replace(Path("README.md"), textwrap.fill(said, 118, break_on_hyphens=False) + "\n")
-
-
-def captions(files: Iterable[Path]) -> str:
-    """Captions of figures in Markdown, from those in reStructuredText beside the pictures."""
-    found = []
-    for file in files:
-        title, _, text = file.read_text(encoding="utf-8").partition("\n\n")
-        found.append(f"**{title}** `{file.stem}`\n\n{text.strip()}")
-    return re.sub(r":math:`(.*?)`", r"$\1$", "\n\n".join(found)) + "\n"
 
 
 def replace(path: Path, text: str) -> None:

@@ -1,12 +1,38 @@
 """Small studies in the folder ``studies``: results that are computed once, and pages from templates."""
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import xarray as xr
+import yaml
 from jinja2 import Environment, StrictUndefined
+from matplotlib.figure import Figure
+
+from asperity.views.style import save, style
+
+
+def write_study(
+    name: str,
+    table: Callable[[Any], pd.DataFrame],
+    draw: Callable[[pd.DataFrame], Figure],
+    page: Callable[[pd.DataFrame], str],
+) -> None:
+    """Write the table, the figure and the page of a study, ``docs/NAME.csv``, ``.png`` and ``.md``.
+
+    The table is computed from the configuration that the command line names, and kept if it names none.
+    """
+    kept = Path("docs", f"{name}.csv")
+    if sys.argv[1:]:
+        config = yaml.safe_load(Path(sys.argv[1]).read_text(encoding="utf-8"))
+        table(config).to_csv(kept, index=False, float_format="%.6g")
+    rows = pd.read_csv(kept)
+    with style():
+        save(draw(rows), kept.with_suffix(".png"))
+    kept.with_suffix(".md").write_text(page(rows), encoding="utf-8")
 
 
 def computed_once(path: Path, settings: Any, compute: Callable[[], xr.Dataset]) -> xr.Dataset:
