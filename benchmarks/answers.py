@@ -9,12 +9,12 @@ the value for vanishing pixels, or the value where there is none, is within it o
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
+import random_cases
 from continuum import height_of, random_surface
-from tqdm import tqdm
 
 import asperity as asp
 
@@ -22,7 +22,14 @@ NODES, FINEST = (2, 4, 8), 32
 SMALL = (8, 2), (16, 1), (16, 2), (32, 1)
 """Ratio of the wavelengths, and cells of the longest one."""
 
+Case = tuple[dict[str, float], float, bool]
 EDGE, MODULUS, POISSON = 1e-4, 210e9, 0.3
+
+
+def hardness_of(elastic: asp.Contact, share: float) -> float:
+    """Pressure below which a share of the contact nodes lies, and at least 1.1 times the mean pressure."""
+    quantile = float(np.quantile(elastic.pressure[elastic.pressure > 0], share))
+    return max(quantile, 1.1 * elastic.mean_pressure)
 
 
 def answers(surface: dict[str, float], share: float, plastic: bool) -> dict[int, asp.engineering.Answer]:
@@ -30,8 +37,7 @@ def answers(surface: dict[str, float], share: float, plastic: bool) -> dict[int,
     height = {nodes: EDGE * height_of(surface, nodes) for nodes in (*NODES, FINEST)}
     steel = asp.Solid(young=MODULUS, poisson=POISSON)
     elastic = asp.solve_contact(height[8], steel, EDGE, area_fraction=surface["area_fraction"])
-    hardness = float(np.quantile(elastic.pressure[elastic.pressure > 0], share))
-    hardness = max(hardness, 1.1 * elastic.mean_pressure)
+    hardness = hardness_of(elastic, share)
     body = asp.Body(
         young=MODULUS,
         poisson=POISSON,
@@ -53,11 +59,12 @@ def answers(surface: dict[str, float], share: float, plastic: bool) -> dict[int,
     }
 
 
-def compared(surface: dict[str, float], share: float, plastic: bool) -> list[dict[str, object]]:
+def compared(case: Case) -> list[random_cases.Row]:
     """A row for each number that has a stated error, and each number of pixels."""
+    plastic = case[2]
     found = {
         nodes: answer.frame().drop_duplicates("name").set_index("name")
-        for nodes, answer in answers(surface, share, plastic).items()
+        for nodes, answer in answers(*case).items()
     }
     truth, rows = found.pop(FINEST), []
     for nodes, frame in found.items():
@@ -70,47 +77,27 @@ def compared(surface: dict[str, float], share: float, plastic: bool) -> list[dic
                         "nodes": nodes,
                         "number": name,
                         "on_grid": abs(row["value"] / best - 1),
-                        "estimate": abs(row["estimate"] / best - 1),
+                        "true": abs(row["estimate"] / best - 1),
                         "stated": abs(row["error"] / best),
-                        "share": share,
-                        "area": surface["area_fraction"],
                     }
                 )
     return rows
 
 
-def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Errors in per cent, and how often the stated error covers the true one."""
-    groups = rows.groupby(["plastic", "nodes", "number"], sort=False)
-    return pd.DataFrame(
-        {
-            "surfaces": groups.size(),
-            "on_grid_median": 100 * groups["on_grid"].median(),
-            "estimate_median": 100 * groups["estimate"].median(),
-            "estimate_p90": 100 * groups["estimate"].quantile(0.9),
-            "stated_median": 100 * groups["stated"].median(),
-            "covered": 100 * groups.apply(lambda some: (some["estimate"] <= some["stated"]).mean()),
-        }
-    ).round(2)
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--surfaces", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=9)
-    parser.add_argument("--out", default="docs/answers.csv")
-    parser.add_argument("--rows", help="file for the errors of every surface")
-    options = parser.parse_args()
-    generator, rows = np.random.default_rng(options.seed), []
-    for number in tqdm(range(options.surfaces)):
+def cases(generator: np.random.Generator, count: int) -> Iterator[Case]:
+    """Random surfaces, with the share of the pressures below the hardness, and whether it limits them."""
+    for number in range(count):
         surface = random_surface(generator)
         surface["wavelengths"], surface["cells"] = SMALL[number % len(SMALL)]
         surface["area_fraction"] = min(surface["area_fraction"], 0.6)
-        rows += compared(surface, generator.uniform(0.02, 0.999), number % 8 < 4)
-        if options.rows:
-            pd.DataFrame(rows).to_csv(options.rows, index=False)
-    summary = table(pd.DataFrame(rows))
-    summary.to_csv(options.out)
-    print(summary.to_string())
+        yield surface, generator.uniform(0.02, 0.999), number % 8 < 4
+
+
+def table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Errors by hardness, pixels and number."""
+    columns = ["cases", "on_grid_median", "true_median", "true_p90", "stated_median", "covered"]
+    return random_cases.covered(rows, ["plastic", "nodes", "number"], columns)
+
+
+if __name__ == "__main__":
+    random_cases.run(__doc__, "docs/answers.csv", cases, compared, table, count=40, seed=9)

@@ -9,14 +9,12 @@ to its pixels, a grid with half of the nodes cannot represent the shortest waves
 that the estimates use were chosen on 230 other surfaces of this kind.
 """
 
-import argparse
-import time
 from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
+import random_cases
 import xarray as xr
-from tqdm import tqdm
 
 import asperity as asp
 
@@ -55,25 +53,23 @@ def height_of(surface: dict[str, float], nodes: int) -> np.ndarray:
     return asp.surface.johnson(height, surface["gamma"], surface["delta"]) if surface["delta"] else height
 
 
-def estimated(surface: dict[str, float], nodes: int, **load: float) -> tuple[asp.Contact, xr.Dataset, float]:
-    """Contact, its estimates, and the processor time of these over that of contact and stress."""
-    begin = time.process_time()
+def estimated(surface: dict[str, float], nodes: int, **load: float) -> tuple[asp.Contact, xr.Dataset]:
+    """Contact and its estimates."""
     contact = asp.solve_contact(height_of(surface, nodes), LAYER, **load)
     stress = asp.analyse_stress(contact, poisson=RATIOS, quantities=("pressure", "von_mises"), tolerance=1e-4)
-    middle = time.process_time()
-    estimates = asp.continuum_limit(contact, stress)
-    return contact, estimates, (time.process_time() - begin) / (middle - begin)
+    return contact, asp.continuum_limit(contact, stress)
 
 
-def compared(surface: dict[str, float]) -> Iterator[dict[str, object]]:
+def compared(surface: dict[str, float]) -> list[random_cases.Row]:
     """Errors of the values on the grid and of the estimates, a row for each output and number of nodes."""
-    contact, estimates, cost = estimated(surface, NODES[-1], area_fraction=surface["area_fraction"])
+    contact, estimates = estimated(surface, NODES[-1], area_fraction=surface["area_fraction"])
     load = contact.mean_pressure
     coarse = {nodes: estimated(surface, nodes, mean_pressure=load)[1] for nodes in NODES[:-1]}
-    truth = estimated(surface, FINEST, mean_pressure=load)[1]
+    truth, rows = estimated(surface, FINEST, mean_pressure=load)[1], []
     for nodes, found in {**coarse, NODES[-1]: estimates}.items():
-        if reason := found.attrs.get("reason"):
-            yield {**surface, "nodes": nodes, "output": "none", "reason": reason}
+        known = {"nodes": nodes, "area_fraction": surface["area_fraction"]}
+        if found.attrs.get("reason"):
+            rows.append({**known, "output": "none", "on_grid": np.nan, "true": np.nan, "stated": np.nan})
             continue
         for name, values in found.items():
             for index in np.ndindex(values.shape[1:]):
@@ -83,54 +79,23 @@ def compared(surface: dict[str, float]) -> Iterator[dict[str, object]]:
                 if not np.isfinite(best) or best == 0:
                     continue
                 of = f" {values['quantity'].values[index[0]]}" if "quantity" in values.dims else ""
-                yield {
-                    **surface,
-                    "nodes": nodes,
-                    "output": f"{name}{of}",
-                    "on_grid": on_grid / best - 1,
-                    "estimate": estimate / best - 1,
-                    "stated": error,
-                    "cost": cost if nodes == NODES[-1] else np.nan,
-                }
+                errors = {"on_grid": abs(on_grid / best - 1), "true": abs(estimate / best - 1)}
+                rows.append({**known, "output": f"{name}{of}", **errors, "stated": error})
+    return rows
+
+
+def cases(generator: np.random.Generator, count: int) -> Iterator[dict[str, float]]:
+    """Random surfaces."""
+    return (random_surface(generator) for _ in range(count))
 
 
 def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Errors in per cent, and how often the stated error covers the true one."""
-    compared = rows[rows["output"] != "none"]
-    ranges = pd.cut(compared["area_fraction"], AREAS).astype(str)
-    every = pd.concat([compared.assign(areas="all"), compared.assign(areas=ranges)])
-    groups = every.groupby(["nodes", "areas", "output"], sort=False)
-
-    def size(name: str, level: float) -> pd.Series:
-        return 100 * groups[name].apply(lambda error: error.abs().quantile(level))
-
-    return pd.DataFrame(
-        {
-            "on_grid_median": size("on_grid", 0.5),
-            "on_grid_p90": size("on_grid", 0.9),
-            "estimate_median": size("estimate", 0.5),
-            "estimate_p90": size("estimate", 0.9),
-            "stated_median": size("stated", 0.5),
-            "covered": 100 * groups.apply(lambda some: (some["estimate"].abs() <= some["stated"]).mean()),
-        }
-    ).round(2)
+    """Errors by nodes, range of areas and output; output none counts surfaces without estimate."""
+    ranges = pd.cut(rows["area_fraction"], AREAS).astype(str)
+    every = pd.concat([rows.assign(areas="all"), rows.assign(areas=ranges)])
+    columns = ["on_grid_median", "on_grid_p90", "true_median", "true_p90", "stated_median", "covered"]
+    return random_cases.covered(every, ["nodes", "areas", "output"], columns)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--surfaces", type=int, default=120)
-    parser.add_argument("--seed", type=int, default=3)
-    parser.add_argument("--out", default="docs/continuum.csv")
-    options = parser.parse_args()
-    generator = np.random.default_rng(options.seed)
-    rows = [row for _ in tqdm(range(options.surfaces)) for row in compared(random_surface(generator))]
-    found = pd.DataFrame(rows)
-    summary = table(found)
-    summary.to_csv(options.out)
-    print(summary.to_string())
-    print(
-        f"cost of contact, stress and estimates over that of contact and stress: {found['cost'].median():.2f}"
-    )
-    print(f"without estimate: {(found['output'] == 'none').sum()}")
+    random_cases.run(__doc__, "docs/continuum.csv", cases, compared, table, count=120, seed=3)

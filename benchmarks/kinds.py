@@ -7,14 +7,12 @@ are pressed with 2, 4 and 8 nodes on their shortest wavelength, and with 24 unde
 of `OF_DEPARTURE` were chosen on kinds that are not among these.
 """
 
-import argparse
-import os
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
+import random_cases
 import xarray as xr
-from tqdm import tqdm
 
 import asperity as asp
 from asperity.core.types import Array
@@ -120,40 +118,18 @@ def compared(settings: dict) -> list[dict]:
     return rows
 
 
+def cases(generator: np.random.Generator, count: int) -> Iterator[dict]:
+    """Random surfaces, so many of each kind."""
+    return (random_surface(kind, generator) for _ in range(count) for kind in KINDS)
+
+
 def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Share with an estimate, median errors and coverage in per cent, for each kind and for all."""
+    """Errors by nodes, kind and number."""
     every = pd.concat([rows.assign(kind="all"), rows])
-    given = every[np.isfinite(every["true"] + every["stated"])]
-    keys = ["nodes", "kind", "number"]
-    groups = given.groupby(keys, sort=False)
-    return (
-        pd.DataFrame(
-            {
-                "estimated": 100 * groups.size() / every.groupby(keys, sort=False).size(),
-                "true_median": 100 * groups["true"].median(),
-                "stated_median": 100 * groups["stated"].median(),
-                "covered": 100 * groups.apply(lambda some: (some["true"] <= some["stated"]).mean()),
-            }
-        )
-        .round(1)
-        .sort_index(level=0, sort_remaining=False)
-    )
+    columns = ["estimated", "true_median", "stated_median", "covered"]
+    found = random_cases.covered(every, ["nodes", "kind", "number"], columns)
+    return found.sort_index(level=0, sort_remaining=False)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--surfaces", type=int, default=12, help="of each kind")
-    parser.add_argument("--seed", type=int, default=5)
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--out", default="docs/kinds.csv")
-    options = parser.parse_args()
-    generator = np.random.default_rng(options.seed)
-    surfaces = [random_surface(kind, generator) for _ in range(options.surfaces) for kind in KINDS]
-    with ProcessPoolExecutor(options.processes) as processes:
-        each = tqdm(processes.map(compared, surfaces), total=len(surfaces))
-        found = pd.DataFrame([row for rows in each for row in rows])
-    summary = table(found)
-    summary.to_csv(options.out)
-    print(summary.to_string())
+    random_cases.run(__doc__, "docs/kinds.csv", cases, compared, table, count=12, seed=5)

@@ -7,8 +7,6 @@ all 156 other cells. A prediction is met if the true value is in its 95 % interv
 those of true values above and below. The surfaces are not those on which the method was chosen.
 """
 
-import argparse
-
 import numpy as np
 import pandas as pd
 from tqdm import tqdm
@@ -81,11 +79,6 @@ def table() -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--out", default="docs/largest.csv")
-    options = parser.parse_args()
     found = table()
-    found.to_csv(options.out, index=False)
+    found.to_csv("docs/largest.csv", index=False)
     print(found.to_string(index=False))

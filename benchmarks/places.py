@@ -4,18 +4,16 @@
 
 Maps are cut from random surfaces of one kind, each from another seed, and pressed alone. A stated interval
 covers the number of the surface if it holds the mean over all maps of the kind. The constants of
-`asperity.engineering.places` were chosen on other surfaces (`--seed 2 --maps 40 --long 3 6`).
+`asperity.engineering.places` were chosen on other surfaces.
 """
-
-import argparse
 
 import numpy as np
 import pandas as pd
-from tqdm import tqdm
+import random_cases
 
 import asperity as asp
 
-PIXELS, PIXEL = 96, 1e-6
+PIXELS, PIXEL, SEED = 96, 1e-6, 7
 NUMBERS = "real contact", "volume above yield per area"
 KINDS = {
     "Gaussian, H = 0.8": lambda height: height,
@@ -43,49 +41,32 @@ def map_of(kind: str, long: float, seed: int) -> asp.HeightMap:
     return asp.HeightMap(height[:PIXELS, :PIXELS], (PIXELS * PIXEL, PIXELS * PIXEL), unit="m", name="place")
 
 
-def of_kind(kind: str, long: float, maps: int, seed: int) -> list[dict[str, object]]:
-    """Coverage of each number over the maps of a kind."""
+def compared(case: tuple[str, float, int, int]) -> list[random_cases.Row]:
+    """A row for each number of each map of a kind."""
+    kind, long, maps, seed = case
     body = asp.Body(young=210e9, poisson=0.3, yield_stress=1e9)
-    pressure = 400e6 if "load" in kind else 100e6
-    found = {name: [] for name in NUMBERS}
-    for number in tqdm(range(maps), desc=f"{kind}, {long:g}", leave=False, disable=None):
+    pressure, rows = 400e6 if "load" in kind else 100e6, []
+    for number in range(maps):
         answer = asp.run(map_of(kind, long, 1000 * seed + number), body, mean_pressure=pressure)
-        for row in answer.rows:
-            if row.name in NUMBERS:
-                found[row.name].append((row.value, row.error_of_places))
-    rows = []
-    for name, values in found.items():
-        value, error = np.array(values).T
-        known = np.isfinite(error)
-        covered = np.abs(value - value.mean()) <= error
-        rows.append(
-            {
-                "kind": kind,
-                "map_over_longest_wave": long,
-                "number": name,
-                "with_estimate": known.mean(),
-                "true": np.quantile(np.abs(value / value.mean() - 1), 0.95),
-                "stated": np.nanmedian(error / value) if known.any() else np.nan,
-                "covered": covered[known].mean() if known.any() else np.nan,
-            }
-        )
-    return rows
+        rows += [(row.name, row.value, row.error_of_places) for row in answer.rows if row.name in NUMBERS]
+    found = pd.DataFrame(rows, columns=["number", "value", "error"]).assign(
+        kind=kind, map_over_longest_wave=long
+    )
+    mean = found.groupby("number")["value"].transform("mean")
+    errors = {"true": abs(found["value"] / mean - 1), "stated": found["error"] / found["value"]}
+    return found.assign(**errors, covered=abs(found["value"] - mean) <= found["error"]).to_dict("records")
+
+
+def cases(_: np.random.Generator, count: int) -> list[tuple[str, float, int, int]]:
+    """All kinds of surfaces, six longest waves wide, with the seed of their maps."""
+    return [(kind, 6.0, count, SEED) for kind in KINDS]
+
+
+def table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Errors by kind and number."""
+    keys = ["kind", "map_over_longest_wave", "number"]
+    return random_cases.covered(rows, keys, ["estimated", "true_p95", "stated_median", "covered"])
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--maps", type=int, default=24)
-    parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--kinds", nargs="+", default=list(KINDS))
-    parser.add_argument("--long", type=float, nargs="+", default=[6])
-    parser.add_argument("--out", default="docs/places.csv")
-    options = parser.parse_args()
-    rows = []
-    for kind in options.kinds:
-        for long in options.long:
-            rows += of_kind(kind, long, options.maps, options.seed)
-    table = pd.DataFrame(rows)
-    table.to_csv(options.out, index=False, float_format="%.3g")
-    print(table.to_string(index=False))
+    random_cases.run(__doc__, "docs/places.csv", cases, compared, table, count=24, seed=SEED)

@@ -7,13 +7,13 @@ third of them under a hardness. The yield stress is a share of the largest stres
 covers the true one if the volume is within it of that on 32 pixels.
 """
 
-import argparse
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
-from answers import FINEST, NODES
+import random_cases
+from answers import FINEST, NODES, Case, hardness_of
 from continuum import height_of, random_surface
-from tqdm import tqdm
 
 import asperity as asp
 from asperity.engineering.continuum import continuum_on_grids, solved_on_half
@@ -44,13 +44,12 @@ def measured(contact: asp.Contact, limits: np.ndarray) -> tuple[np.ndarray, np.n
     return np.array([each.volume for each in found]), np.array(errors), estimates.attrs.get("reason", "")
 
 
-def compared(surface: dict[str, float], share: float, plastic: bool) -> list[dict[str, object]]:
+def compared(case: Case) -> list[random_cases.Row]:
     """A row for each number of pixels and each yield stress."""
+    surface, share, plastic = case
     heights = {nodes: height_of(surface, nodes) for nodes in (*NODES, FINEST)}
     elastic = asp.solve_contact(heights[8], LAYER, area_fraction=surface["area_fraction"])
-    hardness = max(
-        float(np.quantile(elastic.pressure[elastic.pressure > 0], share)), 1.1 * elastic.mean_pressure
-    )
+    hardness = hardness_of(elastic, share)
     contacts = {
         nodes: asp.solve_contact(
             each, LAYER, mean_pressure=elastic.mean_pressure, hardness=hardness if plastic else None
@@ -69,27 +68,19 @@ def compared(surface: dict[str, float], share: float, plastic: bool) -> list[dic
     return rows
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--surfaces", type=int, default=30)
-    parser.add_argument("--seed", type=int, default=6)
-    parser.add_argument("--out", default="docs/volume.csv")
-    options = parser.parse_args()
-    generator, rows = np.random.default_rng(options.seed), []
-    for number in tqdm(range(options.surfaces)):
+def cases(generator: np.random.Generator, count: int) -> Iterator[Case]:
+    """Random surfaces, with the share of the pressures below the hardness, and whether it limits them."""
+    for number in range(count):
         surface = random_surface(generator) | {"wavelengths": 8, "cells": 2}
         surface["area_fraction"] = min(surface["area_fraction"], generator.uniform(0.05, 0.6))
-        rows += compared(surface, generator.uniform(0.02, 0.999), number % 3 == 2)
-        groups = pd.DataFrame(rows).groupby(["plastic", "nodes", "yield_over_largest"], sort=False)
-        summary = pd.DataFrame(
-            {
-                "surfaces": groups.size(),
-                "true_median": 100 * groups["true"].median(),
-                "stated_median": 100 * groups["stated"].median(),
-                "covered": 100 * groups.apply(lambda some: (some["true"] <= some["stated"]).mean()),
-            }
-        ).round(1)
-        summary.to_csv(options.out)
-    print(summary.to_string())
+        yield surface, generator.uniform(0.02, 0.999), number % 3 == 2
+
+
+def table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Errors by hardness, pixels and yield stress."""
+    columns = ["cases", "true_median", "stated_median", "covered"]
+    return random_cases.covered(rows, ["plastic", "nodes", "yield_over_largest"], columns)
+
+
+if __name__ == "__main__":
+    random_cases.run(__doc__, "docs/volume.csv", cases, compared, table, count=30, seed=6)

@@ -3,8 +3,8 @@
     python studies/challenge/challenge.py studies/challenge/config.yaml
 
 solves the contacts that are missing in the folder of results and computes the stress under one load, then
-writes the tables docs/challenge*.csv, the figures and the page. ``--map FILE`` takes the heights of a map,
-peaks upward, in place of the random surface of the definition; its grid is interpolated to the finer ones.
+writes the tables docs/challenge*.csv, the figures and the page. ``map: FILE`` in the configuration takes the
+heights of a map, peaks upward, in place of the random surface; its grid is interpolated to the finer ones.
 Without a configuration, figures and page are written from the tables that are kept. Run it in the project's
 folder.
 
@@ -12,8 +12,8 @@ M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65 (
 10.1007/s11249-017-0900-2.
 """
 
-import argparse
 import resource
+import sys
 import time
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
@@ -28,6 +28,7 @@ import yaml
 from matplotlib.figure import Figure
 
 from asperity import Grid, LoadedSolid, Solid, analyse_stress, read_map, solve_contact, solve_load_path
+from asperity.core.markup import markdown, with_error
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, mean_square, resample
 from asperity.stress.statistics.extrapolation import (
@@ -43,10 +44,9 @@ from asperity.views.style import panels, save, style
 BINS = np.linspace(0, 2.5, 101)
 """Edges of the bins of the pressure over E*ḡ."""
 
-KEPT = Path("docs/challenge.csv")
-PRESSURES = Path("docs/challenge_pressures.csv")
-STRESSES = Path("docs/challenge_stress.csv")
-PROFILES = Path("docs/challenge_profiles.csv")
+FILES = [Path(f"docs/challenge{name}.csv") for name in ("", "_pressures", "_stress", "_profiles")]
+"""Tables that are kept: contacts, distributions of the pressure, percentiles and profiles of the stress."""
+
 TOLERANCE = 1e-4
 """Tolerance of the stress in planes on coarser grids, which are in single precision."""
 
@@ -61,8 +61,11 @@ def spectrum(config: Mapping[str, Any], wavenumber: Array) -> Array:
     return np.where((wavenumber > 0) & (wavenumber <= highest), falling, 0.0)
 
 
-def random_height(config: Mapping[str, Any]) -> tuple[Array, Grid]:
-    """Gaussian heights with this spectrum and rms gradient, on the coarsest grid."""
+def height_of(config: Mapping[str, Any]) -> tuple[Array, Grid]:
+    """Heights of the map, or Gaussian ones with this spectrum and rms gradient, on the coarsest grid."""
+    if "map" in config:
+        read = read_map(config["map"])
+        return read.as_indenter(), Grid(read.height.shape, config["length"])
     grid = Grid((config["points"][0],) * 2, config["length"])
     noise = np.random.default_rng(config["seed"]).standard_normal(grid.shape)
     modes = Fourier(grid).forward(noise) * np.sqrt(spectrum(config, grid.wavenumber()))
@@ -110,8 +113,9 @@ def contacts(
     return table.assign_attrs(memory_GB=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9)
 
 
-def collect(config: Mapping[str, Any], height: Array, grid: Grid, source: str) -> xr.Dataset:
+def collect(config: Mapping[str, Any]) -> xr.Dataset:
     """Contacts on all grids, read from their files or computed."""
+    height, grid = height_of(config)
     modes = Fourier(grid).forward(height)
     rms_gradient = float(np.sqrt(mean_square(modes, grid, grid.wavenumber() ** 2)))
     found = []
@@ -121,7 +125,7 @@ def collect(config: Mapping[str, Any], height: Array, grid: Grid, source: str) -
             heights = on_grid(height, grid, points)
             return contacts(*heights, config["effective_modulus"], rms_gradient, config["loads"])
 
-        found.append(computed_once(Path(config["results"], f"{points}.nc"), [dict(config), source], on_these))
+        found.append(computed_once(Path(config["results"], f"{points}.nc"), dict(config), on_these))
     memory = ("points", [one.attrs["memory_GB"] for one in found])
     return xr.concat(found, xr.Variable("points", config["points"])).assign(memory_GB=memory)
 
@@ -159,9 +163,9 @@ def stress_on(
     return numbers.assign(points=points, seconds=seconds, memory_GB=memory)
 
 
-def stresses(config: Mapping[str, Any], surface: tuple[Array, Grid], source: str) -> list[xr.Dataset]:
+def stresses(config: Mapping[str, Any]) -> list[xr.Dataset]:
     """Stress on all grids, read from files or computed, each in a process of its own for its memory."""
-    found: list[xr.Dataset] = []
+    surface, found = height_of(config), list[xr.Dataset]()
     for points in config["points"]:
 
         def on_these(points: int = points) -> xr.Dataset:
@@ -169,9 +173,7 @@ def stresses(config: Mapping[str, Any], surface: tuple[Array, Grid], source: str
             with ProcessPoolExecutor(1, get_context("spawn")) as process:
                 return process.submit(stress_on, config, surface, points, other).result()
 
-        found.append(
-            computed_once(Path(config["results"], f"{points}_stress.nc"), [dict(config), source], on_these)
-        )
+        found.append(computed_once(Path(config["results"], f"{points}_stress.nc"), dict(config), on_these))
     return found
 
 
@@ -281,66 +283,66 @@ def draw(rows: pd.DataFrame, densities: pd.DataFrame) -> Figure:
 
 def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
     """The page docs/challenge.md, from its template."""
-    config = yaml.safe_load(Path(__file__).with_name("config.yaml").read_text(encoding="utf-8"))
     grids = sorted(points for points in set(rows["points"]) if points)
     tables = {points: of_grid.set_index("load") for points, of_grid in rows.groupby("points")}
-    limit, finest = tables[0], tables[grids[-1]]
+    limit, middle, finest = tables[0], tables[grids[1]], tables[grids[-1]]
     better = finest["area_fraction"] - BOUNDARY_SHARE * finest["boundary"]
-    changes = {
-        "area": float((limit["area_fraction"] / better - 1).abs().max()),
-        "uncorrected": float((tables[grids[1]]["area_fraction"] / better - 1).abs().max()),
-        "gap": float((limit["mean_gap"] / finest["mean_gap"] - 1).abs().max()),
-    }
-    cost = [(points, tables[points]["seconds"].sum(), tables[points]["memory_GB"].max()) for points in grids]
-    shown = [float(load) for load in limit.index[[0, 5, 9, 13]]] if len(limit) == 14 else list(limit.index)
+    shown = pd.DataFrame(
+        {
+            "mean pressure / E*ḡ": limit.index,
+            "area, %": 100 * limit["area_fraction"],
+            f"area on {grids[-1]}², %": 100 * finest["area_fraction"],
+            "mean gap / rms height": limit["mean_gap"],
+            "largest pressure / E*ḡ": limit["max_pressure"],
+        }
+    )
+    best, fine = (stress[stress["points"] == points].set_index("poisson") for points in (0, grids[-1]))
+    peaks = pd.DataFrame({"ν": best.index})
+    for name, text in zip(PERCENTILES, ("90 %", "99 %", "largest"), strict=True):
+        three = zip(best[name], best[f"{name}_error"], fine[name], strict=True)
+        peaks[text] = [
+            f"{with_error(value, value * error)} ({on_grid:.4g})" for value, error, on_grid in three
+        ]
+    of_grids = rows[rows["points"] > 0].groupby("points")
+    of_stress = stress[stress["points"] > 0].groupby("points")[["seconds", "memory_GB"]].first()
+    cost = pd.DataFrame(
+        {
+            "grid": [f"{points}²" for points in grids],
+            "all loads, s": of_grids["seconds"].sum().values,
+            "memory, GB": of_grids["memory_GB"].max().values,
+            "stress, s": of_stress["seconds"].values,
+            "memory with its contact, GB": of_stress["memory_GB"].values,
+        }
+    )
     return rendered(
         Path(__file__).with_name("page.md.j2"),
-        tables=tables,
-        limit=limit,
-        finest=finest,
+        loads=len(limit),
         grids=grids,
-        changes=changes,
-        cost=cost,
-        shown=shown,
-        stress=stress,
-        stress_load=config["stress_load"],
-        tolerance=TOLERANCE,
+        area=float((limit["area_fraction"] / better - 1).abs().max()),
+        uncorrected=float((middle["area_fraction"] / better - 1).abs().max()),
+        gap=float((limit["mean_gap"] / finest["mean_gap"] - 1).abs().max()),
+        contacts=markdown(shown.iloc[:: max(1, len(shown) // 4)]),
+        peaks=markdown(peaks),
+        cost=markdown(cost),
     )
 
 
 def main() -> None:
     """Write tables, figure and page."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("config", nargs="?", type=Path, help="without it, the kept tables are used")
-    parser.add_argument("--map", type=Path, help="heights in place of the random surface")
-    parser.add_argument("--stress", action="store_true", help="keep the tables of the contacts")
-    options = parser.parse_args()
-    if options.config:
-        config = yaml.safe_load(options.config.read_text(encoding="utf-8"))
-        if options.map:
-            read = read_map(options.map)
-            height, grid = read.as_indenter(), Grid(read.height.shape, config["length"])
-            source = options.map.name
-        else:
-            (height, grid), source = random_height(config), "definition"
-        if not options.stress:
-            data = collect(config, height, grid, source)
-            limits(data).to_csv(KEPT, index=False, float_format="%.6g")
-            loads = np.array(config["loads"])[[len(config["loads"]) // 2, -1]]
-            density = data["density"].sel(load=loads).assign_coords(bin=(BINS[1:] + BINS[:-1]) / 2)
-            frame = density.rename(bin="pressure").to_dataframe().reset_index()
-            frame.to_csv(PRESSURES, index=False, float_format="%.5g")
-        tables = stress_tables(stresses(config, (height, grid), source))
-        for path, table in zip((STRESSES, PROFILES), tables, strict=True):
-            table.to_csv(path, index=False, float_format="%.5g")
-    rows, densities = pd.read_csv(KEPT), pd.read_csv(PRESSURES)
-    stress, profiles = pd.read_csv(STRESSES), pd.read_csv(PROFILES)
+    if sys.argv[1:]:
+        config = yaml.safe_load(Path(sys.argv[1]).read_text(encoding="utf-8"))
+        data = collect(config)
+        loads = np.array(config["loads"])[[len(config["loads"]) // 2, -1]]
+        density = data["density"].sel(load=loads).assign_coords(bin=(BINS[1:] + BINS[:-1]) / 2)
+        frame = density.rename(bin="pressure").to_dataframe().reset_index()
+        tables = (limits(data), frame, *stress_tables(stresses(config)))
+        for path, table, digits in zip(FILES, tables, (6, 5, 5, 5), strict=True):
+            table.to_csv(path, index=False, float_format=f"%.{digits}g")
+    rows, densities, stress, profiles = map(pd.read_csv, FILES)
     with style():
-        save(draw(rows, densities), KEPT.with_suffix(".png"))
-        save(draw_stress(stress, profiles), STRESSES.with_suffix(".png"))
-    KEPT.with_suffix(".md").write_text(page(rows, stress), encoding="utf-8")
+        save(draw(rows, densities), FILES[0].with_suffix(".png"))
+        save(draw_stress(stress, profiles), FILES[2].with_suffix(".png"))
+    FILES[0].with_suffix(".md").write_text(page(rows, stress), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ ACCURATE = 1e-4
 
 
 def accuracy() -> tuple[pd.DataFrame, dict[str, float]]:
-    """Range of q · height in which each formula is accurate at ν = 0.33, and the largest errors of asperity."""
+    """Range of q · height in which each formula is accurate at ν = 0.33; largest errors of asperity."""
     error = rounding_errors(per_decade=4)["error"]
     rows = []
     for formula in FORMULAS:

@@ -73,6 +73,17 @@ def octaves(data: xr.Dataset, name: str, longest: float) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["q", "load", "exponent", "interval"])
 
 
+def span(values: pd.Series, digits: int = 2) -> str:
+    """Smallest and largest of some numbers by their magnitude, as text."""
+    ends = sorted((values.min(), values.max()), key=abs)
+    return " to ".join(f"{value:.{digits}f}" for value in ends)
+
+
+def percent(value: float, digits: int = 0, sign: str = "") -> str:
+    """A share in per cent, as text."""
+    return f"{100 * value:{sign}.{digits}f} %"
+
+
 def elastic_rows(results: Results) -> pd.DataFrame:
     """Area, gap and stiffness of every surface and load, with intervals, errors of the grid and theories."""
     rows = []
@@ -138,29 +149,20 @@ def percolation_rows(results: Results) -> pd.DataFrame:
     rows = []
     for name, data in results["percolation"].items():
         both = data.mean("axis")
-        mean, half = map(float, interval(both["critical_area"]))
-        grid = float(both["critical_grid"].mean())
-        spread = float(data["critical_area"].min()), float(data["critical_area"].max())
-        rows.append((name, mean, half, grid, *spread))
-    return pd.DataFrame(rows, columns=["surface", "critical", "interval", "on_grid", "least", "largest"])
+        rows.append((name, *map(float, interval(both["critical_area"])), float(both["critical_grid"].mean())))
+    return pd.DataFrame(rows, columns=["surface", "critical", "interval", "on_grid"])
 
 
 def profile_rows(results: Results, number: str) -> pd.DataFrame:
-    """Largest percentile over all depths, and the errors of the closed forms of it and at every depth."""
+    """Largest percentile over all depths, and the errors of the closed forms of it."""
     rows = []
     for name, data in results["profile"].items():
         for load in data["load"].values:
             one = data.sel(load=load, number=number).mean("seed")
             row: dict[str, Any] = {"surface": name, "load": load, "area": float(one["area"])}
-            row["largest"], row["depth"] = (
-                float(one["computed"].max()),
-                float(one["computed"].idxmax("depth")),
-            )
+            row["largest"] = float(one["computed"].max())
             for kind in ("gaussian", "sparse", "spectrum"):
-                error = one[kind] / one["computed"] - 1
                 row[kind] = float(one[kind].max()) / row["largest"] - 1
-                row[f"{kind}_near"] = float(abs(error.where(error["depth"] <= 0.5)).max())
-                row[f"{kind}_deep"] = float(abs(error.where(error["depth"] > 0.5)).max())
             rows.append(row)
     return pd.DataFrame(rows)
 
@@ -171,7 +173,6 @@ def draw(results: Results, config: Mapping[str, Any]) -> dict[str, Figure]:
         "area": _draw_area(elastic_rows(results), plastic_rows(results)),
         "spectrum": _draw_spectrum(results, config),
         "stiffness": _draw_stiffness(_of_many_loads(elastic_rows(results))),
-        "percolation": _draw_percolation(percolation_rows(results)),
         "gap": _draw_gap(_of_many_loads(elastic_rows(results))),
         "profile": _draw_profile(results),
     }
@@ -293,18 +294,6 @@ def _draw_stiffness(rows: pd.DataFrame) -> Figure:
     return figure
 
 
-def _draw_percolation(rows: pd.DataFrame) -> Figure:
-    figure, (axis, *_) = panels(1, 1, height=60.0, width=3.5)
-    axis.set_title("", loc="left")
-    axis.errorbar(range(len(rows)), rows["critical"], rows["interval"], fmt="o", ms=4, lw=1)
-    axis.plot(range(len(rows)), rows["on_grid"], "x", ms=4, color="0.5", label="on the grid")
-    axis.axhline(PERCOLATION, color="k", ls="--", lw=0.8, label="0.415, Wang and Müser")
-    axis.set_xticks(range(len(rows)), rows["surface"])
-    axis.set(ylim=(0.35, 0.5), xlim=(-0.5, len(rows) - 0.5), ylabel="critical area of contact")
-    axis.legend(fontsize="x-small")
-    return figure
-
-
 def _draw_gap(rows: pd.DataFrame) -> Figure:
     figure, (gap, ratio) = panels(2, 1, height=75.0)
     for number, (name, some) in enumerate(rows.groupby("surface")):
@@ -365,6 +354,8 @@ def page(results: Results, config: Mapping[str, Any]) -> str:
     ]
     return rendered(
         HERE / "page.md.j2",
+        span=span,
+        percent=percent,
         config=config,
         elastic=elastic_rows(results),
         plastic=plastic_rows(results),

@@ -132,8 +132,8 @@ def test_tiny_challenge(tmp_path):
     path = ROOT / "studies/challenge/config.yaml"
     config = yaml.safe_load(path.read_text(encoding="utf-8")) | {"results": tmp_path, "cutoff": 3.2}
     config |= {"points": [128, 256, 512], "loads": [0.01, 0.03, 0.08]}
-    height, grid = challenge.random_height(config | {"results": ""})
-    data = challenge.collect(config | {"results": str(tmp_path)}, height, grid, "definition")
+    config["results"] = str(tmp_path)
+    data = challenge.collect(config)
     rows = challenge.limits(data)
     limit, coarse, fine = (rows[rows["points"] == points] for points in (0, 256, 512))
     assert np.abs(limit["mean_gap"].values / fine["mean_gap"].values - 1).max() < 1e-3
@@ -141,9 +141,8 @@ def test_tiny_challenge(tmp_path):
     excess = coarse["area_fraction"].values - limit["area_fraction"].values
     assert (fine["area_fraction"].values > limit["area_fraction"].values).all()
     assert (excess > 0.04 * limit["area_fraction"].values).all()
-    again = challenge.collect(config | {"results": str(tmp_path)}, height, grid, "definition")
-    assert again.equals(data)
-    surface = challenge.random_height(config | {"results": ""})
+    assert challenge.collect(config).equals(data)
+    surface = challenge.height_of(config)
     found: list = []
     for points in config["points"]:
         found.append(challenge.stress_on(config, surface, points, found[0] if len(found) == 1 else None))

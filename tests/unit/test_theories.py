@@ -82,14 +82,7 @@ def test_page_and_figures_of_tiny_results(tiny):
     config, results = tiny
     text = theories.page(results, config)
     assert "q^−(1+H)" in text
-    assert set(theories.draw(results, config)) == {
-        "area",
-        "spectrum",
-        "stiffness",
-        "percolation",
-        "gap",
-        "profile",
-    }
+    assert set(theories.draw(results, config)) == {"area", "spectrum", "stiffness", "gap", "profile"}
     rows = theories.plastic_rows(results).set_index(["surface", "hardness", "load"])
     soft = rows.loc["hurst_08", 0.5, 0.1]
     assert soft["elastic_area"] > 5 * soft["persson_elastic_area"]
