@@ -35,7 +35,7 @@ from asperity.study.cost.plan import spacing_of
 from asperity.views.style import panels, save, style
 
 ERRORS = Path("src/asperity/study/cost/errors.csv")
-PAGES = {Path("docs/tradeoff.md"): ("grids", "settings"), Path("config/README.md"): ("presets",)}
+PAGES = {"grids": Path("docs/tradeoff.md"), "presets": Path("config/README.md")}
 FIGURE = Path("docs/tradeoff.png")
 
 AREAS, EXPONENTS, SEEDS = (0.02, 0.1), (0.2, 0.8), range(1, 9)
@@ -199,7 +199,7 @@ def percent(value: float) -> str:
 def tables(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Tables of the pages by their mark."""
     at = table[table["area_fraction"] == max(AREAS)].set_index(["parameter", "setting", "output"])
-    order, at = at.index.droplevel("output").unique(), at.sort_index()
+    at = at.sort_index()
     grids = []
     for nodes in GRIDS:
         row = at.loc["points_per_wavelength", str(nodes)]
@@ -209,12 +209,6 @@ def tables(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
             for name, text in SHOWN.items()
         }
         grids.append({"nodes on λ_s": nodes, **cells, "seconds": f"{before:.2g} → {after:.2g}"})
-    settings = [
-        {"parameter": LABELS[parameter], "setting": setting}
-        | {text: percent(at.loc[(parameter, setting, name), "error"]) for name, text in SHOWN.items()}
-        for parameter, setting in order
-        if parameter in LABELS and parameter != "points_per_wavelength"
-    ]
     names = [LABELS[name] for name in asdict(PRESETS["paper"])]
     errors = [f"error of {text}" for text in SHOWN.values()]
     presets = {"": [*names, "processor time of one surface (s)", *errors]}
@@ -224,18 +218,16 @@ def tables(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         errors = [percent(row.loc[output, "error"]) for output in SHOWN]
         seconds = at.loc[("accuracy", name, "seconds"), "error"]
         presets[f"`{name}`"] = [*values, f"{seconds:.2g}", *errors]
-    found = {"grids": grids, "settings": settings, "presets": presets}
+    found = {"grids": grids, "presets": presets}
     return {mark: pd.DataFrame(rows) for mark, rows in found.items()}
 
 
 def write_pages(table: pd.DataFrame) -> None:
     """Write the tables into the pages, each below its mark, and the figure."""
-    shown = tables(table)
-    for page, marks in PAGES.items():
-        text = page.read_text(encoding="utf-8")
-        for mark in marks:
-            below = rf"(<!-- {mark}: make tradeoff -->\n)(\|.*\n)*"
-            text = re.sub(below, lambda found: f"{found[1]}{markdown(shown[mark])}\n", text)  # noqa: B023
+    for mark, shown in tables(table).items():
+        page = PAGES[mark]
+        below = re.compile(rf"(<!-- {mark}: make tradeoff -->\n)(\|.*\n)*")
+        text = below.sub(rf"\g<1>{markdown(shown)}\n", page.read_text(encoding="utf-8"))
         page.write_text(text, encoding="utf-8")
     with style():
         save(draw(table), FIGURE)
