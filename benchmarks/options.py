@@ -1,5 +1,6 @@
-"""Cost of hardness, load curves, cycles, coatings, partial slip and the gap, over that of the plain
-calculation.
+"""Cost of hardness, load curves, cycles, engines of the transforms, coatings, partial slip and the gap.
+
+Processor times are over that of the plain calculation.
 
 python benchmarks/options.py --grid 1024 --out options.csv
 """
@@ -15,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 import asperity as asp
+from asperity.fourier import ENGINES
 from asperity.stress.cycles.criteria import Criteria
 from asperity.stress.cycles.stress_cycles import Cycles
 
@@ -67,6 +69,12 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
     alone = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE))
     both = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE, observe=watch.add))
     yield "stress with cycles", "stress", both / alone
+    for engine in ENGINES[1:]:
+        with asp.fft_engine(engine):
+            pressing = seconds(lambda: asp.solve_contact(height, solid, mean_pressure=load))
+            analysing = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE))
+        yield f"contact with {engine}", "elastic contact", pressing / elastic
+        yield f"stress with {engine}", "stress", analysing / alone
     for young in COATINGS:
         coated = asp.Solid(young, 0.25, 8 / points, base=solid)
         pressing = partial(asp.solve_contact, height, coated, mean_pressure=load)

@@ -6,7 +6,7 @@ prints the mean number of pairs of transforms and of iterations of solutions on 
 at imposed loads and areas. Without names, all constants are tried, in some minutes on one core.
 """
 
-import argparse
+import sys
 from importlib import import_module
 
 import numpy as np
@@ -41,11 +41,7 @@ def cost():
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"among {', '.join(CONSTANTS)}")
-    for name in parser.parse_args().names or CONSTANTS:
+    for name in sys.argv[1:] or CONSTANTS:
         module = import_module(f"asperity.contact.{CONSTANTS[name]}")
         value = getattr(module, name)
         for factor in FACTORS:

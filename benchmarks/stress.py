@@ -6,8 +6,7 @@
 The first writes ``stress.csv``: the whole analysis on each grid and number of threads, in a process of its
 own, with the load of the machine. A plane equivalent is the work of eight real transforms of the contact's
 grid, one for each linear part of the stress; all transforms are counted by their nodes, those of the
-covariances too. The second prints tables: errors of coarse planes, peaks by the distance of planes and by the
-grid, and the difference from tamaas, if it is installed.
+covariances too. The second prints error and bound of coarse planes by depth.
 """
 
 from __future__ import annotations
@@ -19,17 +18,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads would count as processor time
 
 import numpy as np
 import pandas as pd
-import peers
 from memory import peak_memory
-from scipy.spatial import cKDTree
 
 import asperity as asp
 from asperity.core.types import Array
@@ -47,9 +42,9 @@ def under(pressure: Array) -> asp.LoadedSolid:
     return asp.LoadedSolid(pressure, asp.Grid(pressure.shape), LAYER)
 
 
-def press(points: int, hurst: float, nodes: int = 8) -> asp.LoadedSolid:
-    """Contact at ten per cent area with some nodes on the shortest wave, and the longest wave L/8."""
-    height = asp.self_affine((points, points), hurst, 1 / 8, nodes / points, 1e-3, seed=1)
+def press(points: int) -> asp.LoadedSolid:
+    """Contact at ten per cent area with eight nodes on the shortest wave, and the longest wave L/8."""
+    height = asp.self_affine((points, points), HURST, 1 / 8, 8 / points, 1e-3, seed=1)
     return under(asp.solve_contact(height, LAYER, area_fraction=0.1, rtol=1e-5).pressure)
 
 
@@ -77,7 +72,7 @@ def measure(grids: list[int], threads: list[int], out: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for points in grids:
             path = Path(folder) / "pressure.npy"
-            np.save(path, press(points, HURST).pressure)
+            np.save(path, press(points).pressure)
             for count in threads:
                 command = [sys.executable, __file__, "--run", str(path), "--threads", str(count)]
                 run = subprocess.run(command, check=True, capture_output=True, text=True)
@@ -108,46 +103,6 @@ def against_depth(contact: asp.LoadedSolid) -> None:
         )
 
 
-def von_mises_peaks(contact: asp.LoadedSolid, depths: Array) -> tuple[Any, Array]:
-    """Von Mises peaks in the solid, and which of them are under contact."""
-    found = asp.stress.find_peaks(asp.stress_planes(contact, depths, 0.33, tolerance=TOLERANCE), "von_mises")
-    return found, found.interior & found.under_contact(contact.pressure, contact.grid)
-
-
-def print_percentiles(name: str, values: Array) -> None:
-    """Print the number of values and their percentiles 50, 90 and 99."""
-    shares = "".join(f"{value:12.5g}" for value in np.percentile(values, [50, 90, 99]))
-    print(f"  {name:18}{values.size:8d}{shares}")
-
-
-def distance_of_planes(hurst: float) -> None:
-    """Print percentiles of the von Mises peaks at three distances between planes."""
-    contact = press(512, hurst)
-    for spacing in (1.0, 0.5, 0.25):
-        found, kept = von_mises_peaks(
-            contact, asp.stress.depth_grid(contact.grid, 0.05, spacing, 0.25 * spacing)
-        )
-        print_percentiles(f"{spacing:g} refined", found.value[kept])
-        print_percentiles(f"{spacing:g} at nodes", found.node_value[kept])
-
-
-def convergence(hurst: float, wavelengths: int = 32) -> None:
-    """Print percentiles of the peaks of one surface at λ_s/8, /16 and /32, and the rate peak by peak."""
-    peaks = []
-    for nodes in (8, 16, 32):
-        contact = press(wavelengths * nodes, hurst, nodes)
-        found, kept = von_mises_peaks(contact, asp.stress.depth_grid(contact.grid, 0.25))
-        peaks.append((np.stack([found.y, found.x], axis=1)[kept] % 1.0, found.value[kept]))
-        print_percentiles(f"λ_s/{nodes}", found.value[kept])
-    changes = []
-    for (coarse, values), (fine, others) in pairwise(peaks):
-        distance, partner = cKDTree(fine, boxsize=1.0).query(coarse)
-        same = distance < 0.25 / wavelengths
-        changes.append(np.median(np.abs(values[same] / others[partner[same]] - 1)))
-    rate = np.log2(changes[0] / changes[1])
-    print(f"  median change of a peak {changes[0]:.2e}, then {changes[1]:.2e}: rate {rate:.2f}")
-
-
 def main() -> None:
     """Measure the cost, or print the tables of the accuracy."""
     parser = argparse.ArgumentParser(
@@ -164,15 +119,7 @@ def main() -> None:
     elif not options.accuracy:
         measure(options.points, options.threads, options.out)
     else:
-        contact = press(2048, HURST)
-        against_depth(contact)
-        if peers.is_installed("tamaas"):
-            difference = peers.stress_difference(contact, np.array([4.0, 64.0]) / 2048)
-            print(f"largest difference from tamaas over the largest pressure {difference:.1e}")
-        for hurst in (0.2, 0.8):
-            print(f"H = {hurst}: peaks by the distance of planes, then by the grid")
-            distance_of_planes(hurst)
-            convergence(hurst)
+        against_depth(press(2048))
 
 
 if __name__ == "__main__":

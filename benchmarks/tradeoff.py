@@ -5,9 +5,9 @@
 
 Random surfaces with H = 0.2 and 0.8 and eight seeds (λ_l = L/8, λ_s = L/32, ν = 0.33) are pressed with the
 loads that make 2 and 10 % contact. Grids are compared with the estimate of `asperity.continuum_limit` on 32
-nodes
-on λ_s. Every other parameter is varied alone from a converged reference on 8 nodes. The error of an output is
-the largest of all surfaces under that load. Times are those of a surface with λ_s = L/256, as the paper has.
+nodes on λ_s. Every other parameter is varied alone from a converged reference on 8 nodes. The error of an
+output is the largest of all surfaces under that load. Times are those of a surface with λ_s = L/256, as the
+paper has.
 
 Written are ``src/asperity/study/cost/errors.csv``, which `asperity plan` uses, the tables of
 ``docs/tradeoff.md`` and ``config/README.md``, and ``docs/tradeoff.png``.

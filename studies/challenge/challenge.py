@@ -196,24 +196,16 @@ def stress_tables(found: list[xr.Dataset]) -> tuple[pd.DataFrame, pd.DataFrame]:
     return pd.DataFrame(rows).sort_values(["points", "poisson"]), pd.concat(profiles)
 
 
-def draw_stress(rows: pd.DataFrame, profiles: pd.DataFrame) -> Figure:
-    """Largest and mean von Mises stress by depth, and percentiles of its peaks by grid."""
-    figure, (by_depth, by_grid) = panels(1, 2, height=75.0)
+def draw_stress(profiles: pd.DataFrame) -> Figure:
+    """Largest and mean von Mises stress by depth."""
+    figure, (axis, *_) = panels(1, 1, height=75.0)
     finest = profiles[(profiles["points"] == profiles["points"].max()) & (profiles["plane_depth"] > 0)]
     for number, (ratio, profile) in enumerate(finest.groupby("poisson")):
-        look = {"color": f"C{number}"}
-        by_depth.plot(profile["plane_depth"], profile["profile_largest"], label=f"{ratio:g}", **look)
-        by_depth.plot(profile["plane_depth"], profile["profile_mean"], ls="--", **look)
-        some = rows[(rows["poisson"] == ratio)].set_index("points")
-        on_grids = some.drop(index=0, errors="ignore")
-        for name, marker in zip(PERCENTILES, "o^s", strict=True):
-            by_grid.plot(1 / on_grids.index, on_grids[name], marker=marker, ms=3, ls="", **look)
-            if 0 in some.index:
-                by_grid.plot(0, some.loc[0, name], marker=marker, ms=5, mfc="none", **look)
-    by_depth.set(xscale="log", ylim=(0, None), xlabel="depth, µm")
-    by_depth.set_ylabel(r"$\sigma_{\mathrm{vM}} / E^*\bar{g}$")
-    by_depth.legend(title="ν")
-    by_grid.set(xlabel="1 / nodes on an edge", ylabel=r"peaks of $\sigma_{\mathrm{vM}} / E^*\bar{g}$")
+        axis.plot(profile["plane_depth"], profile["profile_largest"], color=f"C{number}", label=f"{ratio:g}")
+        axis.plot(profile["plane_depth"], profile["profile_mean"], ls="--", color=f"C{number}")
+    axis.set_title("", loc="left")
+    axis.set(xscale="log", ylim=(0, None), xlabel="depth, µm", ylabel=r"$\sigma_{\mathrm{vM}} / E^*\bar{g}$")
+    axis.legend(title="ν")
     return figure
 
 
@@ -341,7 +333,7 @@ def main() -> None:
     rows, densities, stress, profiles = map(pd.read_csv, FILES)
     with style():
         save(draw(rows, densities), FILES[0].with_suffix(".png"))
-        save(draw_stress(stress, profiles), FILES[2].with_suffix(".png"))
+        save(draw_stress(profiles), FILES[2].with_suffix(".png"))
     FILES[0].with_suffix(".md").write_text(page(rows, stress), encoding="utf-8")
 
 

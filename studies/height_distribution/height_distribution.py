@@ -18,9 +18,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 import yaml
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.special import ndtri
 
 import asperity as asp
 from asperity.core.markup import markdown, with_error
@@ -120,8 +118,8 @@ def change(rows: pd.DataFrame, key: str, case: str, other: str = GAUSSIAN) -> tu
 
 
 def draw(rows: pd.DataFrame) -> Figure:
-    """Numbers by skewness and kurtosis, heights wanted and reached, and the surfaces of section 5.4."""
-    figure, (by_skewness, by_kurtosis, heights, parts) = panels(2, 2, height=75.0)
+    """Numbers by skewness and by kurtosis, over those of the Gaussian surfaces."""
+    figure, axes = panels(2, 1, height=75.0)
     labels = {
         "kappa": r"$\kappa$",
         "kappa_contact": r"$\kappa_r$",
@@ -130,62 +128,21 @@ def draw(rows: pd.DataFrame) -> Figure:
         "p99_contact": r"99 % peak / $E^*\bar{g}_r$",
         "depth": "depth",
     }
-    for axis, along in ((by_skewness, "skewness"), (by_kurtosis, "kurtosis")):
+    for axis, along in zip(axes, ("skewness", "kurtosis"), strict=True):
         means = rows.groupby("case")[along].mean()
         names = [name for name in means.index if name.startswith(along)]
         some = means[[*names, *(["kurtosis_4"] if along == "skewness" else [])]].sort_values()
         for number, (key, label) in enumerate(labels.items()):
-            ratios = [_ratio(rows, key, name) for name in some.index]
-            look = {"marker": "o", "ms": 3, "lw": 1, "color": f"C{number}", "label": label}
-            axis.errorbar(some, *zip(*ratios, strict=True), **look)
-        axis.set(xlabel=f"{along} of the lower face")
-        _ratios(axis)
-    by_skewness.legend(fontsize="x-small")
-    _draw_heights(heights)
-    for number, key in enumerate(shown := ("kappa", "gradient_contact", "p99", "p99_contact", "depth")):
-        for sign, colour, shift in (("plus", "C3", -0.15), ("minus", "C0", 0.15)):
-            for made, marker, face in ((f"johnson_{sign}", "s", "none"), (f"moments_{sign}", "o", colour)):
-                look = {"marker": marker, "mfc": face, "color": colour, "ms": 4, "lw": 1}
-                parts.errorbar(number + shift, *_ratio(rows, key, made), **look)
-    parts.set_xticks(range(5), [labels[key].replace(" / ", "\n/ ") for key in shown], fontsize="x-small")
-    _ratios(parts)
-    for colour, name in (("C3", "+1.25"), ("C0", "−1.25")):
-        parts.plot([], [], "s", color=colour, mfc="none", ms=4, label=rf"$\gamma$ = {name}")
-        parts.plot([], [], "o", color=colour, ms=4, label="same moments, one spectrum")
-    parts.legend(fontsize="x-small")
+            found = np.array([change(rows, key, name) for name in some.index])
+            value, error = np.exp(found[:, 0]), np.exp(found[:, 0]) * found[:, 1]
+            axis.errorbar(some, value, error, fmt="o-", ms=3, lw=1, color=f"C{number}", label=label)
+        axis.axhline(1, color="0.6", lw=0.6)
+        axis.set(yscale="log", ylim=(0.25, 4), xlabel=f"{along} of the lower face")
+        axis.set_yticks([0.25, 0.5, 0.7, 1, 1.5, 2, 3], ["0.25", "0.5", "0.7", "1", "1.5", "2", "3"])
+        axis.set_yticks([], minor=True)
+    axes[0].set_ylabel("over that of the Gaussian surface")
+    axes[0].legend(fontsize="x-small")
     return figure
-
-
-def _ratio(rows: pd.DataFrame, key: str, case: str) -> tuple[float, float]:
-    """A number over that of the Gaussian surfaces, and its error."""
-    value, error = change(rows, key, case)
-    return np.exp(value), np.exp(value) * error
-
-
-def _ratios(axis: Axes) -> None:
-    """Logarithmic axis of ratios to the Gaussian surface."""
-    axis.axhline(1, color="0.6", lw=0.6)
-    axis.set(yscale="log", ylim=(0.25, 4), ylabel="over that of the Gaussian surface")
-    axis.set_yticks([0.25, 0.5, 0.7, 1, 1.5, 2, 3], ["0.25", "0.5", "0.7", "1", "1.5", "2", "3"])
-    axis.set_yticks([], minor=True)
-
-
-def _draw_heights(axis: Axes) -> None:
-    """Density of the heights of the first seed: those asked for (broken lines), and those reached."""
-    points, band = CONFIG["points"], CONFIG["spectrum"]
-    gaussian = asp.self_affine((points, points), seed=CONFIG["seeds"][0], **band)
-    normal = ndtri((np.arange(points**2) + 0.5) / points**2)[None]
-    bins = np.linspace(-4, 4, 81)
-    for number, name in enumerate(("kurtosis_22", "skewness_plus_10", "kurtosis_6")):
-        moments = CONFIG["cases"][name]["moments"]
-        reached = asp.surface.with_heights(gaussian, moments=moments).height / band["rms_height"]
-        wanted = asp.surface.with_moments(normal, *moments)
-        for values, look in ((wanted, "--"), (reached, "-")):
-            density, _ = np.histogram(values, bins, density=True)
-            label = f"{moments[0]:g}, {moments[1]:g}" if look == "-" else None
-            axis.plot((bins[1:] + bins[:-1]) / 2, density, look, color=f"C{number}", lw=1, label=label)
-    axis.set(yscale="log", ylim=(1e-4, 1), xlabel="height / rms height", ylabel="probability density")
-    axis.legend(title="skewness, kurtosis", fontsize="x-small")
 
 
 def percent(found: tuple[float, float]) -> str:

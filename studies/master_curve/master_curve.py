@@ -220,8 +220,8 @@ def hertz_peak(poisson: float) -> tuple[float, float]:
 
 
 def draw(rows: pd.DataFrame) -> Figure:
-    """Height over E*ḡ_r, depth over λ_s, the curve of the depth, and the scatter of all scales."""
-    figure, (height, depth, curve, scales) = panels(2, 2)
+    """Height over E*ḡ_r, depth over λ_s, and the curve of the depth."""
+    figure, (height, depth, curve) = panels(3, 1)
     for axis, key in ((height, "height_gradient_contact"), (depth, WAVELENGTH)):
         _draw_points(axis, rows, rows["area"], key, [0.02, 0.05, 0.1, 0.2])
         axis.set(xlabel="area fraction $a_r$", ylim=(0, None))
@@ -237,7 +237,6 @@ def draw(rows: pd.DataFrame) -> Figure:
     curve.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     curve.set_yticks([], minor=True)
     height.legend(loc="lower right", ncols=2, fontsize="x-small")
-    _draw_scatter(scales, rows)
     return figure
 
 
@@ -261,22 +260,6 @@ def _draw_points(axis: Axes, rows: pd.DataFrame, along: pd.Series, key: str, tic
 
 def _label(key: str) -> str:
     return f"{key.partition('_')[0]} / {(HEIGHT_SCALES | DEPTH_SCALES)[key][1]}"
-
-
-def _draw_scatter(axis: Axes, rows: pd.DataFrame) -> None:
-    """Scatter of every scale as a bar, with its standard error; pale with a fitted power of ℓ/λ_s."""
-    order = [*HEIGHT_SCALES, *DEPTH_SCALES]
-    bar: dict[str, Any] = {"height": 0.4, "error_kw": {"lw": 1}}
-    for place, key in enumerate(order):
-        colour = "C0" if key in HEIGHT_SCALES else "C1"
-        value, error = 100 * scatter(rows, key)
-        axis.barh(place - 0.2, value, xerr=error, color=colour, **bar)
-        if key in DEPTH_SCALES and key != WAVELENGTH:
-            value, error = 100 * scatter(rows, WAVELENGTH, [key])
-            axis.barh(place + 0.2, value, xerr=error, color=colour, alpha=0.4, **bar)
-    axis.set_yticks(range(len(order)), [_label(key) for key in order], fontsize="x-small")
-    axis.invert_yaxis()
-    axis.set(xlabel="scatter, %", xlim=(0, 60))
 
 
 def page(rows: pd.DataFrame) -> str:

@@ -51,29 +51,11 @@ NAMING = (" = ", "height:")
 class ExtremeCase:
     """Settings of a rough contact. The defaults are the base case, of which one or two settings are changed.
 
-    Attributes
-    ----------
-    poisson : float
-    scaled_height : float
-        2π height / L, the smallest q · height of the cell; infinite for the half-space.
-    bottom : str
-    imposed : tuple
-        ``("load", part)`` of the mean pressure that closes the last gap, ``("area", fraction)`` of the
-        nodes, or ``("approach", part)`` of the way from the lowest to the mean height.
-    rms_gradient : float
-    hurst : float
-        Hurst exponent H.
-    wavelength_long : float
-        Longest wavelength over the edge of the cell.
-    nodes_short : float
-        Shortest wavelength over the grid spacing.
-    johnson : tuple, optional
-        γ and δ of Eq. 23; None for Gaussian heights.
-    precision : "float64" or "float32"
-    points : int
-        Nodes on an edge.
-    method : str
-        Solver.
+    `scaled_height` is 2π height / L, the smallest q · height of the cell, infinite for the half-space;
+    `imposed` is ``("load", part)`` of the mean pressure that closes the last gap, ``("area", fraction)`` of the
+    nodes, or ``("approach", part)`` of the way from the lowest to the mean height; wavelengths are over the
+    edge of the cell and over the grid spacing; `johnson` has γ and δ of Eq. 23, None for Gaussian heights;
+    `points` are those on an edge.
     """
 
     poisson: float = 0.33

@@ -134,25 +134,11 @@ HALF_SPACES = ("half-space", "incompressible", "two half-spaces")
 class FamilyCase:
     """A contact of a surface of a family.
 
-    Attributes
-    ----------
-    family : str
-    shape : (ny, nx)
-    relief : float
-        Height by which the relief is multiplied, over the edge of the cell.
-    offset : float
-        Height of the lowest nodes, over `relief`.
-    imposed : tuple
-        ``("load", p̄/E*)``, ``("force", F/E*)``, ``("area", fraction)``, or ``("approach", part)`` of the way
-        from the lowest to the mean height.
-    boundary : str
-    solid : str
-    hardness : float, optional
-        Over an imposed mean pressure, else over E* times the relief; None in an elastic contact.
-    precision : tuple
-        Type of the fields, and tolerance.
-    size : float
-    seed : int
+    `relief` is the height by which the relief is multiplied, over the edge of the cell; `offset` the height
+    of the lowest nodes, over `relief`; `imposed` is ``("load", p̄/E*)``, ``("force", F/E*)``, ``("area",
+    fraction)``, or ``("approach", part)`` of the way from the lowest to the mean height; `hardness` is over
+    an imposed mean pressure, else over E* times the relief, None in an elastic contact; `precision` is the
+    type of the fields and the tolerance.
     """
 
     family: str

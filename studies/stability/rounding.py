@@ -11,8 +11,8 @@ Two quantities are compared over q · height:
   to the largest component at that depth and divided by 1 + q · depth, because the rounding of q · depth
   alone is amplified by this factor.
 
-Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected (compliance only),
-``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Solid`.
+Two formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected (compliance only), ``layer`` is
+`asperity.Solid`.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ from asperity.core.types import Array
 from asperity.elasticity.solid import Solid
 from asperity.reference.state_space import StateSpace
 
-FORMULAS = ("printed", "direct", "layer")
+FORMULAS = ("printed", "layer")
 PRECISIONS = ("float64", "float32")
 QUANTITIES = ("compliance", "bonded_stress")
 
@@ -87,16 +87,10 @@ def rounding_errors(
             q, x, y, d = (part.astype(precision) for part in (along, qx, qy, depths))
             number = np.dtype(precision).type(nu)
             with np.errstate(all="ignore"):
-                compliances = (
-                    _printed_compliance(q, number),
-                    _direct_compliance(q, number),
-                    free.surface_compliance(q),
-                )
-                fields = _direct_stress(x, y, number, d), layer.stress(x[:, None], y[:, None], d)
+                compliances = _printed_compliance(q, number), free.surface_compliance(q)
+                fields = layer.stress(x[:, None], y[:, None], d)
                 error[0, :, p, n] = [np.abs(values / np.array(true) - 1) for values in compliances]
-            error[1, 1:, p, n] = [
-                _stress_error(values, stress, scaled[:, None] * depths) for values in fields
-            ]
+            error[1, 1, p, n] = _stress_error(fields, stress, scaled[:, None] * depths)
     return xr.Dataset(
         {"error": (("quantity", "formula", "precision", "poisson", "scaled_wavenumber"), error)},
         coords={
@@ -145,60 +139,3 @@ def _printed_compliance(q: Array, nu: Any) -> Array:
     kind = q.dtype.type
     elements = printed.compliance_elements(np, q, np.zeros_like(q), kind(_HEIGHT), kind(_YOUNG), nu)
     return np.asarray(elements["33"])
-
-
-def _direct(qx: Array, qy: Array, nu: Any, z: Array) -> tuple[Array, Array, Array]:
-    """Displacements, their derivatives along z and tractions of the columns of Eq. 6, each (modes, 3, 6)."""
-    kind = qx.dtype.type
-    values, slopes = printed.basis(np, qx, qy, z, (1 - 2 * nu) / (2 * (1 - nu)))
-    rows = printed.stress_rows(values, slopes, qx, qy, kind(_YOUNG), nu)
-    # Tractions in the order x, y, z.
-    return _stack(values, qx), _stack(slopes, qx), _stack(rows[::-1], qx)
-
-
-def _direct_compliance(q: Array, nu: Any) -> Array:
-    """Surface compliance of a free layer by a numerical solution of Eqs. 5–7, (modes,)."""
-    none = np.zeros_like(q)
-    top, _, top_traction = _direct(q, none, nu, np.full_like(q, _HEIGHT))
-    _, _, bottom_traction = _direct(q, none, nu, none)
-    tractions = np.concatenate([top_traction, bottom_traction], axis=1)
-    pulled = np.broadcast_to(np.eye(6, dtype=tractions.dtype)[:, [2]], (len(q), 6, 1))
-    return (top @ _solve(tractions, pulled))[:, 2, 0].real
-
-
-def _direct_stress(qx: Array, qy: Array, nu: Any, depths: Array) -> Array:
-    """Stress under a unit pressure on a bonded layer, likewise, (modes, depths, 6)."""
-    c11, c12, c44 = printed.elastic_constants(qx.dtype.type(_YOUNG), nu)
-    bottom, _, _ = _direct(qx, qy, nu, np.zeros_like(qx))
-    _, _, traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
-    system = np.concatenate([traction, bottom], axis=1)
-    load = np.zeros((len(qx), 6, 1), system.dtype)
-    load[:, 2] = -1
-    amplitudes = _solve(system, load)
-    levels = []
-    for depth in depths.T:
-        parts = _direct(qx, qy, nu, qx.dtype.type(_HEIGHT) - depth)
-        u, slope, traction = (np.moveaxis(part @ amplitudes, 0, -1)[:, 0] for part in parts)
-        x, y, z = 1j * qx * u[0], 1j * qy * u[1], slope[2]
-        normal = c11 * x + c12 * (y + z), c11 * y + c12 * (x + z), traction[2]
-        levels.append([*normal, traction[1], traction[0], c44 * 1j * (qx * u[1] + qy * u[0])])
-    return np.moveaxis(np.array(levels), -1, 0)
-
-
-def _stack(rows: Sequence[Sequence[Any]], like: Array) -> Array:
-    """Array (modes, rows, columns) from rows of (modes,) arrays, complex in the precision of `like`."""
-    kind = np.result_type(like.dtype, np.complex64)
-    entries = [[np.broadcast_to(entry, like.shape) for entry in row] for row in rows]
-    return np.ascontiguousarray(np.moveaxis(np.array(entries), -1, 0).astype(kind))
-
-
-def _solve(systems: Array, sides: Array) -> Array:
-    """Solution of every linear system; NaN where it is singular to rounding."""
-    out = np.full(sides.shape, np.nan, systems.dtype)
-    for n, (system, side) in enumerate(zip(systems, sides, strict=True)):
-        if np.all(np.isfinite(system)):
-            try:
-                out[n] = np.linalg.solve(system, side)
-            except np.linalg.LinAlgError:
-                continue
-    return out

@@ -2,7 +2,7 @@
 
     python studies/stability/stability.py
 
-computes them in two minutes and writes docs/stability.md. Run it in the project's folder.
+computes them in three minutes of processor time and writes docs/stability.md. Run it in the project's folder.
 """
 
 from pathlib import Path
@@ -17,7 +17,6 @@ from asperity.study.small_studies import rendered
 
 NAMES = {
     "printed": "Eq. A.3, misprints corrected",
-    "direct": "Eqs. 5 to 7, solved numerically",
     "layer": "asperity",
 }
 ACCURATE = 1e-4

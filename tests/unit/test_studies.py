@@ -151,5 +151,5 @@ def test_tiny_challenge(tmp_path):
     # The estimate of the 99th percentile from the first two grids is nearer to the finest grid than theirs.
     of_half = stress[stress["poisson"] == 0.5].set_index("points")["p99"]
     assert abs(of_half[0] / of_half[512] - 1) < abs(of_half[256] / of_half[512] - 1)
-    assert challenge.draw_stress(stress, profiles).axes
+    assert challenge.draw_stress(profiles).axes
     assert "| 0.03 |" in challenge.page(rows, stress)
