@@ -11,7 +11,6 @@ ends with an error on today's scipy.
 
 import importlib.util
 import os
-import re
 from collections.abc import Callable
 from functools import partial
 
@@ -56,12 +55,6 @@ def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> tuple
     solver.dump_freq = 20_001
     solver.solve(load)
     return np.array(model.traction), np.nan
-
-
-def iterations_of_tamaas(printed: str) -> float:
-    """Number of iterations, which tamaas only prints, in the last row of its table."""
-    rows = re.findall(r"^ *(\d+) +-?\d\.\d+e", printed, re.MULTILINE)
-    return float(rows[-1]) if rows else np.nan
 
 
 def contact_mechanics(

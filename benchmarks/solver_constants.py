@@ -10,6 +10,7 @@ import sys
 from importlib import import_module
 
 import numpy as np
+from contact import FRACTION, LAYER, load_on, rough
 
 import asperity as asp
 
@@ -23,7 +24,6 @@ CONSTANTS = {
 }
 """Constant → module below `asperity.contact`."""
 
-LAYER = asp.Solid(1.0, 0.0)
 POINTS = 512
 FACTORS = (0.5, 1.0, 2.0)
 
@@ -32,9 +32,9 @@ def cost():
     """Mean number of pairs of transforms, and of iterations."""
     spent = []
     for hurst in (0.2, 0.8):
-        height = asp.self_affine((POINTS, POINTS), hurst, 1 / 8, 8 / POINTS, 1e-3, seed=1)
-        gradient = asp.roughness_parameters(height).rms_gradient
-        for imposed in ({"mean_pressure": 0.05 * gradient}, {"area_fraction": 0.01}, {"area_fraction": 0.1}):
+        height = rough(POINTS, hurst)
+        load = {"mean_pressure": load_on(height, FRACTION)}
+        for imposed in (load, {"area_fraction": 0.01}, {"area_fraction": 0.1}):
             certificate = asp.solve_contact(height, LAYER, **imposed).certificate
             spent.append((certificate.pairs, certificate.iterations))
     return np.mean(spent, axis=0)

@@ -24,6 +24,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads would coun
 
 import numpy as np
 import pandas as pd
+from contact import rough
 from memory import peak_memory
 
 import asperity as asp
@@ -44,8 +45,7 @@ def under(pressure: Array) -> asp.LoadedSolid:
 
 def press(points: int) -> asp.LoadedSolid:
     """Contact at ten per cent area with eight nodes on the shortest wave, and the longest wave L/8."""
-    height = asp.self_affine((points, points), HURST, 1 / 8, 8 / points, 1e-3, seed=1)
-    return under(asp.solve_contact(height, LAYER, area_fraction=0.1, rtol=1e-5).pressure)
+    return under(asp.solve_contact(rough(points, HURST), LAYER, area_fraction=0.1, rtol=1e-5).pressure)
 
 
 def measure_once(path: Path, threads: int) -> None:

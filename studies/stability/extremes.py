@@ -51,11 +51,10 @@ NAMING = (" = ", "height:")
 class ExtremeCase:
     """Settings of a rough contact. The defaults are the base case, of which one or two settings are changed.
 
-    `scaled_height` is 2π height / L, the smallest q · height of the cell, infinite for the half-space;
-    `imposed` is ``("load", part)`` of the mean pressure that closes the last gap, ``("area", fraction)`` of the
-    nodes, or ``("approach", part)`` of the way from the lowest to the mean height; wavelengths are over the
-    edge of the cell and over the grid spacing; `johnson` has γ and δ of Eq. 23, None for Gaussian heights;
-    `points` are those on an edge.
+    `scaled_height` is 2π height / L, infinite for the half-space. `imposed` is ``("load", part)`` of the mean
+    pressure that closes the last gap, ``("area", fraction)`` of the nodes, or ``("approach", part)`` of the
+    way from the lowest to the mean height. Wavelengths are over the edge of the cell and over the grid
+    spacing. `johnson` has γ and δ of Eq. 23, None for Gaussian heights. `points` are those on an edge.
     """
 
     poisson: float = 0.33
