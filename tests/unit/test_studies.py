@@ -115,8 +115,17 @@ def test_tiny_height_distribution(tmp_path, monkeypatch):
     blunt, error = height_distribution.change(rows, "gradient_contact", "skewness_plus_10")
     assert blunt < -3 * error
     assert height_distribution.change(rows, "p99", "skewness_plus_10")[0] == pytest.approx(blunt, abs=0.2)
-    kept = pd.read_csv(ROOT / "docs/height_distribution.csv")
-    assert "positive skewness | -77.64 ± 0.16 % | -75.5 ± 1.2 % | holds |" in height_distribution.page(kept)
+
+
+@pytest.mark.parametrize(
+    ("study", "tables"),
+    [(nayak, [""]), (master_curve, [""]), (height_distribution, [""]), (challenge, ["", "_stress"])],
+    ids=lambda each: getattr(each, "__name__", ""),
+)
+def test_pages_follow_from_kept_tables(study, tables):
+    docs = ROOT / "docs"
+    kept = [pd.read_csv(docs / f"{study.__name__}{table}.csv") for table in tables]
+    assert study.page(*kept) == (docs / f"{study.__name__}.md").read_text("utf-8")
 
 
 def test_persson_area_is_an_error_function():
