@@ -23,7 +23,7 @@ def settings() -> str:
 
 
 def materials() -> str:
-    """The materials: constants, their ranges and places in the sources, and the numbered sources."""
+    """The materials: constants, their ranges, and the numbered sources."""
     texts = list(packaged_yaml("asperity.settings", "materials.yaml")["sources"].values())
     head = ["material", "also", "kind", *(UNITS.get(name, name) for name in CONSTANTS)]
     values, places, used = [], [], []
@@ -36,15 +36,15 @@ def materials() -> str:
         for name, constant in found.items():
             source = max((text for text in texts if constant.source.startswith(text)), key=len)
             used += [source] if source not in used else []
-            place = f"[{used.index(source) + 1}]{constant.source.removeprefix(source)}"
+            place = f"[{used.index(source) + 1}]"
             span = "" if constant.range is None else f" ({' to '.join(map(str, constant.range))})"
             of_place.setdefault(place, []).append(f"{name}{span}")
-        cited = (f"{', '.join(names)}: {place}" for place, names in of_place.items())
+        cited = (f"{', '.join(names)} {place}" for place, names in of_place.items())
         places.append([each.name, "; ".join(cited)])
     numbered = "\n".join(f"{number}. {source}" for number, source in enumerate(used, 1))
     return (
-        f"{_table(head, values)}\n\n## Ranges and places in the sources\n\n"
-        f"{_table(['material', 'constant (range): source, place'], places)}\n\n## Sources\n\n{numbered}\n"
+        f"{_table(head, values)}\n\n## Ranges and sources of the constants\n\n"
+        f"{_table(['material', 'constant (range) [source]'], places)}\n\n## Sources\n\n{numbered}\n"
     )
 
 
