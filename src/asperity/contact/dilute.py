@@ -75,7 +75,7 @@ class Division:
         grid, step = response.grid, self.spacing_times_alpha / self.alpha(response.grid)
         if response.repeats:
             ny, nx = (good_size(math.ceil(edge / step)) for edge in grid.length)
-            return Grid((ny, nx), grid.length)
+            return Grid((ny, nx), grid.length, grid.mirrored)
         ny, nx = (good_size(math.ceil(2 * edge / step) + 2 * ORDER) for edge in grid.length)
         return Grid((ny, nx), (ny * step, nx * step))
 
@@ -105,8 +105,7 @@ class SplitResponse:
         far = division.far_grid(response)
         self._fourier = Fourier(far, np.float32, threads, response.fourier.work)
         self._factors = (unit * _far_field(response, far, alpha)).astype(np.float32)
-        of_axes = zip(grid.shape, grid.spacing, far.shape, far.spacing, strict=True)
-        of_rows, of_columns = (_splines(*of_axis) for of_axis in of_axes)
+        of_rows, of_columns = (_splines(grid, far, axis) for axis in (0, 1))
         self._splines = *of_rows, *of_columns, grid.shape[1]
         self._field = np.empty(far.shape, np.float32)
         self._coefficients = np.empty(far.mode_shape, self._fourier.coefficient_type)
@@ -220,7 +219,7 @@ def can_be_split(response: Response) -> bool:
     """True if the grid is large enough, pixels are nearly square, and short waves those of a half-space."""
     grid, solid = response.grid, response.solid
     ratio = max(grid.spacing) / min(grid.spacing)
-    if min(grid.shape) < MIN_POINTS or ratio > MAX_SPACING_RATIO or grid.mirrored:
+    if min(grid.shape) < MIN_POINTS or ratio > MAX_SPACING_RATIO:
         return False
     if solid.height is None and solid.interface is None:
         return True
@@ -288,9 +287,10 @@ def _write_erf_over(distance: Any, factor: float, out: Any) -> None:
         out[i] = math.erf(factor * r) / r if r > 0 else 2 * factor / math.sqrt(math.pi)
 
 
-def _splines(nodes: int, spacing: float, coarse_nodes: int, coarse_spacing: float) -> tuple[Array, Array]:
+def _splines(grid: Grid, far: Grid, axis: int) -> tuple[Array, Array]:
     """Coarse-grid nodes around each node along an axis, and the values of their B-splines there."""
-    position = np.arange(nodes)[:, None] * (spacing / coarse_spacing)
+    nodes, ratio, period = grid.shape[axis], grid.spacing[axis] / far.spacing[axis], far.whole_cell.shape[axis]
+    position = (np.arange(nodes)[:, None] + 0.5) * ratio - 0.5
     coarse = np.floor(position - ORDER / 2).astype(int) + 1 + np.arange(ORDER)
 
     def spline(at: Array, order: int) -> Array:
@@ -299,7 +299,10 @@ def _splines(nodes: int, spacing: float, coarse_nodes: int, coarse_spacing: floa
         return (at * spline(at, order - 1) + (order - at) * spline(at - 1, order - 1)) / (order - 1)
 
     values = spline(position - coarse + ORDER / 2, ORDER)
-    return (coarse % coarse_nodes).astype(np.int32), values.astype(np.float32)
+    coarse %= period
+    if far.mirrored:
+        coarse = np.minimum(coarse, period - 1 - coarse)
+    return coarse.astype(np.int32), values.astype(np.float32)
 
 
 @compiled
