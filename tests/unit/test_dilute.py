@@ -14,7 +14,13 @@ PAIR = asp.TwoBodies(HALF_SPACE, asp.Solid(3.0, 0.2))
 
 
 @pytest.fixture
-def solved_twice(monkeypatch):
+def small_grids(monkeypatch):
+    """Smaller grids may be split than pays."""
+    monkeypatch.setattr(dilute, "MIN_POINTS", 128)
+
+
+@pytest.fixture
+def solved_twice(monkeypatch, small_grids):
     """Contacts on candidate nodes and on the whole grid, of the same arguments."""
 
     def solve(*arguments, **options):
@@ -49,6 +55,8 @@ def patches(shape):
 @pytest.mark.parametrize(
     ("boundary", "solid", "shape", "length"),
     [
+        ("mirrored", HALF_SPACE, (128, 256), (1.0, 2.0)),
+        ("mirrored", COATED, (257, 263), (1.0, 1.0)),
         ("periodic", HALF_SPACE, (256, 512), (1.0, 2.0)),
         ("periodic", HALF_SPACE, (257, 263), (1.0, 1.5)),
         ("periodic", LAYER, (300, 256), (1.0, 1.0)),
@@ -59,9 +67,11 @@ def patches(shape):
 )
 @pytest.mark.parametrize(("division", "error"), [(dilute.DIVISION, 1e-3), (dilute.INNER_DIVISION, 1e-2)])
 def test_displacement_of_candidates_is_that_of_the_whole_grid(
-    boundary, solid, shape, length, division, error
+    boundary, solid, shape, length, division, error, small_grids
 ):
-    response = response_on(boundary, solid, asp.Grid(shape, length), omits_mean=boundary == "periodic")
+    grid = asp.Grid(shape, length, mirrored=boundary == "mirrored")
+    boundary = "free" if boundary == "free" else "periodic"
+    response = response_on(boundary, solid, grid, omits_mean=boundary == "periodic")
     nodes, pressure = patches(shape)
     field = np.zeros(shape)
     field.reshape(-1)[nodes] = pressure
@@ -83,6 +93,8 @@ def test_displacement_of_candidates_is_that_of_the_whole_grid(
         (LAYER, {}),
         (COATED, {"rtol": 1e-8}),
         (PAIR, {"boundary": "free", "hardness": 0.03}),
+        (HALF_SPACE, {"mirrored": True}),
+        (LAYER, {"mirrored": True, "hardness": 0.04}),
     ],
 )
 def test_pressure_is_that_of_the_whole_grid(solid, options, seed, solved_twice):
@@ -90,7 +102,8 @@ def test_pressure_is_that_of_the_whole_grid(solid, options, seed, solved_twice):
     shape = [(256, 512), (521, 523), (600, 300)][seed]
     hurst, load = (0.8, 0.2, 0.5)[seed], (2e-5, 1e-4, 2e-4)[seed]
     height = asp.self_affine(shape, hurst, 0.25, 0.02, rms_height=2e-3, seed=seed)
-    options = options | {"length": (1.0, shape[1] / shape[0])}
+    grid = asp.Grid(shape, (1.0, shape[1] / shape[0]), options.get("mirrored", False))
+    options = {name: value for name, value in options.items() if name != "mirrored"} | {"length": grid}
     found, whole = solved_twice(height, solid, mean_pressure=load, **options)
     assert 0 < whole.area_fraction < dilute.MAX_AREA
     assert difference(found.pressure, whole.pressure) < 5 * options.get("rtol", 1e-6)
@@ -101,19 +114,36 @@ def test_pressure_is_that_of_the_whole_grid(solid, options, seed, solved_twice):
     assert area.area_fraction == pytest.approx(whole.area_fraction, rel=1e-3)
 
 
-@pytest.mark.parametrize("kind", ["punch", "sphere", "spikes"])
-def test_pressure_under_other_shapes_is_that_of_the_whole_grid(kind, solved_twice):
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("kind", ["punch", "sphere", "spikes", "corner", "steps"])
+def test_pressure_under_other_shapes_is_that_of_the_whole_grid(kind, mirrored, solved_twice):
     y, x = np.indices((384, 512)) / 384
     height = {
         "punch": np.where((abs(y - 0.4) < 0.04) & (abs(x - 0.7) < 0.03), 0.0, 0.1),
         "sphere": (y - 0.47) ** 2 + (x - 0.99) ** 2,
         "spikes": np.where((np.arange(384)[:, None] % 37 == 0) & (np.arange(512) % 41 == 0), -0.01, 0) + x**4,
+        "corner": np.hypot(y, x) + 0.1 * np.hypot(y - 0.5, x - 4 / 3),
+        "steps": np.round(asp.self_affine(x.shape, 0.8, 0.25, 0.02, rms_height=1e-3, seed=3), 4),
     }[kind]
-    found, whole = solved_twice(height, HALF_SPACE, (1.0, 4 / 3), force=1e-4)
+    grid = asp.Grid(x.shape, (1.0, 4 / 3), mirrored)
+    found, whole = solved_twice(height, HALF_SPACE, grid, force=1e-4)
     assert difference(found.pressure, whole.pressure) < 5e-6
 
 
-def test_threads_change_no_bit():
+@pytest.mark.parametrize("points", [300, 301])
+def test_displacements_by_direct_sums_are_exact(points, small_grids):
+    response = response_on("free", PAIR, asp.Grid((points, 300), (1.0, 300 / points)))
+    nodes, pressure = patches(response.grid.shape)
+    problem = dilute.Problem(np.zeros(response.grid.shape), response)
+    nearby = dilute.CandidateProblem(problem, nodes, dilute.SplitResponse(response, dilute.DIVISION))
+    few = np.arange(0, nodes.size, 40)
+    assert nearby.corrected(dilute.Pressure(few, pressure[few], np.nan))
+    exact = problem.displacement(nodes[few], pressure[few]).reshape(-1)[nodes]
+    found = nearby.displacement(few, pressure[few])
+    np.testing.assert_allclose(found, exact, rtol=1e-13)
+
+
+def test_threads_change_no_bit(small_grids):
     height = asp.self_affine((512, 512), 0.5, 0.25, 0.02, rms_height=2e-3, seed=4)
     for boundary in ("periodic", "free"):
         one, two = (

@@ -396,8 +396,11 @@ class ActiveSet:
             SplitResponse(problem.response, INNER_DIVISION),
         )
         nearby = CandidateProblem(problem, start.nodes, self._split[0])
-        tolerance = max(CANDIDATE_ERROR, 0.3 * self._rule.tolerance)
-        found = self._solved(nearby, Pressure(bearing, start.values[bearing], start.load), tolerance)
+        wanted = 0.3 * self._rule.tolerance
+        found = Pressure(bearing, start.values[bearing], start.load)
+        found = self._solved(nearby, found, max(CANDIDATE_ERROR, wanted))
+        if wanted < CANDIDATE_ERROR and nearby.corrected(found):
+            found = self._solved(nearby, found, max(CANDIDATE_DROP * CANDIDATE_ERROR, wanted))
         return Pressure(start.nodes[found.nodes], found.values, found.load)
 
     def _step_on_candidates(self, iterate: Iterate, system: ContactSystem) -> tuple[Step, float] | None:
@@ -477,7 +480,7 @@ class ActiveSet:
                 break
             if self._exact is None:
                 self._exact = Stagnation()
-                if not isinstance(problem, CandidateProblem):
+                if problem.has_whole_grid:
                     self._inner = InnerSolver(problem.response, divided=False)
                 return after
         self._length = min(2 * self._length, 1.0)
@@ -499,7 +502,7 @@ class ActiveSet:
         operators, problem = system.linear.operators, iterate.problem
         nodes, hardness = operators.nodes, problem.hardness
         few = problem.response.solid.height is None and nodes.size < LEAST_BALANCED * problem.grid.size
-        if self._control.fixes_load or not nodes.size or few or isinstance(problem, CandidateProblem):
+        if self._control.fixes_load or not nodes.size or few or not problem.has_whole_grid:
             return None
         uniform = _displacement(problem, nodes, np.ones(nodes.size))
         compliance = float(uniform[nodes].sum(dtype=float))

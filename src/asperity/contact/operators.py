@@ -459,7 +459,7 @@ class NodePreconditioner:
         """Displacement (σ + 1/G)⁻¹ Vᵀ r of the cells, given the sums of w r over them."""
         whole, fourier = self._whole, self._whole.coarse
         residual = whole.on_coarse_grid(cell_sums * (whole.cells.size / whole.grid.size))
-        y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
+        y, direction, image, response, z = np.zeros((5, *residual.shape), np.float32)
         fields = [field.reshape(-1) for field in (residual, z, self._sigma, direction, image, response)]
         coefficients = np.empty(fourier.grid.mode_shape, fourier.coefficient_type)
         first = previous = 0.0

@@ -9,6 +9,7 @@ neither the datum nor such heights set a scale or reduce the accuracy of the oth
 import math
 from dataclasses import dataclass, replace
 from threading import Event
+from typing import ClassVar
 
 import numpy as np
 
@@ -80,7 +81,14 @@ class Problem:
         Largest pressure, rounded to the precision of the fields.
     plastic : Event, optional
         Set once a pressure has met the hardness, on any grid.
+
+    Attributes
+    ----------
+    has_whole_grid : bool
+        False if the heights are those of some of the grid's nodes.
     """
+
+    has_whole_grid: ClassVar[bool] = True
 
     def __init__(
         self, height: Array, response: Response, hardness: float = math.inf, plastic: Event | None = None

@@ -200,19 +200,15 @@ def padded_grid(grid: Grid) -> Grid:
 def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
     """Real factors that turn the padded coefficients of a pressure into those of its displacement.
 
-    Of the `half_shape` of `padded_grid`. The compliance is even in y and in x: they are the part that is even
-    in ky of the coefficients of a quarter of it, with half of the values on the lines of symmetry.
+    Of the `half_shape` of `padded_grid`. The compliance is even in y and in x: a quarter of it, both lines of
+    symmetry included, has them as its cosine transform of type 1.
     """
-    padded, (y, x) = padded_grid(grid), _distances(grid)
-    rows, columns = (nodes // 2 + 1 for nodes in padded.shape)
-    part = np.zeros((rows, padded.shape[1]))
-    quarter = part[:, :columns]
-    quarter[:] = rectangle_compliance(y[:rows, None], x[:columns], grid.spacing, effective_modulus)
-    for line in (quarter[0], quarter[-1], quarter[:, 0], quarter[:, -1]):
-        line *= 0.5
-    coefficients = np.empty(padded.mode_shape, complex)
-    Fourier(padded).engine.forward(part, coefficients)
-    return (coefficients.real[:rows] + coefficients.real[-padded.ky[:rows]]) * (2 * padded.size)
+    import scipy.fft
+
+    rows, columns = padded_grid(grid).half_shape
+    y, x = (step * np.arange(nodes) for step, nodes in zip(grid.spacing, (rows, columns), strict=True))
+    quarter = rectangle_compliance(y[:, None], x, grid.spacing, effective_modulus)
+    return scipy.fft.dctn(quarter, type=1, overwrite_x=True)
 
 
 def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:

@@ -18,8 +18,8 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from functools import partial
-from importlib.metadata import version
+from functools import cache, partial
+from importlib import metadata
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
@@ -98,6 +98,10 @@ def _engine(argument: str, name: str) -> "Engine":
         raise ValueError(f"{argument} = {shown(name)}: {' or '.join(ENGINES)} is needed")
     require((name,))
     return _ENGINES[name]
+
+
+version = cache(metadata.version)
+"""Version of a package, whose files are read once."""
 
 
 class Ducc0Engine:

@@ -149,11 +149,10 @@ class Grid:
         images = 2 if self.mirrored else 1
         return images * self.length[0], images * self.length[1]
 
-    @property
+    @cached_property
     def whole_cell(self) -> Grid:
         """Grid of a whole period: of a mirrored map and its three mirror images, as `with_mirror_images`."""
-        images = 2 if self.mirrored else 1
-        return Grid((images * self.shape[0], images * self.shape[1]), self.period)
+        return Grid((2 * self.shape[0], 2 * self.shape[1]), self.period) if self.mirrored else self
 
     @property
     def mode_shape(self) -> tuple[int, int]:
@@ -384,7 +383,7 @@ class Fourier:
 
 def _odd_lines(coefficients: Array, odd: tuple[bool, bool]) -> list[Array]:
     """Views of coefficients of sines whose first axis is that of the sines."""
-    return [lines for lines, is_odd in zip((coefficients, coefficients.T), odd, strict=True) if is_odd]
+    return [lines for lines, is_odd in ((coefficients, odd[0]), (coefficients.T, odd[1])) if is_odd]
 
 
 def real_type(dtype: DTypeLike) -> np.dtype[Any]:
