@@ -34,6 +34,7 @@ from inputs import (
 )
 
 import asperity as asp
+from asperity.contact import dilute
 from asperity.fourier.grid import with_mirror_images
 from asperity.surface.treatment.treatment import make_periodic
 
@@ -214,6 +215,62 @@ def try_mirrored(case):
     expected = whole.pressure[: grid.shape[0], : grid.shape[1]]
     error = np.linalg.norm(found.pressure - expected) / np.linalg.norm(expected)
     require(error <= WORST_NODE * rtol, "the pressure is another than on the cell")
+
+
+dilute_contacts = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(128, 300), st.integers(128, 300)),
+        "seed": st.integers(0, 100),
+        "kind": st.sampled_from(["rough", "steps", "punch", "spikes", "bowl"]),
+        "boundary": st.sampled_from(["periodic", "mirrored", "free"]),
+        "solid": st.sampled_from(families.HALF_SPACES),
+        "control": st.sampled_from(["mean_pressure", "force", "approach", "area_fraction"]),
+        "load": power_of_ten(-7, -4),
+        "hardness": st.none() | st.floats(1.01, 30),
+        "precision": st.sampled_from(families.FAMILY_LEVELS["precision"]),
+    }
+)
+
+
+def try_dilute(case):
+    """The contact on nodes that may touch is that on the whole grid."""
+    (ny, nx), seed, (dtype, rtol) = case["shape"], case["seed"], case["precision"]
+    grid = asp.Grid((ny, nx), (1.0, nx / ny), case["boundary"] == "mirrored")
+    generator, (y, x) = np.random.default_rng(seed), np.indices(grid.shape) / ny
+    rough = asp.self_affine(grid.shape, 0.7, 0.3, 0.03, rms_height=3e-3, seed=seed)
+    top, left = generator.random(2)
+    height = {
+        "rough": rough,
+        "steps": np.round(rough, 3),
+        "punch": np.where(np.maximum(abs(y - top), abs(x - left)) < 0.04, 0.0, 0.1),
+        "spikes": 0.01 * (generator.random(grid.shape) > 1e-3),
+        "bowl": (y - top) ** 2 + (x - left) ** 2,
+    }[case["kind"]]
+    solid = families.SOLIDS[case["solid"]]
+    settings = {"boundary": "free" if case["boundary"] == "free" else "periodic", "dtype": dtype, "rtol": rtol}
+    load = case["load"] * solid.effective_modulus
+    if case["hardness"]:
+        settings["hardness"] = 100 * case["hardness"] * load
+    usual = dilute.MAX_AREA, dilute.MIN_POINTS
+    try:
+        dilute.MAX_AREA, dilute.MIN_POINTS = 0.0, 128
+        whole = asp.solve_contact(height, solid, grid, mean_pressure=load, **settings)
+        if not 0 < whole.area_fraction < usual[0]:
+            return "dense"
+        dilute.MAX_AREA = usual[0]
+        control = case["control"]
+        found = asp.solve_contact(height, solid, grid, **{control: getattr(whole, control)}, **settings)
+    except asp.ConvergenceError as error:
+        require(dilute.MAX_AREA == 0, f"not solved on the nodes that may touch: {error}")
+        raise
+    finally:
+        dilute.MAX_AREA, dilute.MIN_POINTS = usual
+    if control == "area_fraction":
+        require(found.control_error <= max(whole.control_error, 1e-2), "the area is another")
+        return
+    error = np.linalg.norm(found.pressure - whole.pressure) / np.linalg.norm(whole.pressure)
+    allowed = WORST_NODE * rtol * max(1.0, reach(whole)) + rounding(whole) * (control == "approach")
+    require(error <= allowed, f"the pressure is another than on the whole grid, by {error:.1g}")
 
 
 # Stress
@@ -520,6 +577,7 @@ PROPERTIES = {
     "family": (engineered, try_family),
     "contact": (contacts, try_contact),
     "mirrored": (mirrored_maps, try_mirrored),
+    "dilute": (dilute_contacts, try_dilute),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
     "surface": (surfaces, try_surface),
