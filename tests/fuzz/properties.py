@@ -247,7 +247,11 @@ def try_dilute(case):
         "bowl": (y - top) ** 2 + (x - left) ** 2,
     }[case["kind"]]
     solid = families.SOLIDS[case["solid"]]
-    settings = {"boundary": "free" if case["boundary"] == "free" else "periodic", "dtype": dtype, "rtol": rtol}
+    settings = {
+        "boundary": "free" if case["boundary"] == "free" else "periodic",
+        "dtype": dtype,
+        "rtol": rtol,
+    }
     load = case["load"] * solid.effective_modulus
     if case["hardness"]:
         settings["hardness"] = 100 * case["hardness"] * load

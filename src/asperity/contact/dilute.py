@@ -200,7 +200,9 @@ class CandidateProblem(Problem):
         values = np.minimum(pressure.values, self.hardness).astype(float)
         self._pressure[:] = 0
         self._pressure[pressure.nodes] = values
-        y, x = (np.arange(nodes) * step for nodes, step in zip(self.grid.shape, self.grid.spacing, strict=True))
+        y, x = (
+            np.arange(nodes) * step for nodes, step in zip(self.grid.shape, self.grid.spacing, strict=True)
+        )
         kernel = rectangle_compliance(y[:, None], x, self.grid.spacing, response.solid.effective_modulus)
         loaded = divmod(self.candidates[pressure.nodes].astype(np.int64), x.size)
 
@@ -315,7 +317,9 @@ def _write_erf_over(distance: Any, factor: float, out: Any) -> None:
 
 
 @compiled
-def _write_sums(row: Any, column: Any, values: Any, at_row: Any, at_column: Any, kernel: Any, out: Any) -> None:
+def _write_sums(
+    row: Any, column: Any, values: Any, at_row: Any, at_column: Any, kernel: Any, out: Any
+) -> None:
     """Write the sums of values × kernel at other nodes."""
     for k in range(out.size):
         total = 0.0
@@ -326,7 +330,11 @@ def _write_sums(row: Any, column: Any, values: Any, at_row: Any, at_column: Any,
 
 def _splines(grid: Grid, far: Grid, axis: int) -> tuple[Array, Array]:
     """Coarse-grid nodes around each node along an axis, and the values of their B-splines there."""
-    nodes, ratio, period = grid.shape[axis], grid.spacing[axis] / far.spacing[axis], far.whole_cell.shape[axis]
+    nodes, ratio, period = (
+        grid.shape[axis],
+        grid.spacing[axis] / far.spacing[axis],
+        far.whole_cell.shape[axis],
+    )
     position = (np.arange(nodes)[:, None] + 0.5) * ratio - 0.5
     coarse = np.floor(position - ORDER / 2).astype(int) + 1 + np.arange(ORDER)
 
