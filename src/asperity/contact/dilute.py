@@ -47,7 +47,8 @@ ORDER = 4
 # of 1 % on 512² nodes that repeat take 1.2 to 1.6 times as long on candidates.
 MIN_POINTS = 1024
 
-# Direct sums over a free boundary take less time than transforms of the whole grid up to so many terms a node.
+# A direct sum over a free boundary takes less time than transforms of the whole grid if it has at most this
+# number times as many terms as the grid has nodes.
 MAX_TERMS = 20.0
 
 # Of waves shorter than the far field's grid holds, the compliance differs from that of a half-space with the
@@ -193,16 +194,14 @@ class CandidateProblem(Problem):
         return self._displacement + self.nodal_compliance * caused
 
     def corrected(self, pressure: Pressure) -> bool:
-        """True if displacements are now exact under a pressure: over a free boundary, if few nodes bear it."""
+        """Take a pressure over a free boundary as the last exact one; False if that takes too long."""
         response, count = self.response, pressure.nodes.size
         if response.repeats or count * self.candidates.size > MAX_TERMS * self.grid.size:
             return False
         values = np.minimum(pressure.values, self.hardness).astype(float)
         self._pressure[:] = 0
         self._pressure[pressure.nodes] = values
-        y, x = (
-            np.arange(nodes) * step for nodes, step in zip(self.grid.shape, self.grid.spacing, strict=True)
-        )
+        y, x = self.grid.coordinates()
         kernel = rectangle_compliance(y[:, None], x, self.grid.spacing, response.solid.effective_modulus)
         loaded = divmod(self.candidates[pressure.nodes].astype(np.int64), x.size)
 
@@ -330,12 +329,8 @@ def _write_sums(
 
 def _splines(grid: Grid, far: Grid, axis: int) -> tuple[Array, Array]:
     """Coarse-grid nodes around each node along an axis, and the values of their B-splines there."""
-    nodes, ratio, period = (
-        grid.shape[axis],
-        grid.spacing[axis] / far.spacing[axis],
-        far.whole_cell.shape[axis],
-    )
-    position = (np.arange(nodes)[:, None] + 0.5) * ratio - 0.5
+    ratio, period = grid.spacing[axis] / far.spacing[axis], far.whole_cell.shape[axis]
+    position = (np.arange(grid.shape[axis])[:, None] + 0.5) * ratio - 0.5
     coarse = np.floor(position - ORDER / 2).astype(int) + 1 + np.arange(ORDER)
 
     def spline(at: Array, order: int) -> Array:
