@@ -12,6 +12,7 @@ mean square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, 
 
 Displacements are right to about 1e-3, or to a per cent in inner solves. The outer loop evaluates the gap of
 the whole grid exactly, so that only the change of the pressure since has this error (`CandidateProblem`).
+Over a free boundary a direct sum over few contact nodes does the same for the candidates.
 """
 
 import math
