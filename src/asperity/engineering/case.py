@@ -37,7 +37,7 @@ from asperity.settings.body import Body
 from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import own_materials
-from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, setting
+from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, optional, setting
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.planes.fields import FIELDS
 
@@ -67,7 +67,7 @@ class Case(Settings):
     """The height map that is pressed, peaks upward; or the name of its file alone."""
     body: Body = setting(...)
     """The body, whose surface is the map."""
-    counter_body: Body | None = setting(None, default_text="rigid and flat")
+    counter_body: Body | None = optional("rigid and flat")
     """The counter body, rigid if only its map is given. Which of the two is rough does not matter as long as
     the slopes are small."""
     load: Load = setting(...)
@@ -76,39 +76,33 @@ class Case(Settings):
         ("von_mises",)
     )
     """Fields of the stress whose peaks are listed and that are drawn."""
-    materials: str | None = setting(
-        None, default_text=f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
+    materials: str | None = optional(
+        f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
     )
     """File with materials of your own."""
-    film: Film | None = setting(None, default_text="not asked")
+    film: Film | None = optional("not asked")
     """A film carries a part of the load."""
-    run_in: RunIn | None = setting(None, default_text="not asked")
+    run_in: RunIn | None = optional("not asked")
     """Run-in: first loads flatten the map."""
-    sliding: Sliding | None = setting(None, default_text="no friction")
+    sliding: Sliding | None = optional("no friction")
     """Full sliding."""
-    conduction: Conduction | None = setting(
-        None, default_text="asked if both bodies give a conductivity or resistivity themselves"
+    conduction: Conduction | None = optional(
+        "asked if both bodies give a conductivity or resistivity themselves"
     )
     """Contact conductance."""
-    leak: Leak | None = setting(None, default_text="not asked")
+    leak: Leak | None = optional("not asked")
     """Percolation and leakage through the gap."""
-    partial_slip: PartialSlip | None = setting(None, default_text="not asked")
+    partial_slip: PartialSlip | None = optional("not asked")
     """Partial slip."""
-    load_curve: LoadCurve | None = setting(None, default_text="not asked")
+    load_curve: LoadCurve | None = optional("not asked")
     """Load curve."""
-    yielding: Yielding | None = setting(
-        None, default_text="asked if a body or its material has a yield stress"
-    )
+    yielding: Yielding | None = optional("asked if a body or its material has a yield stress")
     """Yield."""
-    cycles: Cycles | None = setting(
-        None, default_text="asked if a body gives fatigue limits or a residual stress itself"
-    )
+    cycles: Cycles | None = optional("asked if a body gives fatigue limits or a residual stress itself")
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
-    sensitivity: Sensitivity | None = setting(
-        None, default_text="asked if an input has a tolerance, such as `210 GPa ± 5 %`"
-    )
+    sensitivity: Sensitivity | None = optional("asked if an input has a tolerance, such as `210 GPa ± 5 %`")
     """Change of the main numbers with each input."""
-    sample: SampleOfMaps | None = setting(None, default_text="one map, or several that are compared")
+    sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
     @model_validator(mode="wrap")

@@ -17,7 +17,7 @@ from pydantic import (
 from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
 from asperity.settings.materials import material
-from asperity.settings.model import NeededError, Number, Settings, described, setting
+from asperity.settings.model import NeededError, Number, Settings, described, optional, setting
 from asperity.settings.quantities import STRESS, Hardness, Length, Position, Pressure, Stress
 
 
@@ -31,9 +31,8 @@ class OfMaterial(Settings):
 
     model_config = ConfigDict(json_schema_extra=_filled_by_material)
 
-    material: str | None = setting(
-        None,
-        default_text="constants are given one by one",
+    material: str | None = optional(
+        "constants are given one by one",
         accepts="the name of a material, as `asperity case --materials` lists them",
         example="100Cr6",
     )
@@ -42,8 +41,8 @@ class OfMaterial(Settings):
     """Young's modulus."""
     poisson: Number = setting(..., default_text="that of the material", gt=-1, le=0.5, example=0.3)
     """Poisson's ratio."""
-    yield_stress: Pressure | None = setting(
-        None, default_text="that of the material; without one yielding is not analysed", example="1.5 GPa"
+    yield_stress: Pressure | None = optional(
+        "that of the material; without one yielding is not analysed", example="1.5 GPa"
     )
     """Yield stress; the volume above it is reported."""
     _of_table: tuple[str, ...] = PrivateAttr(())
@@ -84,7 +83,7 @@ class Coating(OfMaterial):
 
     thickness: Length = setting(..., example="2 um")
     """Thickness of the coating."""
-    residual_stress: Stress | None = setting(None, default_text="none", example="-2 GPa")
+    residual_stress: Stress | None = optional("none", example="-2 GPa")
     """Equal normal stresses along x and y in the coating of the unloaded body, compression negative. They are
     added to the stress in the coating."""
 
@@ -166,43 +165,33 @@ class Body(OfMaterial):
         layer = {} if value.height is None else {"layer": {"height": value.height, "bottom": value.bottom}}
         return {"young": value.young, "poisson": value.poisson, **layer}
 
-    hardness: Hardness | None = setting(
-        None,
-        default_text="that of the material, if the body has no coating; without one an elastic contact",
-        example="7 GPa",
+    hardness: Hardness | None = optional(
+        "that of the material, if the body has no coating; without one an elastic contact", example="7 GPa"
     )
     """Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
     of two bodies the smaller one is used."""
-    conductivity: Number | None = setting(
-        None, default_text="that of the material", unit="W/(m K)", gt=0, le=1e5, example=50.0
-    )
+    conductivity: Number | None = optional("that of the material", unit="W/(m K)", gt=0, le=1e5, example=50.0)
     """Thermal conductivity; with that of the counter body, the contact conductance is reported."""
-    resistivity: Number | None = setting(
-        None, default_text="that of the material", unit="Ω m", gt=0, le=1e20, example=1e-7
-    )
+    resistivity: Number | None = optional("that of the material", unit="Ω m", gt=0, le=1e20, example=1e-7)
     """Electrical resistivity; with that of the counter body, the contact conductance is reported."""
-    fatigue_torsion: Pressure | None = setting(
-        None,
-        default_text="that of the material; without one no stress cycles are reported",
-        example="300 MPa",
+    fatigue_torsion: Pressure | None = optional(
+        "that of the material; without one no stress cycles are reported", example="300 MPa"
     )
     """Fatigue limit in fully reversed torsion, 0.5 to 1 times that in bending."""
-    fatigue_bending: Pressure | None = setting(
-        None,
-        default_text="that of the material; without one no stress cycles are reported",
-        example="480 MPa",
+    fatigue_bending: Pressure | None = optional(
+        "that of the material; without one no stress cycles are reported", example="480 MPa"
     )
     """Fatigue limit in fully reversed bending."""
-    residual_stress: Residual | None = setting(None, default_text="none", example="-400 MPa")
+    residual_stress: Residual | None = optional("none", example="-400 MPa")
     """Equal normal stresses along x and y in the unloaded body, compression negative. They are added to
     the mean stress in the criterion of Dang Van. A group of two lists, `depth` and `stress`, is a table over
     depth, linear between its rows and constant beyond them."""
-    coating: Coating | None = setting(None, default_text="no coating")
+    coating: Coating | None = optional("no coating")
     """Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are
     those below the coating."""
-    layer: Layer | None = setting(None, default_text="a half-space")
+    layer: Layer | None = optional("a half-space")
     """A layer on a rigid base."""
-    map: CounterMap | None = setting(None, default_text="the counter body is flat")
+    map: CounterMap | None = optional("the counter body is flat")
     """Height map of the counter body, which is rigid if nothing else is given."""
     _is_rigid: bool = PrivateAttr(False)
 

@@ -22,6 +22,7 @@ from asperity.settings.model import (
     Whole,
     YesNo,
     number,
+    optional,
     setting,
 )
 from asperity.settings.quantities import Written
@@ -71,29 +72,27 @@ _AREA_FRACTION = (
     "Real over nominal contact area at which the stress is analysed. One of `area_fraction`, `mean_pressure` "
     "and `approach` is given."
 )
-_MEAN_PRESSURE: Any = setting(
-    None,
+_MEAN_PRESSURE: Any = optional(
+    _OTHER_LOAD,
     "Load over the nominal area, in place of `area_fraction`.",
     unit="effective modulus",
-    default_text=_OTHER_LOAD,
     gt=0,
     le=1000,
 )
-_APPROACH: Any = setting(
-    None,
+_APPROACH: Any = optional(
+    _OTHER_LOAD,
     "Approach of the bodies since their first touch (δ − min h, docs/glossary.md), in place of "
     "`area_fraction`.",
     unit="cell length",
-    default_text=_OTHER_LOAD,
 )
 _LABEL: Any = setting(..., "Name of the surface in figures; mathematics stands between dollar signs.")
-_LOAD: Any = setting(None, default_text="that of section `contact`")
+_LOAD: Any = optional("that of section `contact`")
 
 
 class Load(OneOf):
     """Load of this surface alone, given as one of the loads of section `contact`."""
 
-    area_fraction: Fraction = setting(None, _AREA_FRACTION, default_text=_OTHER_LOAD)
+    area_fraction: Fraction = optional(_OTHER_LOAD, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
     approach: Fraction = _APPROACH
 
@@ -154,9 +153,9 @@ class Heights(OneOf):
     surface. Excludes `johnson` and `moments`, which change the spectrum.
     """
 
-    moments: Moments = setting(None, default_text=_OTHER_HEIGHTS)
-    plateau: Plateau = setting(None, default_text=_OTHER_HEIGHTS)
-    map: MapFile = setting(None, default_text=_OTHER_HEIGHTS)
+    moments: Moments = optional(_OTHER_HEIGHTS)
+    plateau: Plateau = optional(_OTHER_HEIGHTS)
+    map: MapFile = optional(_OTHER_HEIGHTS)
 
 
 class Surface(Settings):
@@ -171,14 +170,14 @@ class Surface(Settings):
     """Shortest wavelength of the spectrum; at least two grid spacings."""
     rms_height: Fraction = setting(..., unit="cell length")
     """Root-mean-square height."""
-    points: Nodes = setting(None, default_text="the preset's number for each `wavelength_short`")
+    points: Nodes = optional("the preset's number for each `wavelength_short`")
     """Nodes of the grid on each edge of the cell."""
     contact: Load = _LOAD
-    johnson: Johnson = setting(None, default_text="no transform")
-    moments: Moments = setting(None, default_text="no transform")
+    johnson: Johnson = optional("no transform")
+    moments: Moments = optional("no transform")
     """Johnson's transform of the Gaussian heights to a given skewness and kurtosis, by the bounded or the
     unbounded curve. Excludes `johnson`."""
-    heights: Heights = setting(None, default_text="Gaussian")
+    heights: Heights = optional("Gaussian")
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         short, long, points = number(self.wavelength_short), number(self.wavelength_long), self.points
@@ -197,31 +196,25 @@ class MeasuredMap(MapFile):
 
     label: Label = _LABEL
     contact: Load = _LOAD
-    periodic: Literal["declared", "mirrored", "windowed"] = setting(
-        None, default_text="only a file that calls itself periodic is accepted"
+    periodic: Literal["declared", "mirrored", "windowed"] = optional(
+        "only a file that calls itself periodic is accepted"
     )
     """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
     images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean
     plane."""
-    undefined: Literal["harmonic"] = setting(None, default_text="a map with such points is refused")
+    undefined: Literal["harmonic"] = optional("a map with such points is refused")
     """How points without data are filled."""
-    wavelength_short: Annotated[Wavelength, Written("length", "8 um")] = setting(
-        None, unit="cell length, unless it has its own", default_text="two pixels of the map"
+    wavelength_short: Annotated[Wavelength, Written("length", "8 um")] = optional(
+        "two pixels of the map", unit="cell length, unless it has its own"
     )
     """Waves shorter than this are removed. Figures show depths in units of this wavelength. A number is in
     cell lengths; a mirrored map fills half of the cell's edge."""
-    s_filter: LengthOrCells = setting(
-        None, unit="cell length, unless it has its own", default_text="no filter"
-    )
+    s_filter: LengthOrCells = optional("no filter", unit="cell length, unless it has its own")
     """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
-    l_filter: LengthOrCells = setting(
-        None, unit="cell length, unless it has its own", default_text="no filter"
-    )
+    l_filter: LengthOrCells = optional("no filter", unit="cell length, unless it has its own")
     """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
-    points: Nodes = setting(
-        None,
-        default_text="the preset's number for each `wavelength_short` in cell lengths; without it, those of "
-        "the map",
+    points: Nodes = optional(
+        "the preset's number for each `wavelength_short` in cell lengths; without it, those of the map"
     )
     """Nodes on the longer edge of the cell, by Fourier interpolation; an even number on that of a mirrored
     map."""
@@ -239,19 +232,19 @@ class Studies(Settings):
     )
     __pydantic_extra__: dict[str, Annotated[Names, Field(description=_OWN_STUDY)]]
 
-    hurst: Names = setting(None, default_text="none")
+    hurst: Names = optional("none")
     """Surfaces of figures 6 to 11."""
-    compressibility: Annotated[list[Text], Strict(), Field(min_length=0, max_length=1), DISTINCT] = setting(
-        None, default_text="none"
+    compressibility: Annotated[list[Text], Strict(), Field(min_length=0, max_length=1), DISTINCT] = optional(
+        "none"
     )
     """Surface of figures 13 to 15, which compare the Poisson's ratios of `stress.poisson`."""
-    skewness: Names = setting(None, default_text="none")
+    skewness: Names = optional("none")
     """Surfaces of figures 16a and 17a."""
-    kurtosis: Names = setting(None, default_text="none")
+    kurtosis: Names = optional("none")
     """Surfaces of figures 16b, 17b and 18. Figure 18 shows the two of them with the shortest wavelengths."""
-    moments: Names = setting(None, default_text="none")
+    moments: Names = optional("none")
     """Surfaces of the supplement that differ in the kurtosis of their heights."""
-    measured: Names = setting(None, default_text="none")
+    measured: Names = optional("none")
     """Surfaces of the supplement on measured surfaces."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
@@ -278,11 +271,11 @@ class Layer(Settings):
     """Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."""
     poisson: Poisson = setting(0.33)
     """Poisson's ratio of the contact, and of figures that show only one."""
-    base: Base = setting(None, default_text="a rigid base")
+    base: Base = optional("a rigid base")
     lateral: Literal["confined", "free"] = setting("confined")
     """Lateral state under the mean pressure: `confined` (no lateral strain) or `free` (no mean lateral
     stress)."""
-    half_space_tolerance: Number = setting(None, default_text="preset", ge=0, le=1)
+    half_space_tolerance: Number = optional("preset", ge=0, le=1)
     """Largest difference between layer and half-space, relative to the pressure of a mode, at which the
     half-space replaces the layer. Every result records which of the two was used."""
 
@@ -302,15 +295,15 @@ class Contact(Settings):
     area_fraction: Fraction = setting(0.1, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
     approach: Fraction = _APPROACH
-    hardness: Annotated[Number, Field(gt=0, le=1000)] = setting(None, default_text="an elastic contact")
+    hardness: Annotated[Number, Field(gt=0, le=1000)] = optional("an elastic contact")
     """Largest pressure of a plastic contact, in effective moduli E*."""
-    path_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = setting(
-        None, default_text="the imposed load alone"
+    path_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = optional(
+        "the imposed load alone"
     )
     """Area fractions of the load-area curve."""
-    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = setting(None, default_text="preset")
+    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = optional("preset")
     """Estimated error of the pressure, relative to its norm."""
-    precision: Literal["float64", "float32"] = setting(None, default_text="preset")
+    precision: Literal["float64", "float32"] = optional("preset")
     """Floating-point precision of the contact problem."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
@@ -333,16 +326,16 @@ class Contact(Settings):
 class Stress(Settings):
     """The stress inside the solid."""
 
-    poisson: Annotated[list[Poisson], Strict(), Field(min_length=1, max_length=16), DISTINCT] = setting(
-        None, default_text="that of the contact"
+    poisson: Annotated[list[Poisson], Strict(), Field(min_length=1, max_length=16), DISTINCT] = optional(
+        "that of the contact"
     )
     """Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of
     them. Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other
     than that of the contact."""
-    tolerance: Number = setting(None, default_text="preset", ge=0, le=0.1)
+    tolerance: Number = optional("preset", ge=0, le=0.1)
     """Largest error that a coarser grid may cause in a deep plane, relative to the rms of σ_zz in this
     plane; 0 for the full grid at every depth."""
-    depth_spacing: Number = setting(None, default_text="preset", unit="grid spacings", ge=0.05, le=4)
+    depth_spacing: Number = optional("preset", unit="grid spacings", ge=0.05, le=4)
     """Distance between planes near the surface. At depth the distance is a quarter of this number times
     the depth."""
 
@@ -470,17 +463,17 @@ class Validation(Settings):
         }
     )
 
-    load_area: LoadArea = setting(None, default_text="not made")
-    slab_load_area: SlabLoadArea = setting(None, default_text="not made")
-    grid_convergence: GridConvergence = setting(None, default_text="not made")
-    elements: Elements = setting(None, default_text="not made")
-    punch: Punch = setting(None, default_text="not made")
-    elliptic_contacts: EllipticContacts = setting(None, default_text="not made")
-    edge_tension: EdgeTension = setting(None, default_text="not made")
-    metal_contacts: MetalContacts = setting(None, default_text="not made")
-    layer_indentation: LayerIndentation = setting(None, default_text="not made")
-    coating_indentation: CoatingIndentation = setting(None, default_text="not made")
-    wave_asymptotes: WaveAsymptotes = setting(None, default_text="not made")
+    load_area: LoadArea = optional("not made")
+    slab_load_area: SlabLoadArea = optional("not made")
+    grid_convergence: GridConvergence = optional("not made")
+    elements: Elements = optional("not made")
+    punch: Punch = optional("not made")
+    elliptic_contacts: EllipticContacts = optional("not made")
+    edge_tension: EdgeTension = optional("not made")
+    metal_contacts: MetalContacts = optional("not made")
+    layer_indentation: LayerIndentation = optional("not made")
+    coating_indentation: CoatingIndentation = optional("not made")
+    wave_asymptotes: WaveAsymptotes = optional("not made")
 
 
 class Configuration(Settings):
@@ -501,15 +494,12 @@ class Configuration(Settings):
         }
     )
 
-    based_on: Text = setting(
-        None, default_text="nothing", accepts="the name of a configuration, such as `config/config.yaml`"
-    )
+    based_on: Text = optional("nothing", accepts="the name of a configuration, such as `config/config.yaml`")
     """Another configuration, whose settings, except `results`, hold where this file gives none. It is the
     paper's or one of your own, and may itself be based on a third. A file without this key uses no
     other file."""
-    results: Text = setting(
-        None,
-        default_text="`results/NAME` for a file `NAME.yaml`",
+    results: Text = optional(
+        "`results/NAME` for a file `NAME.yaml`",
         pattern=r"^results(/[A-Za-z0-9_-]{1,60}){0,8}\Z",
         accepts="`results` or a folder below it",
     )
@@ -520,8 +510,8 @@ class Configuration(Settings):
     fft_engine: Literal[ENGINES] = setting(ENGINES[0])  # type: ignore[valid-type]
     """Library that computes the Fourier transforms: `ducc0`, `pyfftw`, which the extra `fftw` installs, or
     `scipy`, under the BSD licence. Their results differ by rounding errors."""
-    seeds: Annotated[list[Seed], Strict(), Field(min_length=1), DISTINCT] = setting(
-        None, default_text="1, 2, … up to the number of the preset"
+    seeds: Annotated[list[Seed], Strict(), Field(min_length=1), DISTINCT] = optional(
+        "1, 2, … up to the number of the preset"
     )
     """Seeds of the random surfaces. Every surface is generated, pressed and analysed once per seed."""
     figures: Literal["own", "paper"] = setting("own")
@@ -535,7 +525,7 @@ class Configuration(Settings):
     """Random rough surfaces, each under a name of lower-case letters, digits and underscores."""
     measured: dict[Name, MeasuredMap] = setting({}, names=NAMES)
     """Measured height maps, each under a name like those of `surfaces`."""
-    studies: Studies = setting(None, default_text="one study of all surfaces, `all`")
+    studies: Studies = optional("one study of all surfaces, `all`")
     layer: Layer = setting({})
     contact: Contact = setting({})
     stress: Stress = setting({})

@@ -21,6 +21,7 @@ from asperity.settings.model import (
     Settings,
     SettingsError,
     described,
+    optional,
     problems,
     setting,
 )
@@ -85,18 +86,16 @@ class Hertz(OneLoad):
         If not exactly one load is given, or the place is outside of the contact.
     """
 
-    hertz_pressure: Pressure | None = setting(
-        None, default_text="another quantity is imposed", example="1.2 GPa"
-    )
+    hertz_pressure: Pressure | None = optional("another quantity is imposed", example="1.2 GPa")
     """Largest pressure of a Hertz contact, of which the map is a small part."""
-    force: ForceInNewton | None = setting(None, default_text="another quantity is imposed")
+    force: ForceInNewton | None = optional("another quantity is imposed")
     """Force of the whole Hertz contact."""
-    mean_pressure: Pressure | None = setting(None, default_text="another is imposed")
+    mean_pressure: Pressure | None = optional("another is imposed")
     """Pressure of the Hertz contact at the place of the map."""
     radius_x: Radius = setting(..., default_text="no Hertz contact", example="9 mm")
     """Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it
     the map lies in a Hertz contact."""
-    radius_y: Radius | None = setting(None, default_text="that along x", example="80 mm")
+    radius_y: Radius | None = optional("that along x", example="80 mm")
     """Combined radius of curvature along y, or `inf` along the axis of a roller."""
     at: tuple[Number, Number] = setting(
         (0.0, 0.0),

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from asperity.settings.model import NeededError, Number, Settings, Whole, setting
+from asperity.settings.model import NeededError, Number, Settings, Whole, optional, setting
 from asperity.settings.quantities import LengthOrNumber, Position
 
 MOST_POINTS = 2**16
@@ -48,55 +48,49 @@ Source = Annotated[
 class FileOptions(Settings):
     """Properties of a height map that its file may not state, and a treatment that needs no grid."""
 
-    channel: str | int | None = setting(
-        None,
-        default_text="the one whose name says that it holds heights",
+    channel: str | int | None = optional(
+        "the one whose name says that it holds heights",
         accepts="a name of at most 200 characters, or a number",
     )
     """Name or number of the channel of the file."""
-    unit: str | None = setting(
-        None,
-        default_text="as in the file",
+    unit: str | None = optional(
+        "as in the file",
         pattern="^[A-Za-zµμÅ]{1,20}( [A-Za-zµμÅ]{1,20})?\\Z",
         accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
         example="um",
     )
     """Unit of the heights, and of edges given as numbers; for a list of points also two, that of x and y
     and that of z, such as mm um."""
-    physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
-        None,
-        default_text="as in the file",
+    physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = optional(
+        "as in the file",
         accepts="two lengths > 0 (y, x) with their units such as 512 um, or numbers > 0",
         example=["200 um", "200 um"],
     )
     """Edges (y, x) of the map. Numbers are in the unit of the heights."""
-    height_factor: Number | None = setting(None, default_text="as in the file", gt=0, le=1e12)
+    height_factor: Number | None = optional("as in the file", gt=0, le=1e12)
     """Factor from the numbers in the file to heights."""
-    missing: Number | None = setting(None, default_text="as the format of the file marks them")
+    missing: Number | None = optional("as the format of the file marks them")
     """Number in the file that stands for points without data, such as -9999."""
-    orientation: Literal["peaks up", "lower face"] | None = setting(None, default_text="as in the file")
+    orientation: Literal["peaks up", "lower face"] | None = optional("as in the file")
     """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
     `lower face` of an indenter, as the library uses it."""
-    format: str | None = setting(
-        None,
-        default_text="recognised from the file",
-        pattern="^[a-z0-9]{1,20}\\Z",
-        accepts="the name of a format",
+    format: str | None = optional(
+        "recognised from the file", pattern="^[a-z0-9]{1,20}\\Z", accepts="the name of a format"
     )
     """Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the
     extension of another format. `profile` reads a line scan as a map with the same heights for all y.
     `asperity info --help` lists the formats."""
     max_memory: Number = setting(2.0, unit="GiB", gt=0)
     """Largest size that the file may have when unpacked."""
-    scan_lines: Literal["median", "matched"] | None = setting(None, default_text="offsets are kept")
+    scan_lines: Literal["median", "matched"] | None = optional("offsets are kept")
     """How offsets between scan lines along x are removed: by the median of each line, or `matched` by the
     median of its differences from the line before."""
-    despike: Number | None = setting(
-        None, default_text="no point is replaced; 8 keeps every point of a Gaussian surface", ge=3, example=8
+    despike: Number | None = optional(
+        "no point is replaced; 8 keeps every point of a Gaussian surface", ge=3, example=8
     )
     """Points that differ from the local median by more than this number of robust standard deviations of
     the local roughness are replaced, as spikes."""
-    detrend: Detrend | None = setting(None, default_text="tilt; none for a map that is one period")
+    detrend: Detrend | None = optional("tilt; none for a map that is one period")
     """Trend that is subtracted besides the mean, by least squares of the points that have data. A period has
     no tilt, and subtracting one makes a step at its edges."""
 
@@ -123,30 +117,28 @@ class MapOptions(FileOptions):
     'nm'
     """
 
-    undefined: Literal["harmonic"] | None = setting(
-        None, default_text="a map with such points is refused; asperity run fills them"
+    undefined: Literal["harmonic"] | None = optional(
+        "a map with such points is refused; asperity run fills them"
     )
     """How points without data are filled."""
-    s_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="2.5 um")
+    s_filter: LengthOrNumber | None = optional("no filter", example="2.5 um")
     """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
-    l_filter: LengthOrNumber | None = setting(None, default_text="no filter", example="80 um")
+    l_filter: LengthOrNumber | None = optional("no filter", example="80 um")
     """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
-    periodic: Periodicity | None = setting(
-        None, default_text="as it is if the file calls itself periodic; asperity run mirrors other maps"
+    periodic: Periodicity | None = optional(
+        "as it is if the file calls itself periodic; asperity run mirrors other maps"
     )
     """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
     images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean plane
     (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary."""
-    wavelength_short: LengthOrNumber | None = setting(
-        None, default_text="two pixels of the map", example="8 um"
-    )
+    wavelength_short: LengthOrNumber | None = optional("two pixels of the map", example="8 um")
     """Waves shorter than this are removed."""
-    points: Whole | None = setting(None, default_text="those of the map", ge=2, le=MOST_POINTS)
+    points: Whole | None = optional("those of the map", ge=2, le=MOST_POINTS)
     """Nodes on the longer edge of the map, by Fourier interpolation."""
-    radius: LengthOrNumber | None = setting(None, default_text="the map alone", example="5 mm")
+    radius: LengthOrNumber | None = optional("the map alone", example="5 mm")
     """Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map; with
     `radius_y` that along x."""
-    radius_y: LengthOrNumber | None = setting(None, default_text="that along x", example="120 mm")
+    radius_y: LengthOrNumber | None = optional("that along x", example="120 mm")
     """Radius along y of a form that has two, such as a ball in the groove of a ring: both are the combined
     radii of the bodies."""
     form: Literal["sphere", "cylinder"] = setting("sphere")
@@ -160,11 +152,10 @@ class Map(MapOptions):
 
     file: Source = setting(..., example="steel.x3p")
     """Height map of an instrument, peaks upward."""
-    crop: LengthOrNumber | None = setting(None, default_text="the whole map", example="150 um")
+    crop: LengthOrNumber | None = optional("the whole map", example="150 um")
     """Edge of the square part of the map that is used; an edge of the map that is shorter is kept whole."""
-    crop_at: tuple[LengthOrNumber, LengthOrNumber] | None = setting(
-        None,
-        default_text="the middle of the map",
+    crop_at: tuple[LengthOrNumber, LengthOrNumber] | None = optional(
+        "the middle of the map",
         accepts="two lengths > 0 (y, x) with their units such as 80 um, or numbers > 0",
         example=["80 um", "120 um"],
     )

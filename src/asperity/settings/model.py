@@ -264,8 +264,8 @@ def setting(
     Parameters
     ----------
     default : any
-        ``...`` for a setting that has to be given, None with a `default_text` for one that may be left out,
-        and ``{}`` for a group of which each setting may be left out.
+        ``...`` for a setting that has to be given, and ``{}`` for a group of which each setting may be left
+        out; `optional` makes one that has no constant as its default.
     text : str, optional
         Meaning of the setting; by default the docstring below the field, else that of the class of a group.
     unit, default_text, accepts, example, names : optional
@@ -277,6 +277,11 @@ def setting(
     extra = {name: value for name, value in own.items() if value is not None}
     filled = isinstance(default, dict)
     return Field(default, description=text, json_schema_extra=extra, validate_default=filled, **limits)
+
+
+def optional(default_text: str, text: str | None = None, **more: Any) -> Any:
+    """A field that may be left out; `default_text` says what holds then, the rest is as in `setting`."""
+    return setting(None, text, default_text=default_text, **more)
 
 
 @cache

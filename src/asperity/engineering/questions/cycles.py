@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Picture, Question, Row, per_cent
 from asperity.settings.body import ResidualStress
-from asperity.settings.model import Number, Whole, setting
+from asperity.settings.model import Number, Whole, optional, setting
 from asperity.settings.quantities import Volume
 
 if TYPE_CHECKING:
@@ -62,22 +62,18 @@ class Cycles(Question):
     )
     LEAD = "cycles"
 
-    shifts: Whole | None = setting(
-        None,
-        default_text="cycles of a smooth body under a rough one, with fatigue limits",
-        ge=2,
-        le=10_000,
-        example=64,
+    shifts: Whole | None = optional(
+        "cycles of a smooth body under a rough one, with fatigue limits", ge=2, le=10_000, example=64
     )
     """Number of positions of the moving bodies for which the contact is solved. They divide one period
     along the sliding direction, or the way of a point through the Hertz contact."""
     slide_to_roll: Number = setting(0.0, gt=-2, lt=2, example=0.1)
     """Slide-to-roll ratio 2 (u2 − u1)/(u2 + u1) in the Hertz contact, with the surface velocities u1 of
     the body and u2 of the counter body."""
-    fatigue_scatter: Number | None = setting(None, default_text="no probability", ge=0.01, le=1, example=0.1)
+    fatigue_scatter: Number | None = optional("no probability", ge=0.01, le=1, example=0.1)
     """Coefficient of variation of the fatigue limits, 0.03 to 0.15 for steels. With `fatigue_volume`, the
     probability that no crack starts is reported."""
-    fatigue_volume: Volume | None = setting(None, default_text="no probability", example="100 mm3")
+    fatigue_volume: Volume | None = optional("no probability", example="100 mm3")
     """Stressed volume of the specimens on which fatigue limits and scatter were measured."""
 
     @classmethod

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Question, Row, per_cent
 from asperity.settings.load import Hertz
-from asperity.settings.model import Number, setting
+from asperity.settings.model import Number, optional, setting
 
 if TYPE_CHECKING:
     from asperity.contact import Contact
@@ -55,9 +55,9 @@ class Film(Question):
     λ is the central film thickness of the smooth contact over the composite rms roughness.
     """
 
-    load_share: Number | None = setting(None, default_text="that of lambda_ratio", ge=0, lt=1, example=0.7)
+    load_share: Number | None = optional("that of lambda_ratio", ge=0, lt=1, example=0.7)
     """Share of the load that the film carries; the asperities carry the rest."""
-    lambda_ratio: Number | None = setting(None, default_text="load_share is given", ge=0, le=2, example=1.0)
+    lambda_ratio: Number | None = optional("load_share is given", ge=0, le=2, example=1.0)
     """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
     share follows by `correlation`."""
     correlation: Literal["arana", "balan"] = setting("arana")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Picture, Question, Row, advice_on_pixels
-from asperity.settings.model import Number, setting
+from asperity.settings.model import Number, optional, setting
 from asperity.settings.quantities import Pressure
 
 if TYPE_CHECKING:
@@ -81,13 +81,11 @@ class Leak(Question):
 
     direction: Literal["x", "y"] = setting("x")
     """Direction in which the fluid leaks."""
-    viscosity: Number | None = setting(
-        None, default_text="percolation alone, no leakage", unit="Pa s", gt=0, le=1e20, example=0.03
+    viscosity: Number | None = optional(
+        "percolation alone, no leakage", unit="Pa s", gt=0, le=1e20, example=0.03
     )
     """Dynamic viscosity of the fluid; needs `asperity[flow]`."""
-    pressure_difference: Pressure | None = setting(
-        None, default_text="percolation alone, no leakage", example="5 bar"
-    )
+    pressure_difference: Pressure | None = optional("percolation alone, no leakage", example="5 bar")
     """Fall of the pressure of the fluid over the length of the map."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:

@@ -19,7 +19,7 @@ from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row, per_cent
 from asperity.engineering.questions.leak import SEALING_ERROR
 from asperity.settings.load import UNITS
-from asperity.settings.model import Whole, check_of, setting
+from asperity.settings.model import Whole, check_of, optional, setting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -139,9 +139,7 @@ class LoadCurve(Question):
         example=["10 MPa", "20 MPa"],
     )
     """Rising loads before that of `load`, of the same quantity."""
-    steps: Whole | None = setting(
-        None, default_text="the loads that are listed", ge=2, le=MAX_LOADS, example=8
-    )
+    steps: Whole | None = optional("the loads that are listed", ge=2, le=MAX_LOADS, example=8)
     """Number of loads from the single one in `loads` to that of `load`, in equal ratios."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:

@@ -16,7 +16,7 @@ from asperity.engineering.question import (
     advice_on_pixels,
     per_cent,
 )
-from asperity.settings.model import setting
+from asperity.settings.model import optional
 from asperity.settings.quantities import Force, Length
 
 if TYPE_CHECKING:
@@ -61,10 +61,10 @@ class PartialSlip(Question):
     TILES = COMPARED
     LEAD = "slip"
 
-    tangential_force: Force | None = setting(None, default_text="a displacement is given", example="50 mN")
+    tangential_force: Force | None = optional("a displacement is given", example="50 mN")
     """Tangential force on the map, at most friction times load. Below that limit part of the contact
     sticks."""
-    tangential_displacement: Length | None = setting(None, default_text="a force is given", example="20 nm")
+    tangential_displacement: Length | None = optional("a force is given", example="20 nm")
     """Tangential displacement of the bodies instead of a force, on half-spaces."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Question, Row
-from asperity.settings.model import Whole, setting
+from asperity.settings.model import Whole, optional, setting
 from asperity.settings.quantities import Pressure
 
 if TYPE_CHECKING:
@@ -48,9 +48,7 @@ class RunIn(Question):
 
     loads: Whole = setting(1, ge=1, le=20, example=1)
     """Number of loads that flatten the map before the answer."""
-    hardness: Pressure | None = setting(
-        None, default_text="the smaller hardness of the bodies", example="7 GPa"
-    )
+    hardness: Pressure | None = optional("the smaller hardness of the bodies", example="7 GPa")
     """Hardness at which the first loads flatten the map."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from asperity.engineering.question import Question
-from asperity.settings.model import setting
+from asperity.settings.model import optional
 from asperity.settings.quantities import Area
 
 
@@ -13,5 +13,5 @@ class SampleOfMaps(Question):
     The group asks for means with 95 % intervals; `map.file` lists the maps.
     """
 
-    area: Area | None = setting(None, default_text="no prediction for a larger area", example="10 mm2")
+    area: Area | None = optional("no prediction for a larger area", example="10 mm2")
     """Nominal area on which the largest pressure and stresses are predicted, from the peaks of the maps."""

@@ -11,7 +11,7 @@ from pydantic import PlainValidator, PrivateAttr, WithJsonSchema
 
 from asperity.core.units import shown_si
 from asperity.engineering.question import Advice, Question
-from asperity.settings.model import NeededError, Number, setting
+from asperity.settings.model import NeededError, Number, optional, setting
 
 if TYPE_CHECKING:
     from asperity.engineering.answer import Answer
@@ -52,8 +52,8 @@ class Sliding(Question):
     friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
     """Coefficient of friction in full sliding. It enters the stress; the pressure is computed without
     friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
-    direction: Direction | None = setting(
-        None, default_text="with friction the axis nearest to the lay of the map; x without a lay"
+    direction: Direction | None = optional(
+        "with friction the axis nearest to the lay of the map; x without a lay"
     )
     """Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards
     y. The traction on the body has this direction."""
