@@ -369,9 +369,8 @@ def _plastic_rows(contact: Contact, is_given: bool, rms_gradient: float) -> Iter
     """Numbers of a contact under a hardness, which is given or follows from the yield stress."""
     group, hardness, shares = "plastic contact", shown_si(contact.hardness, "Pa"), {}
     if not is_given:
-        hardness += (
-            f", if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other groups are elastic"
-        )
+        given = f"{HARDNESS_OVER_YIELD:g} times the yield stress"
+        hardness += f", if it were {given}; all other groups are elastic"
         shares["plastic real contact"] = contact.area_fraction
     shares |= {"area at the hardness": contact.plastic_area, "load at the hardness": contact.plastic_load}
     yield Row(group, "hardness", contact.hardness, "Pa", hardness)
@@ -392,8 +391,9 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
 
     yield row("largest von Mises stress", body.largest_von_mises)
     yield row("at depth", body.depth, "m")
-    factor, symbol = scaled_unit([body.x, body.y], "m")
-    for axis, position in (("x", body.x), ("y", body.y)):
+    *_, y, x = body.largest["von_mises"]
+    factor, symbol = scaled_unit([x, y], "m")
+    for axis, position in (("x", x), ("y", y)):
         yield row(f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}")
     for name_of_field, name in EXTREME_WORDS.items():
         found = body.largest[name_of_field]
@@ -407,9 +407,7 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
             value, name = part.largest_von_mises, f"largest von Mises stress in the {material}"
             yield row(name, value, "Pa", f"{shown_si(value, 'Pa')} {place}")
         for name, found in zip(INTERFACE_TILES, body.interface.largest.values(), strict=True):
-            place = ", ".join(
-                f"{axis} = {shown_si(at, 'm')}" for axis, at in (("x", found.x), ("y", found.y))
-            )
+            place = f"x = {shown_si(found.x, 'm')}, y = {shown_si(found.y, 'm')}"
             shown = f"{shown_si(found.value, 'Pa')} at {place}"
             yield row(name, max(found.value, 0.0), "Pa", shown if found.value > 0 else "none")
         for material, value in zip(body.materials, body.interface.along, strict=True):
@@ -420,14 +418,11 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
             yield row("energy of the residual stress of the coating", energy, "J/m^2", shown)
         if coating is not None and coating.yield_stress is not None:
             yield row("yield stress of the coating", coating.yield_stress)
-    found_peaks = np.abs(
-        select_peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values
-    )
+    peaks = select_peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values
     for percent in PERCENTS:
-        if not has_percentile(found_peaks.size, percent / 100):
-            continue
-        value = float(np.percentile(found_peaks, percent))
-        yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
+        if has_percentile(peaks.size, percent / 100):
+            value = float(np.percentile(np.abs(peaks), percent))
+            yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
 
 
 def _row(

@@ -140,24 +140,18 @@ class Case(Settings):
         if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
             yield "map.cylinder_axis", ": needs map.form: cylinder"
         if self.map.periodic == "none":
-            for name, body in self.groups_of_bodies.items():
-                for key in ("layer", "coating"):
-                    if getattr(body, key) is not None:
-                        yield f"{name}.{key}", ": not accepted with map.periodic = none, a free boundary"
+            refused = ": not accepted with map.periodic = none, a free boundary"
+            yield from ((key, refused) for key in self.layers_and_coatings)
 
     def _problems_of_load(self) -> Iterator[tuple[str, str]]:
         """Loads that are too large, or do not go with the bodies."""
         load = self.load
         if isinstance(load, Hertz):
-            for name, body in self.groups_of_bodies.items():
-                for key in ("layer", "coating"):
-                    if getattr(body, key) is not None:
-                        yield f"{name}.{key}", ": half-spaces are needed in a Hertz contact"
+            needed = ": half-spaces are needed in a Hertz contact"
+            yield from ((key, needed) for key in self.layers_and_coatings)
             if self.map.periodic == "none":
-                yield (
-                    "map.periodic",
-                    " = none: a periodic map is needed in a Hertz contact, of which it is a part",
-                )
+                needed = "a periodic map is needed in a Hertz contact, of which it is a part"
+                yield "map.periodic", f" = none: {needed}"
             if self.map.radius is not None:
                 yield "map.radius", ": not accepted in a Hertz contact, whose radii are those of the load"
         if load.kind in ("mean_pressure", "hertz_pressure") or isinstance(load, Hertz):
@@ -168,33 +162,26 @@ class Case(Settings):
         most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST_PRESSURE)
         given = shown_si(self.load.value, UNITS[self.load.kind])
         if not mean_pressure < most:
+            needed = f"a mean pressure of less than {shown_si(most, 'Pa')} is needed"
             yield (
                 f"load.{self.load.kind}",
-                f" = {given}: a mean pressure of less than {shown_si(most, 'Pa')} is needed, it would be "
-                f"{shown_si(mean_pressure, 'Pa')}",
+                f" = {given}: {needed}, it would be {shown_si(mean_pressure, 'Pa')}",
             )
         elif self.hardness and not mean_pressure < self.hardness:
-            name = next(
-                name for name, body in self.groups_of_bodies.items() if body.hardness == self.hardness
-            )
-            yield (
-                f"{name}.hardness",
-                f" = {shown_si(self.hardness, 'Pa')}: more than the pressure {shown_si(mean_pressure, 'Pa')} "
-                "is needed, the mean over the nominal area",
-            )
+            bodies = self.groups_of_bodies.items()
+            name = next(name for name, body in bodies if body.hardness == self.hardness)
+            needed = f"more than the pressure {shown_si(mean_pressure, 'Pa')} is needed"
+            text = f" = {shown_si(self.hardness, 'Pa')}: {needed}, the mean over the nominal area"
+            yield f"{name}.hardness", text
 
     @cached_property
     def questions(self) -> dict[str, Question]:
         """The questions that are asked, by the names of their groups."""
         asked = {}
         for name, field in type(self).model_fields.items():
-            kind = next((each for each in get_args(field.annotation) if is_question(each)), None)
-            if kind is not None:
-                group = getattr(self, name)
-                if group is None and kind.is_implied(self):
-                    group = kind()
-                if group is not None:
-                    asked[name] = group
+            for kind in filter(is_question, get_args(field.annotation)):
+                if (group := getattr(self, name)) is not None or kind.is_implied(self):
+                    asked[name] = kind() if group is None else group
         return asked
 
     @property
@@ -207,6 +194,14 @@ class Case(Settings):
         """The elastic bodies by the names of their groups."""
         groups = {"body": self.body, "counter_body": self.elastic_counter_body}
         return {name: body for name, body in groups.items() if body is not None}
+
+    @property
+    def layers_and_coatings(self) -> list[str]:
+        """Dotted keys of the layers and coatings of the elastic bodies."""
+        keys = (
+            (name, body, key) for name, body in self.groups_of_bodies.items() for key in ("layer", "coating")
+        )
+        return [f"{name}.{key}" for name, body, key in keys if getattr(body, key) is not None]
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -283,9 +278,8 @@ class Case(Settings):
         coating = self.bodies[name].coating
         if coating is not None and coating.residual_stress:
             stress = coating.residual_stress * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-            return replace(
-                loaded, background=lambda depth: stress if depth <= coating.thickness else 0 * stress
-            )
+            within = coating.thickness
+            return replace(loaded, background=lambda depth: stress if depth <= within else 0 * stress)
         if not isinstance(load, Hertz):
             return loaded
         pressure = contact.mean_pressure / carried
@@ -327,10 +321,9 @@ class Case(Settings):
         """The settings that are given, as a file holds them: loads of a curve with their unit, too."""
         found, kind = super().written(), self.load.kind
         if self.load_curve is not None and kind != "area_fraction":
-            found["load_curve"]["loads"] = [
-                each if isinstance(each, str) else shown_si(each, UNITS[kind], 15)
-                for each in self.load_curve.loads
-            ]
+            loads = self.load_curve.loads
+            written = [each if isinstance(each, str) else shown_si(each, UNITS[kind], 15) for each in loads]
+            found["load_curve"]["loads"] = written
         return found
 
 

@@ -10,10 +10,9 @@ import numpy as np
 
 from asperity.core.markup import with_error
 from asperity.core.types import Array
-from asperity.core.units import scaled_unit
 from asperity.engineering.places import CONFIDENCE
-from asperity.engineering.question import IN_PER_CENT, Row
-from asperity.engineering.sample import PER_AREA, SAME_PIXELS, SCALED, SampleRow
+from asperity.engineering.question import Row
+from asperity.engineering.sample import SAME_PIXELS, SampleRow, shown_unit
 
 BETTER_IF_LESS = ("volume above", "share above", "largest", "peaks above")
 """Beginnings of the names of numbers that should be small."""
@@ -53,11 +52,7 @@ class Difference(NamedTuple):
     def shown(self) -> tuple[str, str, str]:
         """Both numbers, and the difference with its interval, for a reader."""
         values = self.first, self.second
-        factor, symbol = scaled_unit(values, self.unit) if self.unit in SCALED else (1.0, self.unit)
-        if self.unit == PER_AREA:
-            factor, symbol = 1e6, "per mm²"
-        elif self.unit == "1":
-            factor, symbol = (0.01, "%") if self.name in IN_PER_CENT else (1.0, "")
+        factor, symbol = shown_unit(values, self.unit, self.name)
         first, second = (f"{float(f'{value / factor:.3g}'):.15g} {symbol}".strip() for value in values)
         if abs(self.second - self.first) <= SAME_PIXELS * abs(self.first):
             return first, second, "none"
@@ -101,9 +96,8 @@ def _of_maps(first: Row, second: Row) -> Difference:
     if np.isfinite(places).all() and error:
         size = abs(values[1] - values[0]) / error
         chance = 2 * float(norm.sf(norm.ppf((1 + CONFIDENCE) / 2) * size))
-    return Difference(
-        group_of(first), first.name, first.unit, values[0], values[1], error or math.nan, chance
-    )
+    found = group_of(first), first.name, first.unit, values[0], values[1]
+    return Difference(*found, error or math.nan, chance)
 
 
 def _of_samples(first: SampleRow, second: SampleRow) -> Difference:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from asperity.core.markup import with_error
-from asperity.core.units import scaled_unit
+from asperity.core.units import scaled_unit, shown_si
 from asperity.settings.model import Settings
 
 if TYPE_CHECKING:
@@ -270,6 +270,11 @@ class Question(Settings):
     def pictures_of_body(self, answer: Answer, body: str) -> Iterator[Picture]:
         """Pictures of a body."""
         return iter(())
+
+
+def row(group: str, name: str, value: float, unit: str, shown: str = "") -> Row:
+    """A line whose number is shown in SI units where no other text is given."""
+    return Row(group, name, value, unit, shown or shown_si(value, unit))
 
 
 def per_cent(share: float) -> str:

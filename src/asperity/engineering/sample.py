@@ -54,6 +54,15 @@ LARGEST = {
 ONE_MAP = "one map: no interval, because parts of one map do not show how places of the surface differ"
 
 
+def shown_unit(values: ArrayLike, unit: str, name: str) -> tuple[float, str]:
+    """Factor and symbol of the unit in which values of a number are shown."""
+    if unit == "1":
+        return (0.01, "%") if name in IN_PER_CENT else (1.0, "")
+    if unit == PER_AREA:
+        return 1e6, "per mm²"
+    return scaled_unit(values, unit) if unit in SCALED else (1.0, unit)
+
+
 class SampleRow(NamedTuple):
     """One number of a sample: group, name, unit, its mean and interval, and its value on each map."""
 
@@ -71,15 +80,10 @@ class SampleRow(NamedTuple):
     @property
     def shown(self) -> tuple[str, list[str]]:
         """The mean with half of its interval, and the value of each map, for a reader."""
-        factor, symbol = scaled_unit(self.of_each, self.unit) if self.unit in SCALED else (1.0, self.unit)
-        if self.unit == "1":
-            factor, symbol = (0.01, "%") if self.name in IN_PER_CENT else (1.0, "")
-        elif self.unit == PER_AREA:
-            factor, symbol = 1e6, "per mm²"
+        factor, symbol = shown_unit(self.of_each, self.unit, self.name)
         mean = with_error(self.mean.value / factor, self.mean.error / factor)
-        return f"{mean} {symbol}".strip(), [
-            f"{float(f'{value / factor:.4g}'):.15g}" for value in self.of_each
-        ]
+        each = [f"{float(f'{value / factor:.4g}'):.15g}" for value in self.of_each]
+        return f"{mean} {symbol}".strip(), each
 
 
 class Mean(NamedTuple):

@@ -10,8 +10,7 @@ from asperity.core.units import shown_si
 from asperity.engineering.question import IN_FULL_CONTACT, Question, Row
 
 if TYPE_CHECKING:
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
+    from asperity.engineering.question import Answer, Case
 
 CONSTANTS = ("conductivity", "resistivity")
 """Constants of a body; a conductance needs those of both bodies."""
@@ -42,14 +41,8 @@ class Conduction(Question):
         if case.elastic_counter_body is None:
             yield "conduction", ": a counter_body is needed, elastic and with its own constants"
             return
-        bodies = case.groups_of_bodies
-        for name, body in bodies.items():
-            if body.layer is not None or body.coating is not None:
-                yield (
-                    f"{name}.{'coating' if body.layer is None else 'layer'}",
-                    ": not accepted with conduction",
-                )
-        half = []
+        yield from ((key, ": not accepted with conduction") for key in case.layers_and_coatings)
+        bodies, half = case.groups_of_bodies, []
         for constant in CONSTANTS:
             missing = [name for name, body in bodies.items() if getattr(body, constant) is None]
             if len(missing) == 1 and any(body.gives(constant) for body in bodies.values()):

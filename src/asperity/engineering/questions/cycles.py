@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Picture, Question, Row, per_cent
+from asperity.engineering.question import Advice, Picture, Question, Row, per_cent, row
 from asperity.settings.body import ResidualStress
 from asperity.settings.model import Number, Whole, optional, setting
 from asperity.settings.quantities import Volume
@@ -19,14 +19,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from asperity.core.types import Progress
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
-    from asperity.engineering.face import RoughFace
     from asperity.engineering.moving import MovingContact
+    from asperity.engineering.question import Answer, Case, LinearPlane, LoadedSolid, Progress, RoughFace
     from asperity.settings.body import Body
-    from asperity.stress.planes.stream import LinearPlane
 
 WORDS = {
     "dang_van": ("largest Dang Van stress over limit", "1"),
@@ -90,10 +85,8 @@ class Cycles(Question):
         if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
             yield "cycles", ": both fatigue_scatter and fatigue_volume are needed, or none"
         if self.fatigue_scatter is not None and not limited:
-            yield (
-                "cycles.fatigue_scatter",
-                f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed",
-            )
+            text = f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed"
+            yield "cycles.fatigue_scatter", text
         if self.shifts is None:
             yield from self._problems_of_a_smooth_body(case, bool(limited))
             return
@@ -116,13 +109,9 @@ class Cycles(Question):
         elif case.counter_body is not None and case.counter_body.map is not None:
             yield "counter_body.map", ": needs cycles.shifts, for the stress cycles of two rough faces"
         if case.sliding_direction not in ("x", "y") and float(case.sliding_direction) % 90:
-            yield (
-                "sliding.direction",
-                (
-                    f" = {case.sliding_direction:g}: x, y or a multiple of 90 is needed for the stress cycles"
-                    " of a smooth body; another angle of the grid with cycles.shifts"
-                ),
-            )
+            needed = "x, y or a multiple of 90 is needed for the stress cycles of a smooth body"
+            text = f" = {case.sliding_direction:g}: {needed}; another angle of the grid with cycles.shifts"
+            yield "sliding.direction", text
 
     def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
         """Too few shifts for the waves of the faces, or a direction that no line through nodes has."""
@@ -212,15 +201,14 @@ class Cycles(Question):
                 of_grid = np.nan_to_num(answer.bodies[body].grid_error(variable))
                 source = "the pixels and the shifts" if few else "the pixels"
                 shown = f"{shown_si(value, unit)} at depth {shown_si(depth, 'm')}, {at}"
-                yield Row(group, words, value, unit, shown).by(
-                    float(np.hypot(of_grid, few)) * abs(value), source
-                )
+                error = float(np.hypot(of_grid, few)) * abs(value)
+                yield Row(group, words, value, unit, shown).by(error, source)
         if "fatigue_volume" not in cycles:
             return
         for share in LIMIT_SHARES:
             value = float(cycles["fatigue_volume"].interp(fatigue_share=share))
             name = f"volume above {100 * share:g} % of the limit per area"
-            yield Row(group, name, value, "m", shown_si(value, "m"))
+            yield row(group, name, value, "m")
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
             yield from self._survival(cycles, group, answer.numbers.nominal_area)
 
@@ -243,17 +231,10 @@ class Cycles(Question):
         for body in known:
             if (size := found[body].attrs.get("few_shifts_error") if body in found else None) is not None:
                 where = f" of the {body} body" if len(known) > 1 else ""
-                error = (
-                    f"with {self.shifts} shifts the error of the worst cycles{where} is about"
-                    f" {per_cent(size)}"
-                )
-                yield Advice(
-                    size > FEW_SHIFTS,
-                    "number of shifts",
-                    f"{error}, estimated from the result with half of the shifts.",
-                    f"shifts: {error}",
-                    size,
-                )
+                worst = f"the worst cycles{where}"
+                error = f"with {self.shifts} shifts the error of {worst} is about {per_cent(size)}"
+                text = f"{error}, estimated from the result with half of the shifts."
+                yield Advice(size > FEW_SHIFTS, "number of shifts", text, f"shifts: {error}", size)
         if any("dang_van" in cycles for cycles in found.values()):
             film = "" if "film" in answer.case.questions else "of dry faces: there is no lubricant film, "
             yield Advice(
@@ -290,9 +271,8 @@ class Cycles(Question):
         """The cycles of each body."""
         for body in answer.case.different_bodies:
             if (cycles := answer.of(self).get(body)) is not None:
-                title = (
-                    f"Cycles of the stress in {body} body under rough surface {answer.face.name} that moves"
-                )
+                of = f"{body} body under rough surface {answer.face.name} that moves"
+                title = f"Cycles of the stress in {of}"
                 yield f"cycles{answer.suffix_of(body)}", cycles.assign_attrs(body=body), title
 
     def peaks(self, answer: Answer, body: str) -> pd.DataFrame | None:

@@ -12,18 +12,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Question, Row, per_cent
+from asperity.engineering.question import Advice, Question, Row, per_cent, row
 from asperity.settings.load import Hertz
 from asperity.settings.model import Number, optional, setting
 
 if TYPE_CHECKING:
-    from asperity.contact import Contact
-    from asperity.core.types import Progress
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
-    from asperity.engineering.face import RoughFace
+    from asperity.engineering.question import Answer, Case, Contact, LoadedSolid, Progress, RoughFace
 
 GROUP = "film"
 
@@ -77,23 +71,16 @@ class Film(Question):
         if (self.load_share is None) == (self.lambda_ratio is None):
             yield "film", ": exactly one of load_share and lambda_ratio is needed"
         elif not self.share < 1:
-            yield (
-                "film.lambda_ratio",
-                f" = {self.lambda_ratio:g}: the film carries all of the load by this correlation",
-            )
+            whole = "the film carries all of the load by this correlation"
+            yield "film.lambda_ratio", f" = {self.lambda_ratio:g}: {whole}"
         if case.load.kind in ("approach", "area_fraction"):
-            yield (
-                f"load.{case.load.kind}",
-                ": a pressure or force is needed with a film, which carries a part of it",
-            )
+            needed = "a pressure or force is needed with a film, which carries a part of it"
+            yield f"load.{case.load.kind}", f": {needed}"
         if case.load_curve is not None:
             yield "load_curve", ": not accepted with film"
         if case.map.periodic == "none":
             yield "map.periodic", " = none: not accepted with film"
-        for name, body in case.groups_of_bodies.items():
-            for key in ("layer", "coating"):
-                if getattr(body, key) is not None:
-                    yield f"{name}.{key}", ": half-spaces are needed with film"
+        yield from ((key, ": half-spaces are needed with film") for key in case.layers_and_coatings)
 
     def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:
         """The case in which the asperities carry their share of the load."""
@@ -111,10 +98,8 @@ class Film(Question):
         if not share:
             return None
         loaded = answer.case.loaded_body(contact, body, 1 - share)
-        smooth, film = (
-            loaded.background,
-            share / (1 - share) * contact.mean_pressure * loaded.layer.uniform_stress(),
-        )
+        smooth, pressure = loaded.background, share / (1 - share) * contact.mean_pressure
+        film = pressure * loaded.layer.uniform_stress()
         return replace(loaded, background=lambda depth: film if smooth is None else smooth(depth) + film)
 
     def verdict(self, answer: Answer) -> str:
@@ -129,8 +114,8 @@ class Film(Question):
             words += f", by the correlation {self.correlation} at λ = {self.lambda_ratio:g}"
         yield Row(GROUP, "load carried by the film", share, "1", words)
         film = share / (1 - share) * carried
-        yield Row(GROUP, "mean pressure of the film", film, "Pa", shown_si(film, "Pa"))
-        yield Row(GROUP, "mean pressure carried by asperities", carried, "Pa", shown_si(carried, "Pa"))
+        yield row(GROUP, "mean pressure of the film", film, "Pa")
+        yield row(GROUP, "mean pressure carried by asperities", carried, "Pa")
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """How far correlations of the share agree."""

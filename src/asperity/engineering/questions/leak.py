@@ -16,13 +16,10 @@ from asperity.settings.quantities import Pressure
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from asperity.contact import Contact
     from asperity.contact.gap import Percolation
     from asperity.contact.reynolds import FilmFlow
     from asperity.core.types import Array, Progress
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
-    from asperity.engineering.face import RoughFace
+    from asperity.engineering.question import Answer, Case, Contact, RoughFace
     from asperity.surface.treatment.treatment import TreatedMap
 
 GROUP = "gap"

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
+    from asperity.engineering.question import Answer, Case
     from asperity.engineering.questions.leak import Sealing
 
 COLUMNS = {

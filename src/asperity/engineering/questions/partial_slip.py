@@ -15,6 +15,7 @@ from asperity.engineering.question import (
     Row,
     advice_on_pixels,
     per_cent,
+    row,
 )
 from asperity.settings.model import optional
 from asperity.settings.quantities import Force, Length
@@ -22,12 +23,8 @@ from asperity.settings.quantities import Force, Length
 if TYPE_CHECKING:
     import pandas as pd
 
-    from asperity.contact import Contact
     from asperity.contact.slip import PartialSlip as Slip
-    from asperity.core.types import Progress
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
+    from asperity.engineering.question import Answer, Case, Contact, LoadedSolid, Progress
 
 GROUP = "partial slip"
 
@@ -73,13 +70,12 @@ class PartialSlip(Question):
             yield "partial_slip", ": exactly one of tangential_force and tangential_displacement is needed"
         if not case.friction:
             yield "partial_slip", ": needs sliding.friction, above 0"
-        for name in ("hertz", "load_curve", "cycles", "film"):
-            if name in case.questions or (name == "hertz" and case.hertz_contact is not None):
-                words = {
-                    "hertz": "a map in a Hertz contact",
-                    "cycles": "stress cycles (fatigue limits, shifts)",
-                }
-                yield "partial_slip", f": not accepted with {words.get(name, name)}"
+        refused: dict[str, str] = {
+            name: name for name in ("load_curve", "cycles", "film") if name in case.questions
+        }
+        refused |= {"cycles": "stress cycles (fatigue limits, shifts)"} if "cycles" in refused else {}
+        hertz = ["a map in a Hertz contact"] if case.hertz_contact is not None else []
+        yield from (("partial_slip", f": not accepted with {words}") for words in [*hertz, *refused.values()])
         if case.hardness:
             yield "partial_slip", ": an elastic contact is needed, without hardness"
         if self.tangential_displacement is not None and case.solid.uniform_compliance():
@@ -104,12 +100,9 @@ class PartialSlip(Question):
         on_half = partial_slip(
             half, slip.friction, tangential_force=force, sliding_direction=slip.sliding_direction
         )
-        cycle = slip.cycle(CYCLE_STEPS)
-        table = {
-            "tangential_force_N": cycle["tangential_force"].values,
-            "tangential_displacement_m": cycle["tangential_displacement"].values,
-        }
-        return SlipResult(slip, on_half, pd.DataFrame(table))
+        cycle, units = slip.cycle(CYCLE_STEPS), {"tangential_force": "N", "tangential_displacement": "m"}
+        table = pd.DataFrame({f"{name}_{unit}": cycle[name].values for name, unit in units.items()})
+        return SlipResult(slip, on_half, table)
 
     def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid:
         """A body under pressure and tangential load."""
@@ -194,20 +187,17 @@ def _rows(slip: Slip) -> Iterator[Row]:
     """Numbers of partial slip on a map."""
     import numpy as np
 
-    def row(name: str, value: float, unit: str, shown: str = "") -> Row:
-        return Row(GROUP, name, value, unit, shown or shown_si(value, unit))
-
     force, limit = slip.tangential_force, slip.friction * slip.contact.force
     share = f"{100 * force / limit:.4g} % of friction times load"
-    yield row("tangential force", force, "N", f"{shown_si(force, 'N')}, {share}")
-    yield row("tangential displacement", slip.displacement, "m")
+    yield row(GROUP, "tangential force", force, "N", f"{shown_si(force, 'N')}, {share}")
+    yield row(GROUP, "tangential displacement", slip.displacement, "m")
     sticking = slip.sticking_area
-    yield row(COMPARED[1], sticking, "1", f"{100 * sticking:.4g} % of it, the rest slips")
+    yield row(GROUP, COMPARED[1], sticking, "1", f"{100 * sticking:.4g} % of it, the rest slips")
     for name, value in (("first", slip.initial_stiffness), ("last", slip.stiffness)):
         number = f"{shown_si(value * 1e-6, 'Pa')}/µm" if np.isfinite(value) else IN_FULL_CONTACT
-        yield row(f"{name} tangential stiffness", value, "Pa/m", number)
-    yield row("largest slip", float(slip.slip.max()), "m")
-    yield row(COMPARED[2], slip.lost_energy, "J")
+        yield row(GROUP, f"{name} tangential stiffness", value, "Pa/m", number)
+    yield row(GROUP, "largest slip", float(slip.slip.max()), "m")
+    yield row(GROUP, COMPARED[2], slip.lost_energy, "J")
 
 
 def _loop(cycle: pd.DataFrame) -> Any:

@@ -8,16 +8,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Question, Row
+from asperity.engineering.question import Advice, Question, Row, row
 from asperity.settings.model import Whole, optional, setting
 from asperity.settings.quantities import Pressure
 
 if TYPE_CHECKING:
-    from asperity.contact import Contact
-    from asperity.core.types import Progress
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
-    from asperity.engineering.face import RoughFace
+    from asperity.engineering.question import Answer, Case, Contact, Progress, RoughFace
 
 GROUP = "run-in"
 
@@ -57,18 +53,11 @@ class RunIn(Question):
         if hardness is None:
             yield "run_in.hardness", ": missing; a pressure above the mean pressure is needed"
         elif case.load.kind in ("mean_pressure", "hertz_pressure") and not case.cell_pressure < hardness:
-            yield (
-                "run_in.hardness",
-                (
-                    f" = {shown_si(hardness, 'Pa')}: more than the mean pressure"
-                    f" {shown_si(case.cell_pressure, 'Pa')} is needed"
-                ),
-            )
+            least = f"more than the mean pressure {shown_si(case.cell_pressure, 'Pa')} is needed"
+            yield "run_in.hardness", f" = {shown_si(hardness, 'Pa')}: {least}"
         if case.cycles is not None and case.cycles.shifts is not None and case.counter_map is not None:
-            yield (
-                "counter_body.map",
-                ": not accepted with run_in and cycles.shifts, which press each face many times",
-            )
+            refused = "run_in and cycles.shifts, which press each face many times"
+            yield "counter_body.map", f": not accepted with {refused}"
 
     def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:
         """The elastic case and the flattened map."""
@@ -86,12 +75,9 @@ class RunIn(Question):
                 face = replace(face, height=contact.flattened_height())
             progress(number + 1, self.loads + 1)
         assert first is not None
-        done = (
-            f"flattened by {self.loads} load{'s' * (self.loads > 1)} at a hardness of"
-            f" {shown_si(hardness, 'Pa')}"
-        )
-        depth_shown = shown_si(depths[0], "m", 3)
-        face = replace(face, done=(*face.done, f"{done}, by up to {depth_shown} at the first"))
+        times = f"{self.loads} load{'s' * (self.loads > 1)} at a hardness of {shown_si(hardness, 'Pa')}"
+        done = f"flattened by {times}, by up to {shown_si(depths[0], 'm', 3)} at the first"
+        face = replace(face, done=(*face.done, done))
         elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
         return case.replaced(**elastic), rough._replace(face=face), RunInResult(first, depths)
 
@@ -107,13 +93,7 @@ class RunIn(Question):
         yield Row(GROUP, "real contact of the first load", area, "1", f"{100 * area:.4g} %")
         share = first.plastic_area
         yield Row(GROUP, "area at the hardness of the first load", share, "1", f"{100 * share:.4g} %")
-        yield Row(
-            GROUP,
-            "largest flattening of the first load",
-            found.depths[0],
-            "m",
-            shown_si(found.depths[0], "m"),
-        )
+        yield row(GROUP, "largest flattening of the first load", found.depths[0], "m")
         words = "none: it changes nothing"
         if found.depths[-1] > UNCHANGED * answer.numbers.peak_to_valley:
             words = f"{shown_si(found.depths[-1], 'm')}, {100 * found.another:.2g} % of the first"

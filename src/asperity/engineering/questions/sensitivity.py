@@ -19,8 +19,7 @@ from asperity.settings.model import ContradictionError, Number
 if TYPE_CHECKING:
     import pandas as pd
 
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
+    from asperity.engineering.question import Answer, Case
 
 GROUP = "change for one per cent more of an input"
 

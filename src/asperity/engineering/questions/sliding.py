@@ -14,8 +14,7 @@ from asperity.engineering.question import Advice, Question
 from asperity.settings.model import NeededError, Number, optional, setting
 
 if TYPE_CHECKING:
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
+    from asperity.engineering.question import Answer, Case
     from asperity.surface.treatment.treatment import TreatedMap
 
 NEGLECTED_COUPLING = 0.1
@@ -68,22 +67,16 @@ class Sliding(Question):
         _, ratio, lay = texture(face.height, face.grid.spacing)
         has_lay = ratio < STRONG_LAY
         found = self.replaced(direction="y" if has_lay and 45 < lay < 135 else "x")
-        found._chosen = (
-            f"the lay of the map is at {lay:.0f}° from x" if has_lay else "the map has no strong lay"
-        )
+        at = f"the lay of the map is at {lay:.0f}° from x"
+        found._chosen = at if has_lay else "the map has no strong lay"
         return found
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():
             if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
-                yield (
-                    "sliding.friction",
-                    (
-                        f" = {self.friction:g}: 0 is needed with {name}.layer.bottom = frictionless, which"
-                        " bears no shear"
-                    ),
-                )
+                needed = f"0 is needed with {name}.layer.bottom = frictionless, which bears no shear"
+                yield "sliding.friction", f" = {self.friction:g}: {needed}"
 
     def verdict(self, answer: Answer) -> str:
         """Direction and force of friction."""

@@ -9,15 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row, per_cent
+from asperity.engineering.question import HARDNESS_OVER_YIELD, Advice, Question, Row, per_cent, row
 
 if TYPE_CHECKING:
     from asperity.core.types import Array, Progress
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.engineering.answer import Answer
-    from asperity.engineering.case import Case
     from asperity.engineering.places import Blocks
-    from asperity.stress.planes.stream import LinearPlane
+    from asperity.engineering.question import Answer, Case, LinearPlane, LoadedSolid
 
 
 @dataclass(frozen=True)
@@ -88,9 +85,7 @@ class Yielding(Question):
         if limit is None:
             return None
         exceedance = Exceedance(limit, answer.face.boundary == "periodic")
-        of_blocks = None
-        if answer.blocks is not None:
-            of_blocks = _OfBlocks(limit, answer.blocks)
+        of_blocks = None if answer.blocks is None else _OfBlocks(limit, answer.blocks)
         answer.of(self)[body] = exceedance, of_blocks
 
         def add(plane: LinearPlane) -> None:
@@ -123,27 +118,28 @@ class Yielding(Question):
 
     def verdict(self, answer: Answer) -> str:
         """What yields, of the materials of each body."""
-        found, bodies, several = [], list(answer.case.bodies.values()), len(answer.case.different_bodies) > 1
-        alike = bodies[0].is_like(bodies[-1])
-        for name in [*answer.case.different_bodies][: 1 if alike else None]:
-            yielded: Yielded | None = answer.of(self).get(name)
-            for material, part in answer.bodies[name].materials.items():
-                limit = part.body.yield_stress
-                if limit is None:
-                    continue
+        found, names = [], _bodies_apart(answer)
+        for name in names:
+            for material, limit, stress, depths in self._materials(answer, name):
                 what = f"the {material}" if material else "the material"
-                what += f" of the {name} body" if several and not alike else ""
-                ratio = (
-                    f"{part.largest_von_mises / limit:.3g} times its yield stress, {shown_si(limit, 'Pa', 3)}"
-                )
-                if part.largest_von_mises <= limit:
+                what += f" of the {name} body" if len(names) > 1 else ""
+                ratio = f"{stress / limit:.3g} times its yield stress, {shown_si(limit, 'Pa', 3)}"
+                if stress <= limit:
                     found.append(f"{what} stays elastic, with at most {ratio}")
-                elif material == "coating" or yielded is None or yielded.depths is None:
+                elif depths is None:
                     found.append(f"{what} yields, with up to {ratio}")
                 else:
-                    share, last = per_cent(yielded.fraction), shown_si(yielded.depths[1], "m", 3)
+                    share, last = per_cent(answer.of(self)[name].fraction), shown_si(depths[1], "m", 3)
                     found.append(f"{what} yields: {share} of it down to {last}, with up to {ratio}")
         return "; ".join(found)
+
+    def _materials(self, answer: Answer, body: str) -> Iterator[tuple[str, float, float, Any]]:
+        """Materials of a body: name, yield stress, largest von Mises stress, depths above yield if known."""
+        yielded: Yielded | None = answer.of(self).get(body)
+        for material, part in answer.bodies[body].materials.items():
+            if (limit := part.body.yield_stress) is not None:
+                depths = None if yielded is None or material == "coating" else yielded.depths
+                yield material, limit, part.largest_von_mises, depths
 
     def attributes(self, answer: Answer, body: str) -> Mapping[str, Any]:
         """Yield stress, and the volume above it."""
@@ -154,74 +150,61 @@ class Yielding(Question):
 
     def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
         """Volume, depths and peaks above yield."""
-        part, group, limit = (
-            answer.bodies[body],
-            answer.case.stress_title(body),
-            answer.case.bodies[body].yield_stress,
-        )
-        if limit is None:
+        part, group = answer.bodies[body], answer.case.stress_title(body)
+        if (limit := answer.case.bodies[body].yield_stress) is None:
             return
         found: Yielded = answer.of(self)[body]
 
-        def row(name: str, value: float, unit: str, shown: str = "") -> Row:
-            return Row(group, name, value, unit, shown or shown_si(value, unit))
-
-        yield row("yield stress", limit, "Pa")
+        yield row(group, "yield stress", limit, "Pa")
         source, map_area = "the pixels and planes", answer.face.grid.area
-        per_area = row("volume above yield per area", found.volume / map_area, "m").by(
+        per_area = row(group, "volume above yield per area", found.volume / map_area, "m").by(
             found.error / map_area, source
         )
         if found.error == 0:  # far below yield; a pool of maps needs it
             per_area = per_area._replace(estimate=per_area.value, error=0.0)
         if found.depths is None:
-            yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
+            yield row(group, "volume above yield", 0.0, "m^3", "none: everything stays elastic")
             yield per_area
         else:
             first, last = found.depths
             factor, symbol = scaled_unit([last], "m")
             share = f"{100 * found.fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
             between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
-            yield row("volume above yield", found.volume, "m^3", shown_si(found.volume, "m^3", 3))
+            yield row(group, "volume above yield", found.volume, "m^3", shown_si(found.volume, "m^3", 3))
             yield per_area.of_places(found.of_places)
             error = found.error / (map_area * last)
-            fraction = row("share above yield", found.fraction, "1", share).by(error, source)
+            fraction = row(group, "share above yield", found.fraction, "1", share).by(error, source)
             yield fraction.of_places(found.of_places)
-            yield row("deepest point above yield", last, "m", between)
+            yield row(group, "deepest point above yield", last, "m", between)
         peaks = answer.peaks().query("body == @body and quantity == 'von_mises'")
         below = peaks["depth_m"] > (part.layer.interface or -1.0)
         density = int(((peaks["value_Pa"] > limit) & below).sum()) / answer.numbers.nominal_area
-        yield row("peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
+        yield row(group, "peaks above yield", density, "1/m^2", f"{1e-6 * density:.4g} per mm²")
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Stress above yield, of coating and base of each body."""
-        shown, bodies = answer.case.different_bodies, list(answer.case.bodies.values())
-        alike = bodies[0].is_like(bodies[-1])
-        for name in [*shown][: 1 if alike else None]:
-            where = f" of the {name} body" if len(shown) > 1 else ""
-            found: Yielded | None = answer.of(self).get(name)
-            for material, part in answer.bodies[name].materials.items():
-                limit, stress = part.body.yield_stress, part.largest_von_mises
-                if limit is None or stress <= limit:
+        for name in _bodies_apart(answer):
+            where = f" of the {name} body" if len(answer.case.different_bodies) > 1 else ""
+            for material, limit, stress, depths in self._materials(answer, name):
+                if stress <= limit:
                     continue
-                depths = ""
-                if found is not None and found.depths is not None and material != "coating":
-                    first, last = (shown_si(depth, "m", 3) for depth in found.depths)
-                    depths = (
-                        f"; depths from {first if found.depths[0] else 'the surface'} to {last} are affected"
-                    )
-                of = f" of the {material}{where}" if material else where
-                text = (
-                    f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {stress / limit:.3g}"
-                    f" times the yield stress of {shown_si(limit, 'Pa', 3)}"
-                )
+                affected = ""
+                if depths is not None:
+                    first, last = (shown_si(depth, "m", 3) for depth in depths)
+                    affected = f"; depths from {first if depths[0] else 'the surface'} to {last} are affected"
+                of, ratio = f" of the {material}{where}" if material else where, f"{stress / limit:.3g}"
+                text = f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {ratio} times the "
+                text += f"yield stress of {shown_si(limit, 'Pa', 3)}"
                 # The hardness that a yield stress suggests is that of the surface.
                 if answer.pressed.hardness is None and material != "base":
                     hardness = shown_si(HARDNESS_OVER_YIELD * limit, "Pa", 3)
-                    text += (
-                        f". This is an elastic result only: real material flows there{depths}. The pressure"
-                        f" stays below the hardness, about {hardness}, and the real contact grows;"
-                        " body.hardness limits the pressure"
-                    )
-                else:
-                    text += depths
-                yield Advice(True, "stress beyond yield", f"{text}.")
+                    affected = f". This is an elastic result only: real material flows there{affected}. The "
+                    affected += f"pressure stays below the hardness, about {hardness}, and the real contact "
+                    affected += "grows; body.hardness limits the pressure"
+                yield Advice(True, "stress beyond yield", f"{text}{affected}.")
+
+
+def _bodies_apart(answer: Answer) -> list[str]:
+    """Names of the bodies whose stress differs; of two bodies of one material the first."""
+    bodies, names = list(answer.case.bodies.values()), list(answer.case.different_bodies)
+    return names[:1] if bodies[0].is_like(bodies[-1]) else names
