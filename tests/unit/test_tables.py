@@ -9,8 +9,7 @@ import pytest
 
 import asperity as asp
 from asperity import Body, run
-from asperity.results.tables import check_columns, describe_tables, units, write_table
-from asperity.results.workbook import write_workbook
+from asperity.results.tables import check_columns, describe_tables, units, write_table, write_workbook
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.views.export import peak_table
 

@@ -12,7 +12,7 @@ from project import OWN, ROOT, snakemake
 
 from asperity.paper import figures
 from asperity.results import dataset
-from asperity.results.lock import locked
+from asperity.results.atomic import locked
 from asperity.settings.study import read_study
 from asperity.study import progress_and_log
 from asperity.study.stages.contact import press_surface

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from asperity.core.errors import DatasetError
-from asperity.results.lock import locked
+from asperity.results.atomic import locked
 
 
 def lock(folder):

@@ -56,19 +56,14 @@ def load_case(path: str | Path) -> dict[str, Any]:
     for keys in (*MAP_FILES, (OUT,), ("materials",)):
         given = at(content, keys)
         if isinstance(given, str):
-            put(
-                content,
-                keys,
-                matches(str(path.parent / given)) if keys in MAP_FILES else str(path.parent / given),
-            )
+            file = str(path.parent / given)
+            put(content, keys, matches(file) if keys in MAP_FILES else file)
         elif isinstance(given, list):
             if not (given and isinstance(maps, list) and len(given) == len(maps)) or not all(
                 isinstance(each, str) and each for each in given
             ):
-                count = len(maps) if isinstance(maps, list) else 1
-                raise InputError(
-                    str(path), [f"{'.'.join(keys)} = {shown(given)}: a list of {count} names is needed"]
-                )
+                needed = f"a list of {len(maps) if isinstance(maps, list) else 1} names is needed"
+                raise InputError(str(path), [f"{'.'.join(keys)} = {shown(given)}: {needed}"])
             put(content, keys, [str(path.parent / each) for each in given])
     return content
 

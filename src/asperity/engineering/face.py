@@ -58,6 +58,8 @@ class RoughFace(NamedTuple):
         The lower face of the upper body, if both are rough: its part of the composite roughness.
     counter : CounterMap, optional
         The counter map, with the options of the map that only the counter map needs.
+    unfiltered : TreatedMap, optional
+        The surface without the Gaussian filters, if there are any.
     """
 
     face: TreatedMap
@@ -68,6 +70,7 @@ class RoughFace(NamedTuple):
     options: Map | None = None
     upper: Array | None = None
     counter: CounterMap | None = None
+    unfiltered: TreatedMap | None = None
 
 
 def read_face(options: Map, counter: CounterMap | None = None, shared: bool = False) -> RoughFace:
@@ -88,10 +91,11 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     name, surface, doubts, spikes, options = _read(options, given if shared else inherited)
     files = _read_file(options.file)
     if counter is None:
-        treated = treat_map(surface, _completed(options, surface))
+        whole = _completed(options, surface)
+        treated, unfiltered = treat_map(surface, whole), _unfiltered(surface, whole)
         y, x = surface.spacing
-        reach = SPIKE_REACH * y, SPIKE_REACH * x
-        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
+        reach, face = (SPIKE_REACH * y, SPIKE_REACH * x), replace(treated, name=name)
+        return RoughFace(face, doubts, spikes, reach, files, options, unfiltered=unfiltered)
     counter_name, counter_surface, counter_doubts, _, own = _read(counter.replaced(**of_map), inherited)
     overridden = {each for each in inherited if getattr(options, each) is None}
     counter = counter.replaced(**{each: getattr(own, each) for each in overridden})
@@ -110,7 +114,16 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, options=options, upper=upper, counter=counter)
+    return RoughFace(
+        face, of_both, spikes[:0], (0.0, 0.0), files, options, upper, counter, _unfiltered(pair.map, later)
+    )
+
+
+def _unfiltered(surface: HeightMap, options: Map) -> TreatedMap | None:
+    """The face without the Gaussian filters; None if there are none."""
+    if options.s_filter is None and options.l_filter is None:
+        return None
+    return treat_map(surface, options.replaced(s_filter=None, l_filter=None))
 
 
 def _read_file(source: Any) -> tuple[ReadFile, ...]:

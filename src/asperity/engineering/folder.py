@@ -11,8 +11,9 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from asperity.core.system import flush, sha256_of
-from asperity.results.lock import LOCK as LOCK
-from asperity.results.lock import locked as locked
+from asperity.results.atomic import LOCK as LOCK
+from asperity.results.atomic import locked as locked
+from asperity.results.atomic import write_text
 
 if TYPE_CHECKING:
     from asperity.engineering.case import Case
@@ -44,17 +45,8 @@ CASE_FILE = "case.yaml"
 
 def names_of(case: "Case | None") -> list[str]:
     """Names of the files that the answer of a case may have; without a case, that any answer may have."""
-    names = [
-        CASE_FILE,
-        "surface.nc",
-        "contact.nc",
-        "peaks.csv",
-        "spots.csv",
-        "gaps.csv",
-        "answer.csv",
-        "advice.csv",
-        "answer.xlsx",
-    ]
+    tables = (f"{name}.csv" for name in ("peaks", "spots", "gaps", "answer", "advice"))
+    names = [CASE_FILE, "surface.nc", "contact.nc", *tables, "answer.xlsx"]
     names += ["height.png", "pressure.png", "report.html"]
     if case is None:
         return names
@@ -98,7 +90,6 @@ def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
         names = {path.name for path in unfinished.iterdir()}
         if problem := folder_problem(folder, names):
             raise ValueError(f"{folder}: {problem}")
-        from asperity.results.atomic import write_text  # imports xarray, only to write
 
         checksums = {name: found for name, found in checksums_in(folder).items() if name in kept}
         for name in names:

@@ -34,9 +34,8 @@ from asperity.engineering.question import Picture
 from asperity.engineering.values import slider_of, values_of
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table
+from asperity.results.tables import write_table, write_workbook
 from asperity.results.variables import SI_UNITS
-from asperity.results.workbook import write_workbook
 from asperity.settings.materials import material
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset

@@ -145,7 +145,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     if face.boundary == "periodic" and case.map.radius is not None and len(spots):
         answer.neighbours = neighbours_of(face, case, contact)
     answer.plastic = plastic_contact(face, case, contact)
-    answer.unfiltered = unfiltered_contact(case)
+    answer.unfiltered = None if rough.unfiltered is None else press(rough.unfiltered, case)
     for name, question in asked.questions.items():
         if others := question.other_cases(asked):
             answers = {key: answer_of(other) for key, other in others.items()}
@@ -246,23 +246,11 @@ def _outside_hertz(case: Case, face: TreatedMap) -> Any:
     part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
     for axis, width, edge in zip("yx", widths, face.grid.length, strict=True):
         if width < edge:
-            yield (
-                f"load.radius_{axis}",
-                (
-                    f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; it"
-                    f" is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. Use a"
-                    f' part of the map, map.crop = "{part}", or press the whole form with its force or'
-                    " pressure: map.radius and map.radius_y with map.periodic = none"
-                ),
-            )
-
-
-def unfiltered_contact(case: Case) -> Contact | None:
-    """The contact of a case without its Gaussian filters; None if it has none."""
-    if case.map.s_filter is None and case.map.l_filter is None:
-        return None
-    plain = case.map.replaced(s_filter=None, l_filter=None)
-    return press(read_face(plain, case.counter_map).face, case)
+            found = f"{shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}"
+            text = f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
+            text += f'it is {found}. Use a part of the map, map.crop = "{part}", or press the whole form '
+            text += "with its force or pressure: map.radius and map.radius_y with map.periodic = none"
+            yield f"load.radius_{axis}", text
 
 
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:

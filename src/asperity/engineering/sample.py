@@ -169,18 +169,11 @@ def pool_answers(answers: Sequence[Answer]) -> Sample:
     cases = {name: case_in_words(answer.case) for name, answer in named.items()}
     for name, case in cases.items():
         if case != cases[names[0]]:
-            raise ValueError(
-                f"answers: {name} is of {case}, {names[0]} of {cases[names[0]]}; one case is needed"
-            )
-    return Sample(
-        cases[names[0]],
-        tuple(names),
-        pd.concat([answer.frame().assign(map=name) for name, answer in named.items()], ignore_index=True),
-        pd.concat([answer.peaks().assign(map=name) for name, answer in named.items()], ignore_index=True),
-        pd.concat(
-            [answer.advice_table().assign(map=name) for name, answer in named.items()], ignore_index=True
-        ),
-    )
+            others = f"{names[0]} of {cases[names[0]]}"
+            raise ValueError(f"answers: {name} is of {case}, {others}; one case is needed")
+    kinds = Answer.frame, Answer.peaks, Answer.advice_table
+    tables = [[table(answer).assign(map=name) for name, answer in named.items()] for table in kinds]
+    return Sample(cases[names[0]], tuple(names), *(pd.concat(each, ignore_index=True) for each in tables))
 
 
 def check_alike(faces: Mapping[str, TreatedMap]) -> None:
@@ -190,15 +183,13 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
         pixels = [each.grid.spacing for each in (face, known)]
         if any(abs(a / b - 1) > SAME_PIXELS for a, b in zip(*pixels, strict=True)):
             own, other = (f"{shown_si(x, 'm')} x {shown_si(y, 'm')}" for y, x in pixels)
-            raise ValueError(
-                f"pooled: {name} has pixels of {own}, {first} of {other}; maps of the same pixels are needed"
-            )
+            needed = "maps of the same pixels are needed"
+            raise ValueError(f"pooled: {name} has pixels of {own}, {first} of {other}; {needed}")
         heights = [float(each.height.std()) for each in (face, known)]
         if max(heights) > OTHER_UNIT * min(heights):
             own, other = (shown_si(height, "m") for height in heights)
-            raise ValueError(
-                f"pooled: {name} has an rms height of {own}, {first} of {other}; the same unit is needed"
-            )
+            heights_of = f"{name} has an rms height of {own}, {first} of {other}"
+            raise ValueError(f"pooled: {heights_of}; the same unit is needed")
 
 
 def warnings_by_kind(advice: Mapping[str, pd.DataFrame]) -> list[str]:
@@ -207,12 +198,9 @@ def warnings_by_kind(advice: Mapping[str, pd.DataFrame]) -> list[str]:
     `advice` is the name of a map → the table of `Answer.advice_table`.
     """
     kinds: dict[str, dict[str, str]] = {}
-    for name, table_of_map in advice.items():
-        for level, subject, text in zip(
-            *(table_of_map[key] for key in ("level", "subject", "text")), strict=True
-        ):
-            if level == "warning":
-                kinds.setdefault(subject, {}).setdefault(name, text)
+    for name, of_map in advice.items():
+        for row in of_map[of_map["level"] == "warning"].itertuples():
+            kinds.setdefault(row.subject, {}).setdefault(name, row.text)
     return [
         f"{subject}: {len(found)} of {len(advice)} maps; {next(iter(found))}: {next(iter(found.values()))}"
         for subject, found in kinds.items()

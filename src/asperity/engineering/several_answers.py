@@ -25,8 +25,7 @@ from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST
 from asperity.engineering.sample import ONE_MAP, Sample, warnings_by_kind
 from asperity.engineering.values import values_of
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table
-from asperity.results.workbook import write_workbook
+from asperity.results.tables import write_table, write_workbook
 
 WIDEST = 100
 """Most characters of a line on the terminal."""
@@ -145,15 +144,13 @@ QUANTITIES = {"pressure": "pressure", "von_mises": "von Mises stress", "dang_van
 
 def read_sample(folder: Path, names: Sequence[str], case: Case | None = None) -> Sample:
     """The sample of answers of maps in the folders of these names, with the words of their case."""
-    tables = {
-        table: pd.concat(
-            [pd.read_csv(folder / name / f"{table}.csv").assign(map=name) for name in names],
-            ignore_index=True,
-        )
-        for table in ("answer", "peaks", "advice")
-    }
+
+    def pooled(table: str) -> pd.DataFrame:
+        each = [pd.read_csv(folder / name / f"{table}.csv").assign(map=name) for name in names]
+        return pd.concat(each, ignore_index=True)
+
     words = "" if case is None else case_in_words(case)
-    return Sample(words, tuple(names), *tables.values())
+    return Sample(words, tuple(names), *map(pooled, ("answer", "peaks", "advice")))
 
 
 def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Sequence[ReadFile]]]) -> str:

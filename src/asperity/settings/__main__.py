@@ -24,9 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ("results", "*", "folder of the results of a study, by default the paper's"),
     ):
         command = commands.add_parser(name, help=text)
-        command.add_argument(
-            "files", nargs=many, help="configuration, then overlays, in YAML", metavar="FILE"
-        )
+        files = "configuration, then overlays, in YAML"
+        command.add_argument("files", nargs=many, help=files, metavar="FILE")
         command.add_argument("--results", help="folder given on the command line of the study")
     describing = commands.add_parser("describe", help="tables of all settings, in Markdown")
     describing.add_argument("readme", nargs="?", help="file to write them into; otherwise they are printed")

@@ -200,8 +200,8 @@ class Body(OfMaterial):
         if self.coating is not None and self.layer is not None:
             yield "coating", ": not accepted together with layer"
         if (self.fatigue_torsion is None) != (self.fatigue_bending is None):
-            name, other = "fatigue_torsion", "fatigue_bending"
-            name, other = (name, other) if self.fatigue_bending is None else (other, name)
+            limits = ("fatigue_torsion", "fatigue_bending")
+            name, other = limits if self.fatigue_bending is None else reversed(limits)
             yield name, f": needs {other}"
         elif self.residual_stress is not None and self.fatigue_torsion is None:
             yield "residual_stress", ": needs fatigue_torsion and fatigue_bending"

@@ -101,22 +101,17 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     surfaces, measured, layer = config["surfaces"], config["measured"], config["layer"]
     known = {**surfaces, **measured}
     if not known:
-        yield (
-            "surfaces",
-            ": missing; at least one is needed, here or under measured, or the paper's by "
-            "based_on: config/config.yaml",
-        )
+        needed = "at least one is needed, here or under measured, or the paper's by"
+        yield "surfaces", f": missing; {needed} based_on: config/config.yaml"
     for name in measured.keys() & surfaces.keys():
         yield f"measured.{name}", f": another name is needed, surfaces.{name} has it"
     most = entry_of(Configuration, "surfaces.NAME.points")["maximum"]
     for section in ("surfaces", "measured"):
         for name, surface in config[section].items():
             if surface.get("points", 0) > most:
-                yield (
-                    f"{section}.{name}.points",
-                    f": {surface['points']} are too many for a grid of at most {most}; "
-                    "a longer wavelength_short or another accuracy is needed",
-                )
+                text = f": {surface['points']} are too many for a grid of at most {most}; "
+                text += "a longer wavelength_short or another accuracy is needed"
+                yield f"{section}.{name}.points", text
     for study, names in config.get("studies", {}).items():
         for name in names:
             if name not in known:
@@ -125,16 +120,13 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     if config["claims"] and config["figures"] != "paper":
         needed = "needs figures = 'paper': the claims are statements about the paper's surfaces"
         yield "claims", f" = true {needed}"
-    points, name = min(
-        ((each.get("points", math.inf), name) for name, each in known.items()), default=(1, "")
-    )
+    grids = ((each.get("points", math.inf), name) for name, each in known.items())
+    points, name = min(grids, default=(1, ""))
     least = _FEWEST_PLANES * config["stress"]["depth_spacing"] / points
     if known and layer["height"] < least and "base" not in layer:
         planes = f"{_FEWEST_PLANES} planes at its depth_spacing"
-        yield (
-            "layer.height",
-            f" = {layer['height']!r}: at least {number(least)} is needed for {name}, {planes}",
-        )
+        text = f" = {layer['height']!r}: at least {number(least)} is needed for {name}, {planes}"
+        yield "layer.height", text
     contact = Contact.model_construct(**config["contact"])  # with the tolerance of the preset
     yield from ((f"contact.{key}", text) for key, text in contact.contradictions())
     if layer["poisson"] not in (listed := config["stress"]["poisson"]):

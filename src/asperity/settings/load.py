@@ -1,7 +1,7 @@
 """The load of a case: exactly one quantity is imposed, and each has a class of its own."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
 from pydantic import (
@@ -10,7 +10,6 @@ from pydantic import (
     SerializeAsAny,
     ValidationError,
     ValidationInfo,
-    model_validator,
 )
 
 from asperity.core.errors import did_you_mean
@@ -105,38 +104,21 @@ class Hertz(OneLoad):
     """Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the
     contact."""
 
-    @model_validator(mode="after")
-    def _check(self) -> "Hertz":
+    def contradictions(self) -> Iterator[tuple[str, str]]:
         given = [name for name in UNITS if getattr(self, name, None) is not None]
         if len(given) != 1:
-            raise ContradictionError(
-                (
-                    "hertz_pressure, force, mean_pressure",
-                    (
-                        f": exactly one of them is needed in a Hertz contact, {' and '.join(given) or 'none'}"
-                        " given"
-                    ),
-                )
-            )
+            text = ": exactly one of them is needed in a Hertz contact, "
+            yield "hertz_pressure, force, mean_pressure", f"{text}{' and '.join(given) or 'none'} given"
         is_roller = math.inf in self.radii
         if self.radii == (math.inf, math.inf):
-            raise ContradictionError(("radius_y", " = inf: at most one of the radii is infinite"))
+            yield "radius_y", " = inf: at most one of the radii is infinite"
         y, x = self.at
         if not self.share > 0 or (is_roller and (y if self.radii[1] == math.inf else x)):
             where = " across the axis of the roller" if is_roller else ""
-            raise ContradictionError(
-                (
-                    "at",
-                    (
-                        f" = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is"
-                        " needed"
-                    ),
-                )
-            )
+            inside = f"a place inside the contact, nearer than one half-width{where}, is needed"
+            yield "at", f" = {y:g} {x:g}: {inside}"
         if is_roller and self.force is not None:
-            text = ": the Hertz pressure is needed under a roller, whose length is not known"
-            raise ContradictionError(("force", text))
-        return self
+            yield "force", ": the Hertz pressure is needed under a roller, whose length is not known"
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -159,10 +141,8 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
     if not isinstance(value, Mapping):
         raise NeededError(f"a group with one of {', '.join(UNITS)}")
     known = Hertz.model_fields.keys() | UNITS.keys()
-    if unknown := [name for name in value if name not in known]:
-        raise ContradictionError(
-            *((str(name), f": unknown key{did_you_mean(str(name), known)}") for name in unknown)
-        )
+    if unknown := [str(name) for name in value if name not in known]:
+        raise ContradictionError(*((name, f": unknown key{did_you_mean(name, known)}") for name in unknown))
     in_hertz_contact = not value.keys().isdisjoint(Hertz.model_fields.keys() - UNITS.keys())
     given = [name for name in UNITS if name in value]
     if in_hertz_contact and (others := [name for name in given if name not in Hertz.model_fields]):
@@ -173,9 +153,7 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
         raise ContradictionError((", ".join(UNITS), text))
     if not in_hertz_contact and given == ["hertz_pressure"]:
         raise ContradictionError(("hertz_pressure", ": needs radius_x"))
-    chosen: type[OneLoad] = Hertz
-    if not in_hertz_contact:
-        chosen = next(each for each in LOADS if given[0] in each.model_fields)
+    chosen = Hertz if in_hertz_contact else next(each for each in LOADS if given[0] in each.model_fields)
     try:
         return chosen.model_validate(value, context=info.context)
     except ValidationError as error:
@@ -185,11 +163,10 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
 def _description(*_: Any) -> dict[str, Any]:
     """Description of a load, in the words of a JSON Schema."""
     kinds = [described(kind)["properties"] for kind in (Hertz, *LOADS)]
+    one = "exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure"
     return {
         "type": "object",
-        "description": (
-            "The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure."
-        ),
+        "description": f"The load: {one}.",
         "accepts": f"a group with one of {', '.join(UNITS)}",
         "additionalProperties": False,
         "properties": {key: entry for properties in kinds for key, entry in properties.items()},

@@ -120,10 +120,8 @@ def _materials(content: Mapping[str, Any], file: str) -> dict[str, Material]:
                 constants[key] = Constant(group.get("value"), group.get("range"), place)
             elif key not in ("also", "group", "state"):
                 wrong.append(Problem(f"{name}.{key}", f": unknown key{did_you_mean(str(key), CONSTANTS)}"))
-        also = tuple(map(str, entry.get("also", ())))
-        found[str(name)] = Material(
-            str(name), also, entry.get("group", ""), entry.get("state", ""), constants
-        )
+        also, kind = tuple(map(str, entry.get("also", ()))), (entry.get("group", ""), entry.get("state", ""))
+        found[str(name)] = Material(str(name), also, *kind, constants)
     if wrong:
         raise SettingsError(file, wrong)
     return found

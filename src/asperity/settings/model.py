@@ -202,11 +202,9 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
     @classmethod
     def _plain(cls, values: Any) -> Any:
         """The values, with numbers of NumPy as those of Python."""
-        return (
-            {name: _plain_numbers(each) for name, each in values.items()}
-            if isinstance(values, dict)
-            else values
-        )
+        if not isinstance(values, dict):
+            return values
+        return {name: _plain_numbers(each) for name, each in values.items()}
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
