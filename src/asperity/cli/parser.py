@@ -149,9 +149,8 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
             pairs = ((section, name) for section, names in given.items() for name in names)
             found |= {flag(name): {"setting": f"{section}.{name}"} for section, name in pairs}
         elif key == "case":
-            found |= {
-                name: each if isinstance(each, Mapping) else {"key": each} for name, each in given.items()
-            }
+            each_key = {name: {"key": each} for name, each in given.items() if isinstance(each, str)}
+            found |= given | each_key
         elif key == "with":
             for shared in given:
                 found |= arguments(SHARED[shared])
@@ -164,9 +163,8 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
         options = dict(given)
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
-        key, default_text, words = (
-            options.pop(name, None) for name in ("setting", "default_text", "accepts")
-        )
+        own = ("setting", "default_text", "accepts")
+        key, default_text, words = (options.pop(name, None) for name in own)
         if (of_case := options.pop("key", None)) is not None:
             parser.add_argument(flag, **_of_case(of_case) | options if explained else options)
             continue
@@ -185,12 +183,13 @@ def _of_case(key: str) -> dict[str, Any]:
     from asperity.settings.model import entry_of
 
     entry = entry_of(Case, key)
-    placeholder = f"{{{','.join(entry['enum'])}}}" if "enum" in entry else _placeholder(entry)
-    return {"metavar": placeholder, "help": _help(entry, entry.get("default_text"))}
+    return {"metavar": _placeholder(entry), "help": _help(entry, entry.get("default_text"))}
 
 
 def _placeholder(entry: Mapping[str, Any]) -> str:
     """Placeholder of a value in the usage."""
+    if "enum" in entry:
+        return f"{{{','.join(entry['enum'])}}}"
     kind = entry.get("anyOf", [entry])[-1]
     types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
     return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
@@ -227,28 +226,23 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
 
     group, name = _place_of(key)
     entry = entry_of(group, name)
-    items = item_of(entry)
-    value = None
+    items, value = item_of(entry), None
     if not (default_text or as_text):
-        value = entry.get("default") if name != key else _default(key)
-    if value is not None and not default_text:
-        default_text = str(value)
+        value = entry.get("default") if name != key else _default_of_study(key)
+        default_text = entry.get("default_text") if value is None else str(value)
     if key.startswith("measured."):  # the map knows its defaults; those that are given are for maps alone
         value = None
-    placeholder = f"{{{','.join(items['enum'])}}}" if "enum" in items else _placeholder(items)
-    made: dict[str, Any] = {"dest": key, "default": value, "metavar": placeholder}
-    is_list = items is not entry
-    if is_list:
-        fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
-        made["nargs"] = fixed or "+"
+    made: dict[str, Any] = {"dest": key, "default": value, "metavar": _placeholder(items)}
+    if is_list := items is not entry:
+        fewest = entry.get("minItems")
+        made["nargs"] = fewest if fewest and fewest == entry.get("maxItems") else "+"
     if not as_text:
         made |= {"action": _StoreList} if is_list else {"type": partial(value_of, key)}
     return made | {"help": _help(entry, default_text or entry.get("default_text"), words)}
 
 
-def _default(key: str) -> Any:
-    """Default of a setting of the study."""
-    from asperity.settings.check import default
+def _default_of_study(key: str) -> Any:
+    from asperity.settings.check import default  # takes time; a map does not need it
 
     return default(key)
 

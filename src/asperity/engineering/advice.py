@@ -137,15 +137,12 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}
     if (smooth := case.hertz_contact) is not None and isinstance(case.load, Hertz):
-        ends = []
-        for middle, width, edge_of_map in zip(
-            case.load.at, (smooth.half_width_y, smooth.half_width_x), face.grid.length, strict=True
-        ):
-            if width < math.inf:
-                ends.append(middle * width + np.linspace(-0.5, 0.5, 21) * edge_of_map)
-            else:
-                ends.append(np.zeros(1))
-        pressure = smooth.pressure(ends[0][:, None], ends[1]) / (smooth.largest_pressure * case.load.share)
+        widths, across = (smooth.half_width_y, smooth.half_width_x), np.linspace(-0.5, 0.5, 21)
+        y, x = (
+            middle * width + across * edge_of_map if width < math.inf else np.zeros(1)
+            for middle, width, edge_of_map in zip(case.load.at, widths, face.grid.length, strict=True)
+        )
+        pressure = smooth.pressure(y[:, None], x) / (smooth.largest_pressure * case.load.share)
         size = float(np.abs(pressure - 1).max())
         values = {"size": size, "ratio": smooth.narrow / max(face.grid.length), "width": 2 * smooth.narrow}
         yield size > NOT_SEPARATE, "scales", values
@@ -196,9 +193,8 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         values = limit_of(limits, name)
         least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
         # The mean slope of a contact of single nodes is zero by symmetry, up to rounding errors.
-        if math.isfinite(least + most) and least > NEGLIGIBLE * (
-            numbers.rms_gradient if "gradient" in name else most
-        ):
+        size = numbers.rms_gradient if "gradient" in name else most
+        if math.isfinite(least + most) and least > NEGLIGIBLE * size:
             known[name] = values["on_grid"] / values["on_half"] - 1
     if not known:
         return
@@ -222,12 +218,9 @@ def _on_map(answer: Answer) -> Iterator[Found]:
     for doubt in answer.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
+            warns = subject in ("unit", "physical_size", "missing")
             sentence = doubt if doubt.endswith("?") else f"{doubt}."
-            yield (
-                subject in ("unit", "physical_size", "missing"),
-                "doubt",
-                {"subject": subject, "doubt": sentence},
-            )
+            yield warns, "doubt", {"subject": subject, "doubt": sentence}
     slope = numbers.rms_gradient
     if slope > STEEP:
         yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}

@@ -133,10 +133,9 @@ def _close_up(face: TreatedMap, weight: Array, middle: tuple[int, int], half: in
     ends = zip(middle, face.grid.shape, strict=True)
     rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
     # The section follows the larger pressure gradient: across the lay, also of several ridges.
-    y, x = (
-        float(np.square(np.diff(weight[rows, columns], axis=axis)).sum()) / face.grid.spacing[axis] ** 2
-        for axis in (0, 1)
-    )
+    steps = (np.diff(weight[rows, columns], axis=axis) for axis in (0, 1))
+    squares = (float(np.square(step).sum()) for step in steps)
+    y, x = (square / step**2 for square, step in zip(squares, face.grid.spacing, strict=True))
     return CloseUp(face.grid, (rows, columns), "x" if x > y else "y")
 
 

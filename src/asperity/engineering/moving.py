@@ -290,14 +290,8 @@ def step_along(sliding_direction: str | float, grid: Grid) -> tuple[int, int]:
         If no step of at most `LONGEST_STEP` nodes along each axis has the direction.
     """
     x, y = direction_cosines(sliding_direction)
-    steps = [
-        (j, i)
-        for j in range(-LONGEST_STEP, LONGEST_STEP + 1)
-        for i in range(-LONGEST_STEP, LONGEST_STEP + 1)
-        if math.gcd(j, i) == 1
-    ]
-    apart = {}
-    for j, i in steps:
+    apart, nodes = {}, range(-LONGEST_STEP, LONGEST_STEP + 1)
+    for j, i in ((j, i) for j in nodes for i in nodes if math.gcd(j, i) == 1):
         down, right = j * grid.spacing[0], i * grid.spacing[1]
         apart[j, i] = abs(math.degrees(math.atan2(down * x - right * y, right * x + down * y)))
     nearest = min(apart, key=lambda step: (apart[step], abs(step[0]) + abs(step[1])))

@@ -96,9 +96,8 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
             with replacing(folder, kept=set()) as unfinished:
                 _write_results(answer, unfinished)
                 if not isinstance(answer.case.map.file, HeightMap):
-                    write_text(
-                        unfinished / CASE_FILE, case_text(answer.case, folder, files=answer.rough.files)
-                    )
+                    text = case_text(answer.case, folder, files=answer.rough.files)
+                    write_text(unfinished / CASE_FILE, text)
             results = names_in(folder)
             try:
                 with replacing(folder, kept=results) as unfinished:
@@ -234,22 +233,19 @@ def constants_of_table(case: Case) -> list[str]:
     for name, body in case.groups_of_bodies.items():
         for part, group in ((name, body), (f"{name}.coating", body.coating)):
             if group is not None and group.of_table and group.material is not None:
-                constants = material(group.material).constants
-                values = [
-                    f"{each} {constants[each].value} ({constants[each].source})" for each in group.of_table
-                ]
+                constants = [(each, material(group.material).constants[each]) for each in group.of_table]
+                values = [f"{each} {constant.value} ({constant.source})" for each, constant in constants]
                 lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
     return lines
 
 
 def settings_of(answer: Answer) -> dict[str, Any]:
     """Settings from which the answer can be made again, and the solids as results describe them."""
-    case = answer.case
-    upper = None if case.elastic_counter_body is None else asdict(solid_of(case.elastic_counter_body))
+    case, counter = answer.case, answer.case.elastic_counter_body
     solids = {
         "name": answer.face.name,
         "layer": asdict(solid_of(case.body)),
-        "upper": upper,
+        "upper": None if counter is None else asdict(solid_of(counter)),
         "friction": case.friction,
         "sliding_direction": case.sliding_direction,
     }
@@ -269,22 +265,14 @@ def surface_of(answer: Answer) -> xr.Dataset:
 
 def contact_dataset(answer: Answer) -> xr.Dataset:
     """Pressure, displacement, gap and patches; the attributes describe the lower body, the settings both."""
-    spots = {
-        f"spot_{str(name).rsplit('_', 1)[0]}": ("spot", values.to_numpy())
-        for name, values in answer.spots.items()
-    }
+    columns = {str(name).rsplit("_", 1)[0]: values.to_numpy() for name, values in answer.spots.items()}
+    spots = {f"spot_{name}": ("spot", values) for name, values in columns.items()}
     fields: dict[str, Any] = {}
     for question in answer.case.questions.values():
         fields |= {name: (("y", "x"), values) for name, values in question.fields(answer).items()}
-    return (
-        answer.contact.to_dataset()
-        .assign(spots | fields)
-        .assign_attrs(
-            settings=json.dumps(settings_of(answer), sort_keys=True),
-            force=answer.numbers.force,
-            approach_since_first_touch=answer.numbers.approach,
-        )
-    )
+    attributes = {"force": answer.numbers.force, "approach_since_first_touch": answer.numbers.approach}
+    settings = json.dumps(settings_of(answer), sort_keys=True)
+    return answer.contact.to_dataset().assign(spots | fields).assign_attrs(settings=settings, **attributes)
 
 
 def stress_dataset(answer: Answer, name: str) -> xr.Dataset:

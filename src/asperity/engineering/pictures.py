@@ -165,12 +165,9 @@ def _of_interface(answer: Answer, source: Source, body: str) -> Iterator[Picture
         axis = figure.axes[0]
         factor = grid.spacing[1] * values[whole].shape[1] / float(np.diff(axis.get_xlim())[0])
         axis.plot(largest.x / factor, largest.y / factor, "+", color="C4", ms=9, mew=1.5, clip_on=False)
-        caption = (
-            f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its largest value"
-        )
-        suffix = answer.suffix_of(body)
+        caption = f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its largest"
         title = answer.case.stress_title(body)
-        yield Picture(f"interface_{name}{suffix}", f"{caption}; {title}.", figure, body)
+        yield Picture(f"interface_{name}{answer.suffix_of(body)}", f"{caption} value; {title}.", figure, body)
 
 
 def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:

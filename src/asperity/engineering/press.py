@@ -58,10 +58,8 @@ def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
     least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.period)
     accepted = ""
     if not least < load.value < furthest:
-        accepted = (
-            f"a length from {shown_si(least, 'm')}, which is {SMALLEST_APPROACH:g} of the range of heights,"
-            f" to {shown_si(furthest, 'm')} is needed"
-        )
+        accepted = f"a length from {shown_si(least, 'm')}, which is {SMALLEST_APPROACH:g} of the range of "
+        accepted += f"heights, to {shown_si(furthest, 'm')} is needed"
     elif load.value >= (most := approach_of_full_contact(face.height, case.solid, face.boundary) - lowest):
         accepted = f"less than {shown_si(most, 'm')} is needed, {FULL_CONTACT}"
     if accepted:
@@ -71,11 +69,8 @@ def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
 
 def suggested_hardness(case: Case) -> float | None:
     """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
-    limits = [
-        body.yield_stress if body.coating is None else body.coating.yield_stress
-        for body in case.bodies.values()
-    ]
-    known = [limit for limit in limits if limit is not None]
+    surfaces = [body if body.coating is None else body.coating for body in case.bodies.values()]
+    known = [each.yield_stress for each in surfaces if each.yield_stress is not None]
     return HARDNESS_OVER_YIELD * min(known) if known and case.hardness is None else None
 
 

@@ -21,18 +21,15 @@ def run(options: argparse.Namespace) -> None:
     """Pool the peaks of all seeds, write their distributions, and print percentiles."""
     check_out([("--out", options.out)], [*options.stress, *options.contact])
     if len(options.contact) != len(options.stress):
-        raise ValueError(
-            f"--contact: one for each stress is needed, "
-            f"{len(options.contact)} for {len(options.stress)} given"
-        )
+        given = f"{len(options.contact)} for {len(options.stress)} given"
+        raise ValueError(f"--contact: one for each stress is needed, {given}")
     seeds, all_settings = [], []
     for stress_path, contact_path in zip(options.stress, options.contact, strict=True):
         stress, contact = read_stage(stress_path, "stress"), read_stage(contact_path, "contact")
         made_from = {key: value for key, value in settings_of(stress).items() if key != "stress"}
         if made_from != settings_of(contact):
-            raise ValueError(
-                f"{stress_path}: not made from the contact beside it; give both in the same order"
-            )
+            text = "not made from the contact beside it; give both in the same order"
+            raise ValueError(f"{stress_path}: {text}")
         stress, own = in_cell_lengths(stress, settings_of(stress))
         contact, _ = in_cell_lengths(contact, {})
         height = height_of(contact)
@@ -59,7 +56,6 @@ def _percentiles(result: xr.Dataset) -> str:
             chosen = result.sel(quantity=quantity, poisson=nu, selection=selection_for(quantity))
             counted = int(chosen["peak_counts"].sum())
             values = chosen["peak_percentile"].sel(percent=list(_PERCENTS)).values
-            lines.append(
-                f"{quantity:<12}{nu:>7g}{counted:>8}" + "".join(f"{value:>7.3f}" for value in values)
-            )
+            numbers = "".join(f"{value:>7.3f}" for value in values)
+            lines.append(f"{quantity:<12}{nu:>7g}{counted:>8}{numbers}")
     return "\n".join(lines)

@@ -32,9 +32,8 @@ def run(options: argparse.Namespace) -> None:
     for path in options.results:
         stage, data = read_result(path, MAKERS)
         if (system := dataset.unit_system(data)) != STUDY_UNITS:
-            raise ValueError(
-                f"{path}: in {system} units; a result in cell lengths, as of the study, is needed"
-            )
+            needed = "a result in cell lengths, as of the study, is needed"
+            raise ValueError(f"{path}: in {system} units; {needed}")
         results = given.setdefault(stage, {})
         name = dataset.settings_of(data)["name"]
         numbered = (f"{name} {number}" for number in range(2, len(results) + 3))

@@ -185,9 +185,8 @@ def _problems_of_several(
     from asperity.stress.statistics.largest import check_area
 
     if not options.pooled:
-        yield from (
-            f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:])
-        )
+        names_given = (name for name in ("--resume", "--only") if getattr(options, name[2:]))
+        yield from (f"{name}: needs --pooled" for name in names_given)
         if any(job.case is not None and job.case.sample is not None for job in jobs.values()):
             yield "sample: needs --pooled"
     if options.only and options.only not in names:
@@ -249,25 +248,17 @@ def _job(
     options: argparse.Namespace, path: str, counter: str | None, folder: Path | None, number: int = 0
 ) -> Job:
     """The case of one map, whose answer goes into `folder`; `number` selects it in a case file of several."""
+    from asperity.engineering import case_file
     from asperity.engineering.case import Case
-    from asperity.engineering.case_file import (
-        CHECKSUMS,
-        MAP_FILES,
-        OUT,
-        SUFFIXES,
-        at,
-        case_of_map,
-        load_case,
-        put,
-    )
+    from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, put
     from asperity.engineering.face import read_face
     from asperity.engineering.folder import names_of
     from asperity.engineering.run import problems_on_map
     from asperity.settings.map import Map
 
-    is_case = Path(path).suffix in SUFFIXES
+    is_case = Path(path).suffix in case_file.SUFFIXES
     file = path if is_case else options.case
-    content = case_of_map(load_case(file), number) if file else {}
+    content = case_file.case_of_map(case_file.load_case(file), number) if file else {}
     if not is_case:
         put(content, MAP_FILES[0], path)
     problems: list[str] = []
@@ -277,9 +268,8 @@ def _job(
             content.get(CHECKSUMS, {}).pop("map" if key == "map.file" else "counter_map", None)
         put(content, key.split("."), text)
         given[key] = text
-    out = folder or Path(
-        options.out or content.get(OUT) or f"{Path(at(content, MAP_FILES[0]) or path).stem}_run"
-    )
+    named_by_map = f"{Path(at(content, MAP_FILES[0]) or path).stem}_run"
+    out = folder or Path(options.out or content.get(OUT) or named_by_map)
     content.pop(OUT, None)
     checksums = content.pop(CHECKSUMS, {})
     if options.pooled:
@@ -323,10 +313,8 @@ def _job(
     files = rough.files if rough else ()
     for name, path, each in zip(("map", "counter_map"), read, files, strict=False):
         if checksums.get(name, each.sha256) != each.sha256:
-            problems.append(
-                f"{file}: {CHECKSUMS}.{name}: {one_line(path)} has changed since; delete the key to run"
-                " it as it is now"
-            )
+            changed = f"{file}: {CHECKSUMS}.{name}: {one_line(path)} has changed since"
+            problems.append(f"{changed}; delete the key to run it as it is now")
     return Job(case, rough, out, [*problems, *missing], read)
 
 
@@ -349,12 +337,8 @@ def _given(
         given = counter if name == "--counter-map" else getattr(options, name[2:].replace("-", "_"))
         if given is not None:
             entry = entry_of(Case, key)
-            yield (
-                key,
-                [scalar(each, item_of(entry)) for each in given]
-                if isinstance(given, list)
-                else scalar(given, entry),
-            )
+            is_list = isinstance(given, list)
+            yield key, [scalar(each, item_of(entry)) for each in given] if is_list else scalar(given, entry)
 
 
 def _problems_of(out: Path, read: Sequence[str], names: Sequence[str] | None = None) -> Iterator[str]:

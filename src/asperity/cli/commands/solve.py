@@ -24,12 +24,7 @@ from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import path_problem
 
-DIMENSIONS = {
-    "mean_pressure": "pressure",
-    "force": "force",
-    "approach": "length",
-    "hardness": "pressure",
-}
+DIMENSIONS = {"mean_pressure": "pressure", "force": "force", "approach": "length", "hardness": "pressure"}
 """Quantities that can be imposed in place of the area, and the hardness → dimension of their unit."""
 
 
@@ -48,12 +43,12 @@ def run(options: argparse.Namespace) -> None:
     if young and edge is None:
         raise ValueError(f"--young: for surfaces with a unit, {options.surface} has none")
     if edge is not None and not young and "map_cell_length" not in surface.attrs:
-        raise ValueError(
-            f"--young: missing; {options.surface} is in SI units, a pressure with its unit is needed"
-        )
+        needed = "a pressure with its unit is needed"
+        raise ValueError(f"--young: missing; {options.surface} is in SI units, {needed}")
     modulus = young and young / (1 - layer["poisson"] ** 2)
+    si = bool(edge and modulus)
     for name, text in given.items():
-        load = _load(name, text, edge if name == "approach" else modulus, bool(edge and modulus))
+        load = _load(name, text, edge if name == "approach" else modulus, si)
         if name == "force" and edge:
             name = "mean_pressure"
             load /= grid_of(surface).area * edge**2
@@ -66,7 +61,7 @@ def run(options: argparse.Namespace) -> None:
     with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
         result = press_surface(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
-    si, scale = bool(edge and modulus), 1.0
+    scale = 1.0
     if edge and modulus:
         result, settings = in_si(result, settings, edge, modulus)
         settings["young"], scale = young, edge

@@ -28,19 +28,16 @@ def run(options: argparse.Namespace) -> None:
     edge = None if options.length is None else to_si(options.length, "length", "--length")
     parameters = given | {name: _in_cell_lengths(name, given[name], edge) for name in LENGTHS}
     parameters |= _distribution(options, parameters)
-    points = parameters.setdefault(
-        "points", PRESETS[default("accuracy")].points(parameters["wavelength_short"])
-    )
+    preset = PRESETS[default("accuracy")]
+    points = parameters.setdefault("points", preset.points(parameters["wavelength_short"]))
     try:
         converted(Configuration, "surfaces.NAME.points", str(points))
     except NeededError as needed:
         raise ValueError(f"--points = {points}, the default: {needed} is needed") from None
     if points * parameters["wavelength_short"] < 2 - TWO_NODES_SLACK:
-        fewest = round(2 / parameters["wavelength_short"])
-        raise ValueError(
-            f"--points = {points}: at least {fewest} are needed, two on --wavelength-short = "
-            f"{given['wavelength_short']}"
-        )
+        fewest = f"at least {round(2 / parameters['wavelength_short'])} are needed"
+        shortest = f"two on --wavelength-short = {given['wavelength_short']}"
+        raise ValueError(f"--points = {points}: {fewest}, {shortest}")
     name = Path(options.out).stem
     parameters.setdefault("label", f"H = {parameters['hurst']:g}")
     try:
@@ -74,10 +71,8 @@ def _distribution(options: argparse.Namespace, parameters: dict[str, Any]) -> di
     ValueError
         If options are missing or exclude each other.
     """
-    names = ("skewness", "kurtosis")
-    moments = {
-        name: value for name in names if (value := parameters.pop(f"moments.{name}", None)) is not None
-    }
+    popped = {name: parameters.pop(f"moments.{name}", None) for name in ("skewness", "kurtosis")}
+    moments = {name: value for name, value in popped.items() if value is not None}
     of_map, parts = section(options, "measured.NAME"), ("rpq", "rvq", "rmq")
     if len(moments) == 1:
         raise ValueError("--skewness, --kurtosis: both are needed, or none of them")
@@ -117,7 +112,5 @@ def _in_cell_lengths(name: str, text: str, edge: float | None) -> float:
     try:
         return converted(Configuration, f"surfaces.NAME.{name}", repr(value))
     except NeededError as needed:
-        size = "" if edge is None else f", {value:.4g} of --length"
-        raise ValueError(
-            f"{flag(name)} = {shown(text)}{size}: {needed}, in cell lengths, is needed"
-        ) from None
+        size = shown(text) + ("" if edge is None else f", {value:.4g} of --length")
+        raise ValueError(f"{flag(name)} = {size}: {needed}, in cell lengths, is needed") from None

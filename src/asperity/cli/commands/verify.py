@@ -85,9 +85,8 @@ def _of_answer(folder: Path) -> Iterator[Check]:
         yield Check(f"{folder}: {len(unchanged)} files unchanged")
     for name, values in {"version": "source", "settings": "settings_digest"}.items():
         if len(found := {result.attrs[values] for result in results.values()}) > 1:
-            yield Check(
-                f"{folder}: results of one {name} are needed, found {', '.join(sorted(found))}", False
-            )
+            text = f"results of one {name} are needed, found {', '.join(sorted(found))}"
+            yield Check(f"{folder}: {text}", False)
     if ANSWERS in unchanged:
         yield from _of_pool(folder)
     if "contact.nc" not in checksums:
@@ -128,18 +127,16 @@ def _of_pool(folder: Path) -> Iterator[Check]:
         agrees = list(means.columns) == list(stored.columns) and len(means) == len(stored)
         numbers = means.select_dtypes("number").columns
         agrees = agrees and np.allclose(means[numbers], stored[numbers], rtol=1e-6, atol=0, equal_nan=True)
-        text = f"{folder / SAMPLE[0]}: the means follow from {len(manifests)} answers"
-        yield Check(
-            text if agrees else f"{folder / SAMPLE[0]}: not the means of the answers; run again", agrees
-        )
+        text = f"the means follow from {len(manifests)} answers"
+        wrong = "not the means of the answers; run again"
+        yield Check(f"{folder / SAMPLE[0]}: {text if agrees else wrong}", agrees)
 
 
 def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Iterator[Check]:
     """Version of a result that was read, and the certificate of a contact from its height."""
     other = f"; this is asperity {__version__}" if result.attrs["source"] != f"asperity {__version__}" else ""
-    yield Check(
-        f"{path}: unchanged, written by {result.attrs['source']}, {result.attrs['fft_engine']}{other}"
-    )
+    written = f"{result.attrs['source']}, {result.attrs['fft_engine']}"
+    yield Check(f"{path}: unchanged, written by {written}{other}")
     if dataset.stage_of(result) != "contact":
         return
     found, allowed = stored_certificate(result, height)

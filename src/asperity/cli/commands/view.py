@@ -22,12 +22,8 @@ from asperity.views.style import plain_text, require_picture, save, style
 
 MAPS = {"height": plot_height, "pressure": plot_pressure, "gap": plot_gap}
 
-POSITIONS: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(MAPS, ("y", "x")),
-    "section": ("y", "x", "depth"),
-    "plane": ("depth", "y", "x"),
-    "peaks": (),
-}
+POSITIONS: dict[str, tuple[str, ...]] = dict.fromkeys(MAPS, ("y", "x"))
+POSITIONS |= {"section": ("y", "x", "depth"), "plane": ("depth", "y", "x"), "peaks": ()}
 """View → positions that it takes."""
 
 HIGHEST = {"plane": ("depth",), "section": ("y", "x")}
@@ -64,10 +60,8 @@ def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
         _, read[path] = read_result(path, needed)
     titles = [title_of(data) for data in read.values()]
     stems = [plain_text(Path(path).stem) for path in paths]
-    apart = [
-        stem if stems.count(stem) == 1 else path
-        for path, stem in zip(map(plain_text, paths), stems, strict=True)
-    ]
+    named = zip(map(plain_text, paths), stems, strict=True)
+    apart = [stem if stems.count(stem) == 1 else path for path, stem in named]
     return {
         title if titles.count(title) == 1 else f"{title} ({name})": data
         for title, name, data in zip(titles, apart, read.values(), strict=True)

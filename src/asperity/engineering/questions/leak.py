@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -169,9 +169,8 @@ class Leak(Question):
         if rate == 0:
             text = f"sealed along {self.direction}: the contact closes the gap"
         elif found.flow is None:
-            text = (
-                f"not sealed along {self.direction}: the narrowest constriction is {shown_si(width, 'm', 3)}"
-            )
+            narrowest = f"the narrowest constriction is {shown_si(width, 'm', 3)}"
+            text = f"not sealed along {self.direction}: {narrowest}"
         else:
             row = Row(GROUP, "", rate, "m^3/s", "").by(abs(rate - found.on_half))
             shown = row.with_error or shown_si(rate, "m^3/s", 3)
@@ -187,10 +186,8 @@ class Leak(Question):
         paths, flow = found.paths, found.flow
         for phase, percolates in (("contact", paths.contact), ("gap", paths.gap)):
             for axis in (1, 0):
-                shown = "yes" if percolates[axis] else "no"
-                yield Row(
-                    GROUP, f"{phase} percolates along {'yx'[axis]}", float(percolates[axis]), "1", shown
-                )
+                name, shown = f"{phase} percolates along {'yx'[axis]}", "yes" if percolates[axis] else "no"
+                yield Row(GROUP, name, float(percolates[axis]), "1", shown)
         for axis in (1, 0):
             width, words = paths.constriction[axis], "none, the gap is closed"
             if paths.gap[axis]:
@@ -254,17 +251,14 @@ class Leak(Question):
         part = tuple(slice(max(node - CLOSE_UP, 0), node + CLOSE_UP + 1) for node in nodes)
         gap = open_gap(contact)[part]
         factor, symbol = scaled_unit(gap.max(), "m")
-        edges = [step * (each.start - 0.5) for step, each in zip(grid.spacing, part, strict=True)]
-        lengths = [step * size for step, size in zip(grid.spacing, gap.shape, strict=True)]
-        with _panels(1, lengths[0] / lengths[1]) as (figure, (panel,)):
+        bottom, left = (step * (each.start - 0.5) for step, each in zip(grid.spacing, part, strict=True))
+        height, width = (step * size for step, size in zip(grid.spacing, gap.shape, strict=True))
+        with _panels(1, height / width) as (figure, (panel,)):
             shown = np.ma.masked_where(gap <= 0, gap / factor)
             low, high = narrowest / factor, 1.01 * shown.max()
             norm = (LogNorm if high > WIDE * low else Normalize)(low, high, clip=True)
-            colours = {"norm": norm}
-            label = f"gap ({symbol})"
-            scale = _draw(
-                figure, panel, shown, (edges[0], edges[1]), (lengths[0], lengths[1]), label, colours
-            )
+            box = left, left + width, bottom, bottom + height
+            scale = _draw(figure, panel, shown, box, f"gap ({symbol})", norm=norm)
             panel.plot(x / scale, y / scale, "o", mfc="none", mec="red", ms=12, mew=1.5)
         caption = (
             f"Gap around the narrowest constriction along {self.direction}, {shown_si(narrowest, 'm', 3)} in "
@@ -301,11 +295,11 @@ def _maps_of_flow(face: TreatedMap, flow: FilmFlow) -> Any:
         ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max(), clip=True)}),
         (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),
     ]
-    lengths = face.grid.length
-    with _panels(2, lengths[0] / lengths[1]) as (figure, axes):
+    height, width = face.grid.length
+    with _panels(2, height / width) as (figure, axes):
         for axis, (label, values, colours) in zip(axes, panels, strict=True):
             shown = np.ma.masked_where(np.isnan(flow.pressure), values)
-            _draw(figure, axis, shown, (0.0, 0.0), lengths, label, colours)
+            _draw(figure, axis, shown, (0.0, width, 0.0, height), label, **colours)
     return figure
 
 
@@ -324,23 +318,16 @@ def _panels(count: int, shape: float) -> Iterator[tuple[Any, list[Any]]]:
         yield figure, list(figure.subplots(1, count, squeeze=False)[0])
 
 
-def _draw(
-    figure: Any,
-    axis: Any,
-    values: Array,
-    corner: tuple[float, float],
-    lengths: tuple[float, float],
-    label: str,
-    colours: dict[str, Any],
-) -> float:
-    """Draw values of the map in a panel, black where they are masked; returns the unit of its axes in m."""
+def _draw(figure: Any, axis: Any, values: Array, box: Sequence[float], label: str, **colours: Any) -> float:
+    """Draw values of the map in a panel, black where they are masked; returns the unit of lengths in m.
+
+    `box` holds the left, right, lower and upper edge.
+    """
     from asperity.core.units import scaled_unit
 
-    factor, unit = scaled_unit([start + length for start, length in zip(corner, lengths, strict=True)], "m")
-    (bottom, left), (top, right) = corner, (corner[0] + lengths[0], corner[1] + lengths[1])
-    extent = [edge / factor for edge in (left, right, bottom, top)]
+    factor, unit = scaled_unit([box[3], box[1]], "m")
     axis.set_facecolor("black")
-    image = axis.imshow(values, origin="lower", extent=extent, **colours)
+    image = axis.imshow(values, origin="lower", extent=[edge / factor for edge in box], **colours)
     axis.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
     figure.colorbar(image, ax=axis, label=label, location="bottom")
     return factor

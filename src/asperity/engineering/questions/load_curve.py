@@ -169,9 +169,8 @@ class LoadCurve(Question):
             try:
                 read.append(float(adapter.validate_python(number)))
             except ValueError:
-                raise ValueError(
-                    f"{value!r}: a {kind.replace('_', ' ')} is needed, as that of load"
-                ) from None
+                needed = f"a {kind.replace('_', ' ')} is needed, as that of load"
+                raise ValueError(f"{value!r}: {needed}") from None
         if self.steps is not None:
             return [*np.geomspace(read[0], case.load.value, self.steps)[:-1].tolist(), case.load.value]
         return [*read, case.load.value]
@@ -340,16 +339,10 @@ def largest_von_mises(
     from asperity.engineering.body_stress import STRESS_TOLERANCE, largest_von_mises_between
     from asperity.stress.analysis import analyse_stress
 
-    stress = analyse_stress(
-        loaded,
-        quantities=("von_mises",),
-        tolerance=STRESS_TOLERANCE,
-        friction=friction,
-        sliding_direction=traction_direction(sliding_direction, body),
-    )
-    return largest_von_mises_between(
-        stress, np.nextafter(loaded.layer.interface or -1.0, np.inf), np.inf
-    ).value
+    sliding = {"friction": friction, "sliding_direction": traction_direction(sliding_direction, body)}
+    stress = analyse_stress(loaded, quantities=("von_mises",), tolerance=STRESS_TOLERANCE, **sliding)
+    top = np.nextafter(loaded.layer.interface or -1.0, np.inf)
+    return largest_von_mises_between(stress, top, np.inf).value
 
 
 def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callable[[float], float]) -> float:
@@ -384,9 +377,8 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
             known[logarithm] = math.log(stress_under(math.exp(logarithm)) / limit)
         return known[logarithm]
 
-    return math.exp(
-        scipy.optimize.brentq(excess, float(ends[0]), float(ends[1]), xtol=YIELD_LOAD_ERROR, rtol=1e-12)
-    )
+    within = {"xtol": YIELD_LOAD_ERROR, "rtol": 1e-12}
+    return math.exp(scipy.optimize.brentq(excess, *ends.tolist(), **within))
 
 
 def _within(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:
@@ -420,11 +412,9 @@ def _drawn(curve: AnswerCurve) -> Any:
         for axis, name in zip(axes, panels, strict=True):
             label, unit = PANELS[name]
             against = ("force", "N") if name == "electrical_resistance" else ("mean_pressure", "Pa")
-            shown = [
-                numbers[name].values,
-                *([numbers["leakage_on_half"].values] if name == "leakage" else []),
-            ]
-            values, along = np.column_stack(shown), numbers[against[0]].values
+            both = [name, "leakage_on_half"] if name == "leakage" else [name]
+            values = np.column_stack([numbers[each].values for each in both])
+            along = numbers[against[0]].values
             if name == "leakage":  # a logarithmic axis shows no sealed gap
                 values = np.where(values > 0, values, np.nan)
             factor, symbol = (0.01, unit) if unit == "%" else scaled_unit(values, unit)
@@ -436,8 +426,7 @@ def _drawn(curve: AnswerCurve) -> Any:
             axis.set_xlabel(f"{against[0].replace('_', ' ')} ({of})")
             axis.set_ylabel(f"{label} ({symbol})")
             finite = values[np.isfinite(values)] / factor  # the stiffness is infinite in full contact
-            highest = finite.max(initial=0)
-            lowest = finite.min(initial=np.inf)
+            lowest, highest = finite.min(initial=np.inf), finite.max(initial=0)
             if highest > WIDE * lowest > 0:
                 axis.set_yscale("log")
                 plain += [axis.yaxis] if highest < WIDE**3 * lowest else []

@@ -93,11 +93,9 @@ class Sensitivity(Question):
     def rows(self, answer: Answer) -> Iterator[Row]:
         """Changes of each number, the largest first."""
         changes: list[Change] = answer.of(self) or []
+        largest_first = sorted(changes, key=lambda each: -abs(each.change))
         for number in dict.fromkeys((each.group, each.number) for each in changes):
-            own = sorted(
-                (each for each in changes if (each.group, each.number) == number),
-                key=lambda each: -abs(each.change),
-            )
+            own = [each for each in largest_first if (each.group, each.number) == number]
             shown = ", ".join(f"{each.input} {100 * each.change:+.2g} %" for each in own)
             name = number[1] + (", upper body" if "upper body" in number[0] else "")
             yield Row(GROUP, f"{name}: change", own[0].change, "1", shown)
@@ -121,14 +119,9 @@ def _group_like(group: str, rows: Mapping[tuple[str, str], Row]) -> str:
 
 def inputs_of(case: Case) -> list[str]:
     """Dotted keys of the inputs that a case has."""
-    found = [f"load.{case.load.kind}"]
-    for name in case.groups_of_bodies:
-        found += [f"{name}.{key}" for key in OF_BODY]
-    return [
-        key
-        for key in [*found, *OTHERS]
-        if isinstance(value := _at(case, key), float) and 0 < value < math.inf
-    ]
+    of_bodies = [f"{name}.{key}" for name in case.groups_of_bodies for key in OF_BODY]
+    values = {key: _at(case, key) for key in [f"load.{case.load.kind}", *of_bodies, *OTHERS]}
+    return [key for key, value in values.items() if isinstance(value, float) and 0 < value < math.inf]
 
 
 def _at(settings: Any, key: str) -> Any:
