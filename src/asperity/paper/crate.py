@@ -73,29 +73,19 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
         entity(profile, "CreativeWork", name=name, version=profile.rpartition("/")[2])
         for profile, name in PROFILES.items()
     ]
-    workflow = crate.add_workflow(
-        _copied(snakefile, results),
-        f"{WORKFLOW}/{snakefile.name}",
-        main=True,
-        lang="snakemake",
-        properties={
-            "name": "From rough surfaces to the figures of the paper",
-            "version": __version__,
-            "license": LICENCE,
-        },
-    )
-    workflow["softwareRequirements"] = entity(
-        "#asperity", "SoftwareApplication", name="asperity", version=__version__
-    )
+    about = {"name": "From rough surfaces to the figures of the paper", "version": __version__}
+    about["license"] = LICENCE
+    copied, place = _copied(snakefile, results), f"{WORKFLOW}/{snakefile.name}"
+    workflow = crate.add_workflow(copied, place, main=True, lang="snakemake", properties=about)
+    program = {"name": "asperity", "version": __version__}
+    workflow["softwareRequirements"] = entity("#asperity", "SoftwareApplication", **program)
     workflow["author"] = developers
     settings = [
         crate.add_file(_copied(path, results), f"{WORKFLOW}/{path.name}", properties=_described(path))
         for path in configfiles or [Path("config/config.yaml")]
     ]
-    described = [
-        crate.add_file(path, path.relative_to(results).as_posix(), properties=_described(path))
-        for path in found
-    ]
+    places = {path: path.relative_to(results).as_posix() for path in found}
+    described = [crate.add_file(*each, properties=_described(each[0])) for each in places.items()]
     run = entity("#run", "CreateAction", name=f"Run of the study into {results.name}")
     run["endTime"] = made.isoformat(timespec="seconds")
     run["actionStatus"] = "http://schema.org/CompletedActionStatus"

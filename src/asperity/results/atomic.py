@@ -75,9 +75,8 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
         if problem := _problem_of(target):
             raise DatasetError(f"{path}: {problem}")
         earlier = target.stat().st_mode if target.exists() else None
-        abandoned = re.compile(
-            rf"\.{re.escape(target.name[:_LONGEST_STEM])}\.([\w-]+\.\d+\.\d+)\.\w+\.unfinished"
-        )
+        stem = re.escape(target.name[:_LONGEST_STEM])
+        abandoned = re.compile(rf"\.{stem}\.([\w-]+\.\d+\.\d+)\.\w+\.unfinished")
         for left in target.parent.iterdir():
             if (found := abandoned.fullmatch(left.name)) and has_ended(found[1]):
                 left.unlink(missing_ok=True)

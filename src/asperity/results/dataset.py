@@ -116,10 +116,7 @@ def write(
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
     }
-    kept = {
-        "source": f"asperity {__version__}",
-        FFT_ENGINE: current_engine().description,
-    }
+    kept = {"source": f"asperity {__version__}", FFT_ENGINE: current_engine().description}
     described.attrs = made | kept | dataset.attrs | made
     described.attrs[FINGERPRINT] = fingerprint(described)
     encoding: dict[str, dict[str, Any]] = {}

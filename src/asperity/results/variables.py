@@ -119,11 +119,8 @@ def _scaled(data: xr.Dataset, length: float, stress: float, system: str) -> xr.D
         if dimension.length or dimension.stress:
             values = data[name]
             factor = length**dimension.length * stress**dimension.stress
-            cell = {
-                key: values.attrs[key]
-                for key in (CELL_EDGE, CELL_NODES, CELL_MIRRORED)
-                if key in values.attrs
-            }
+            kept = (CELL_EDGE, CELL_NODES, CELL_MIRRORED)
+            cell = {key: value for key, value in values.attrs.items() if key in kept}
             if CELL_EDGE in cell:
                 cell[CELL_EDGE] *= factor
             scaled[name] = (values.dims, values.values * factor, cell)

@@ -154,9 +154,8 @@ def _plane(
     place = float(depth)
     deepest = solid.layer.extent or MAX_DEPTH * max(solid.grid.length)
     if not 0 <= place <= deepest:
-        raise ValueError(
-            f"depth = {source.shown(place)}: max or a depth from 0 to {source.shown(deepest)} is needed"
-        )
+        needed = f"max or a depth from 0 to {source.shown(deepest)} is needed"
+        raise ValueError(f"depth = {source.shown(place)}: {needed}")
     (plane,) = stress_planes(solid, [place], fields=(field,), tolerance=0.0, **stress.settings)
     note = f"{label}: {measure(place, 'length', source.system).text(place)}"
     return Map(source, part, plane.fields[field][0][part], note)

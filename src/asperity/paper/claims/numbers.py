@@ -208,9 +208,8 @@ def _kinds(
     on_grid = statistics[f"seed_{variable}"].sel(chosen).reset_coords(drop=True)
     if (continuum := statistics.get(f"continuum_{variable}")) is None:
         return on_grid, on_grid, xr.zeros_like(on_grid)
-    best, error = (
-        continuum.sel({**chosen, "kind": kind}).reset_coords(drop=True) for kind in ("estimate", "error")
-    )
+    chosen_of = continuum.sel(chosen)
+    best, error = (chosen_of.sel(kind=kind).reset_coords(drop=True) for kind in ("estimate", "error"))
     return on_grid, best.fillna(on_grid), error.fillna(0)
 
 
@@ -233,10 +232,8 @@ def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
         last = [np.append(np.diff(curve) > 0, True) for curve in rising]  # of equal quantiles
         values = np.concatenate(rising)
         values = values[values > max(curve[0] for curve in rising)]
-        shares = [
-            np.interp(values, curve[some], levels[some], left=0.0)
-            for curve, some in zip(rising, last, strict=True)
-        ]
+        each = zip(rising, last, strict=True)
+        shares = [np.interp(values, curve[some], levels[some], left=0.0) for curve, some in each]
         distances.append(np.abs(shares[0] - shares[1]).max(initial=0.0))
     return xr.DataArray(distances, coords={"seed": one["seed"]})
 

@@ -51,16 +51,14 @@ def draw(findings: Sequence[Finding]) -> Figure:
     axis.set(xscale="log", xlim=(_LOW, _HIGH), ylim=(count - 0.4, -0.6))
     axis.set_xticks([0.5, 0.7, 1, 1.5, 2], ["0.5", "0.7", "1", "1.5", "2"])
     axis.set_xticks([], minor=True)
-    axis.set_yticks(
-        range(count), [f"{f.claim.sentence}  ({f.claim.section})" for f in findings], fontsize=5.5
-    )
+    sentences = [f"{f.claim.sentence}  ({f.claim.section})" for f in findings]
+    axis.set_yticks(range(count), sentences, fontsize=5.5)
     axis.tick_params(axis="y", length=0)
     axis.set_xlabel("measured over the edge or the middle\nof the region wanted (shaded)")
     for verdict, number in tally(findings).items():
         if number:
-            axis.plot(
-                [], [], _MARKER[verdict], color=_COLOUR[verdict], ls="none", label=f"{verdict} ({number})"
-            )
+            look = {"marker": _MARKER[verdict], "color": _COLOUR[verdict], "ls": "none"}
+            axis.plot([], [], **look, label=f"{verdict} ({number})")
     figure.legend(loc="outside upper right", ncols=3)
     return figure
 

@@ -28,25 +28,17 @@ WORDS = {option: words for one in OPTIONS.values() if isinstance(one, dict) for 
 
 def frame(findings: Sequence[Finding]) -> pd.DataFrame:
     """Description, numbers and verdict of each claim, a row each."""
-    rows = [
-        _record(f.own)
-        | vars(f.claim)
-        | {
-            "the paper says": f.claim.sentence,
-            "wanted": str(f.own.region),
-            "verdict": f.verdict,
-            "found": found_in_words(f),
-        }
-        for f in findings
-    ]
+    rows = []
+    for f in findings:
+        words = {"the paper says": f.claim.sentence, "wanted": str(f.own.region), "found": found_in_words(f)}
+        rows.append(_record(f.own) | vars(f.claim) | words | {"verdict": f.verdict})
     return pd.DataFrame(rows, columns=list(TABLES["claims"]["columns"]))
 
 
 def frame_of_interpretations(findings: Sequence[Finding]) -> pd.DataFrame:
     """The judgement of every claim under every interpretation, a row each, the study's own first."""
-    return pd.DataFrame(
-        {"identifier": f.claim.identifier, **_record(one)} for f in findings for one in f.judgements
-    )
+    pairs = ((f.claim.identifier, one) for f in findings for one in f.judgements)
+    return pd.DataFrame({"identifier": identifier, **_record(one)} for identifier, one in pairs)
 
 
 def _record(one: Judgement) -> dict[str, Any]:

@@ -256,9 +256,8 @@ def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
     verdicts = (HOLDS, FAILS) if depends else (*(found - {UNDECIDED}), UNDECIDED)
 
     def apart(one: Judgement, other: Judgement) -> tuple[str, ...]:
-        return tuple(
-            name for name, option in one.interpretation.items() if option != other.interpretation[name]
-        )
+        options = one.interpretation.items()
+        return tuple(name for name, option in options if option != other.interpretation[name])
 
     def from_own(one: Judgement) -> int:
         return len(apart(every[0], one))

@@ -87,9 +87,8 @@ class Description:
             return {name: path(stage, name) for name in names}
 
         if self.compares_studies:
-            return {
-                stage: {study: of(stage, studies[study]) for study in self.studies} for stage in self.stages
-            }
+            names_of = {study: studies[study] for study in self.studies}
+            return {stage: {study: of(stage, names_of[study]) for study in names_of} for stage in self.stages}
         names = self.datasets or studies[self.studies[0]]
         return {stage: of(stage, names) for stage in self.stages}
 

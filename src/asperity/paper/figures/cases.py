@@ -75,10 +75,8 @@ class FigureCase:
 
 def of_surfaces(statistics: Datasets) -> list[FigureCase]:
     """A case for each surface, at the Poisson's ratio of its contact."""
-    return [
-        FigureCase(label(data), data.sel(poisson=data.attrs["poisson_contact"]))
-        for data in statistics.values()
-    ]
+    own = {name: data.sel(poisson=data.attrs["poisson_contact"]) for name, data in statistics.items()}
+    return [FigureCase(label(statistics[name]), data) for name, data in own.items()]
 
 
 def of_ratios(statistics: Datasets) -> list[FigureCase]:

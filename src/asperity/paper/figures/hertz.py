@@ -111,9 +111,8 @@ def draw_fields(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> Fi
     dataset = validation["elements"]
     largest_pressure, radius = float(np.abs(dataset.stress_zz_spectral).max()), float(dataset.contact_radius)
     figure, axes = panels(rows=len(fields), height=60)
-    for value, difference, (name, (label, colours)) in zip(
-        axes[::2], axes[1::2], fields.items(), strict=True
-    ):
+    pairs = zip(axes[::2], axes[1::2], fields.items(), strict=True)
+    for value, difference, (name, (label, colours)) in pairs:
         ours, theirs = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
         shown = ours / (dataset.attrs["approach"] if name == "displacement_z" else largest_pressure)
         odd = name == "stress_xz"  # a shear stress changes sign across the axis

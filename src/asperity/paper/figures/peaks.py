@@ -137,9 +137,8 @@ def draw_von_mises(statistics: Mapping[str, Datasets]) -> Figure:
 def caption_von_mises(statistics: Mapping[str, Datasets]) -> Iterator[str]:
     """Percentiles over E* ḡ_r, and the gradients and medians that show the effect of this scaling."""
     for case in [case for study in statistics.values() for case in of_surfaces(study)]:
-        contact, outside = (
-            float(case.statistics[f"seed_gradient_rms_{where}"].mean()) for where in ("contact", "outside")
-        )
+        gradients = (case.statistics[f"seed_gradient_rms_{where}"] for where in ("contact", "outside"))
+        contact, outside = (float(gradient.mean()) for gradient in gradients)
         middle = contact * float(case.peaks("von_mises")["peak_percentile"].sel(percent=50.0))
         yield (
             f"{case.name}: {case.peak_percentiles('von_mises')}; "
@@ -174,9 +173,8 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     highest = max(density.max() for _, _, density in shown)
     lowest = min(density.min() for _, _, density in shown)
     norm = LogNorm(max(highest * SMALLEST_SHARE, lowest if lowest < highest else 0), highest)
-    limit = LARGEST_OVER_MEDIAN * max(
-        median(value[1:], density.sum(axis=1).filled(0)) for value, _, density in shown
-    )
+    medians = [median(value[1:], density.sum(axis=1).filled(0)) for value, _, density in shown]
+    limit = LARGEST_OVER_MEDIAN * max(medians)
     reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
     widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
     ends = [
@@ -236,9 +234,8 @@ def draw_decay(statistics: Datasets, cases: str) -> Figure:
                 zorder=0,
                 label=text,
             )
-    for axis, distance, place, peak in zip(
-        axes, ("depth", "distance"), "zr", (r"z_\mathrm{peak}", "0"), strict=True
-    ):
+    peaks = (r"z_\mathrm{peak}", "0")
+    for axis, distance, place, peak in zip(axes, ("depth", "distance"), "zr", peaks, strict=True):
         axis.axhline(0, color="k", lw=0.4)
         axis.legend()
         covariance = rf"$G_\mathrm{{VM}}({place}) / G_\mathrm{{VM}}({peak})$"

@@ -119,9 +119,8 @@ def caption_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Da
     for study in statistics:
         yield from caption_heights(surface[study], statistics[study])
     kurtosis = [float(data["seed_kurtosis"].mean()) for data in statistics["kurtosis"].values()]
-    errors = [
-        float(data["kurtosis_error"]) for data in surface["kurtosis"].values() if "kurtosis_error" in data
-    ]
+    gaussian = [data for data in surface["kurtosis"].values() if "kurtosis_error" in data]
+    errors = [float(data["kurtosis_error"]) for data in gaussian]
     change, scatter = max(kurtosis) - min(kurtosis), max(errors, default=float("nan"))
     compared = "less" if change < scatter else "not less"
     yield (
@@ -143,17 +142,14 @@ def draw_pressure(contact: Datasets) -> Figure:
     maps = []
     for data in contact.values():
         size = max(1, data.sizes["y"] // PIXELS)
-        maps.append(
-            blocks(data["pressure"].values, (size, size), np.max) / float(data["gradient_rms_contact"])
-        )
+        largest_of_blocks = blocks(data["pressure"].values, (size, size), np.max)
+        maps.append(largest_of_blocks / float(data["gradient_rms_contact"]))
     width = PAGE if len(maps) > 1 else COLUMN
     figure, axes = panels(columns=len(maps), rows=2, height=min(76.0, 25.4 * width / len(maps)), width=width)
     first = next(iter(contact.values()))["pressure"]
     place = np.unravel_index(np.argmax(first.values), first.shape)
-    corner = [
-        min(max(int(node) / nodes - ZOOM / 2, 0.0), 1 - ZOOM)
-        for node, nodes in zip(place, first.shape, strict=True)
-    ]
+    middle = np.divide(place, first.shape)
+    corner = np.clip(middle - ZOOM / 2, 0.0, 1 - ZOOM).tolist()
     ends = [np.percentile(values[values > 0], 99.5) for values in maps]
     largest = min(max(ends), WIDEST * min(ends))
     for axis, near, data, values in zip(axes, axes[len(maps) :], contact.values(), maps, strict=False):

@@ -55,16 +55,13 @@ def cost_table(jobs: pd.DataFrame, by: str = "job") -> pd.DataFrame:
         The table ``costs`` of `asperity.results.tables.TABLES`.
     """
     groups = [*jobs.groupby(by), ("all", jobs)]
-    return pd.DataFrame(
-        {
-            "job": str(name),
-            "jobs": len(group),
-            "processor_minutes": group["processor_minutes"].sum(),
-            "largest_memory_MB": group["memory_MB"].max(),
-            "declared_MB": group.loc[group["memory_MB"].idxmax(), "declared_MB"],
-        }
-        for name, group in groups
-    )
+    columns = ["job", "jobs", "processor_minutes", "largest_memory_MB", "declared_MB"]
+    rows = []
+    for name, group in groups:
+        largest = group.loc[group["memory_MB"].idxmax()]
+        costs = group["processor_minutes"].sum(), largest["memory_MB"], largest["declared_MB"]
+        rows.append((str(name), len(group), *costs))
+    return pd.DataFrame(rows, columns=columns)
 
 
 def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
@@ -88,9 +85,8 @@ def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
         bent = [small, small * further, nodes - small, (nodes - small) * further]
         if nodes.max() <= LARGE_GRID:
             bent = bent[:2]
-        memory = _least_squares(
-            np.column_stack([one, *bent]), 1e6 * group["memory_MB"].to_numpy(), covers=True
-        )
+        measured = 1e6 * group["memory_MB"].to_numpy()
+        memory = _least_squares(np.column_stack([one, *bent]), measured, covers=True)
         terms = np.column_stack([one, nodes, nodes * further])
         if rule == "figure":
             terms[:, 0] = group["repetitions"]

@@ -67,9 +67,8 @@ class Cost(NamedTuple):
 def coefficients() -> Mapping[str, Mapping[str, float]]:
     """Job → coefficients: MB and seconds, bytes and microseconds per node and further repetition."""
     lines = files("asperity.study.cost").joinpath("jobs.csv").read_text(encoding="utf-8").splitlines()
-    return {
-        row.pop("job"): {key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)
-    }
+    rows = csv.DictReader(lines)
+    return {row.pop("job"): {key: float(value) for key, value in row.items()} for row in rows}
 
 
 def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: float = PAPER_SPACING) -> Cost:

@@ -255,10 +255,8 @@ def contact_cost(contact: PlannedContact, accuracy: AccuracySettings) -> tuple[f
     """
     nodes = accuracy.points(contact.wavelength_short) ** 2
     job = "contact" if contact.loads == 1 else "load-area curve"
-    costs = [
-        job_cost(job, nodes, contact.loads),
-        job_cost("stress", nodes, contact.ratios, accuracy.depth_spacing),
-    ]
+    stress = job_cost("stress", nodes, contact.ratios, accuracy.depth_spacing)
+    costs = [job_cost(job, nodes, contact.loads), stress]
     return sum(cost.seconds for cost in costs), max(cost.memory for cost in costs)
 
 
@@ -325,14 +323,10 @@ def error_bounds(
         settings += table["error"][table["parameter"] == "precision"]
     spread = table["error"][table["parameter"] == "seeds"]
     interval = STUDENT_95 * contact.wavelength_long / MEASURED_WAVELENGTH / math.sqrt(accuracy.seeds)
-    return pd.DataFrame(
-        {
-            "grid": ERROR_MARGIN * largest("points_per_wavelength", accuracy.points_per_wavelength),
-            "settings": ERROR_MARGIN * settings,
-            "seeds": (0.0 if one_surface else interval) * spread,
-        },
-        index=outputs(),
-    )
+    grid = largest("points_per_wavelength", accuracy.points_per_wavelength)
+    of_seeds = (0.0 if one_surface else interval) * spread
+    bounds = {"grid": ERROR_MARGIN * grid, "settings": ERROR_MARGIN * settings, "seeds": of_seeds}
+    return pd.DataFrame(bounds, index=outputs())
 
 
 def propose(contacts: Sequence[PlannedContact], target: Target, factor: float | None = None) -> Proposal:
@@ -414,6 +408,7 @@ def report(
     bounds = proposal.of(outputs)
     bounds = bounds.drop(columns="seeds") if one_surface else bounds
     bounds["together"] = bounds.sum(axis=1)
+    keys = overlay(accuracy, {name: contact.wavelength_short for name, contact in contacts.items()})
     warnings = {
         name: f"# {name} = {getattr(contact, name):g} is outside what was measured, {low:g} to {high:g}"
         for contact in contacts.values()
@@ -430,11 +425,7 @@ def report(
         "",
         "settings, to lay over a configuration:",
         *warnings.values(),
-        yaml.safe_dump(
-            overlay(accuracy, {name: contact.wavelength_short for name, contact in contacts.items()}),
-            default_flow_style=None,
-            sort_keys=False,
-        ).rstrip(),
+        yaml.safe_dump(keys, default_flow_style=None, sort_keys=False).rstrip(),
     ]
     return "\n".join(lines)
 

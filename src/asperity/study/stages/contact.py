@@ -19,6 +19,12 @@ from asperity.stress.statistics.extrapolation import reason_against
 SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poisson_contact")
 """Global attributes of result files that describe the solid."""
 
+SOLVER = {"method": "method", "rtol": "tolerance", "dtype": "precision", "hardness": "hardness"}
+"""Argument of `solve_contact` → its setting in section ``contact``."""
+
+CURVE = ("area_fraction", "mean_pressure", "gradient_rms_contact")
+"""Numbers of a contact that the load-area curve holds."""
+
 _SMALLEST_WAVENUMBER = 2 * np.pi
 """Wavenumber of the longest wave on the unit cell, which reaches deepest."""
 
@@ -43,14 +49,9 @@ def solid(settings: Mapping[str, Any]) -> tuple[Solid, dict[str, Any]]:
     """
     poisson, base = settings["poisson"], settings.get("base")
     young = 1 - poisson**2
-    layer = Solid(
-        young=young,
-        poisson=poisson,
-        height=settings["height"],
-        bottom=settings["bottom"],
-        lateral=settings["lateral"],
-        base=None if base is None else Solid(young * base["modulus_ratio"], base["poisson"]),
-    )
+    own = {name: settings[name] for name in ("height", "bottom", "lateral")}
+    below = None if base is None else Solid(young * base["modulus_ratio"], base["poisson"])
+    layer = Solid(young, poisson, base=below, **own)
     chosen = simplest_solid(layer, _SMALLEST_WAVENUMBER, settings["half_space_tolerance"])
     record = {
         "solid": chosen.layer.description,
@@ -103,37 +104,22 @@ def press_surface(
     if kind == "approach" and value >= (most := approach_of_full_contact(height, layer) - lowest):
         raise ValueError(f"contact.approach = {value!r}: less than {most:.6g} is needed, {FULL_CONTACT}")
     path = sorted(fractions)
-    press = partial(
-        solve_load_path,
-        height,
-        layer,
-        grid_of(surface),
-        method=contact_settings["method"],
-        rtol=contact_settings["tolerance"],
-        dtype=contact_settings["precision"],
-        hardness=contact_settings.get("hardness"),
-    )
+    solver = {argument: contact_settings.get(name) for argument, name in SOLVER.items()}
+    press = partial(solve_load_path, height, layer, grid_of(surface), progress=progress, **solver)
     curve = []
-    for fraction, step in zip(path, press(area_fractions=path, progress=progress), strict=True):
-        curve.append((step.area_fraction, step.mean_pressure, step.gradient_rms_contact))
+    for fraction, step in zip(path, press(area_fractions=path), strict=True):
+        curve.append([getattr(step, name) for name in CURVE])
         if kind == "area_fraction" and fraction == value:
             contact = step
     if kind != "area_fraction":
         own = {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [lowest + value]}
-        (contact,) = press(**own, progress=progress)
-        curve.append((contact.area_fraction, contact.mean_pressure, contact.gradient_rms_contact))
-        curve.sort()
-    area_fraction, mean_pressure, gradient_rms = np.array(curve).T
-    solved = contact.to_dataset()
-    dataset = solved.assign(
-        path_area_fraction=("load", area_fraction),
-        path_mean_pressure=("load", mean_pressure),
-        path_gradient_rms_contact=("load", gradient_rms),
-    ).assign_coords(y=surface["y"], x=surface["x"])
-    dataset.attrs = record | {
-        name: value for name, value in solved.attrs.items() if name.startswith("certificate_")
-    }
-    return dataset
+        (contact,) = press(**own)
+        curve = sorted([*curve, [getattr(contact, name) for name in CURVE]])
+    solved, columns = contact.to_dataset(), zip(CURVE, np.array(curve).T, strict=True)
+    dataset = solved.assign({f"path_{name}": ("load", values) for name, values in columns})
+    certificate = {name: value for name, value in solved.attrs.items() if name.startswith("certificate_")}
+    dataset.attrs = record | certificate
+    return dataset.assign_coords(y=surface["y"], x=surface["x"])
 
 
 def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, Any]) -> xr.Dataset | None:

@@ -150,10 +150,8 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     dataset
         Variables ``seed_…`` of surface and contact, and those of `stress_numbers`.
     """
-    area, pressure, gradient, approach = (
-        float(contact[name])
-        for name in ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
-    )
+    names = ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
+    area, pressure, gradient, approach = (float(contact[name]) for name in names)
     outside = max(float(surface["rms_gradient"]) ** 2 - area * gradient**2, 0) / max(1 - area, 1e-12)
     # Exponent of the area over the scaled load, and change of their ratio, up to the area of the study.
     exponent = change = np.nan
@@ -203,9 +201,8 @@ def stress_numbers(
     """
     if half is not None:
         lost = half[0].attrs["lost_gradient"]
-        found, best, error = extrapolated_numbers(
-            _on_grid(contact, stress), numbers_on(_on_grid(*half)), lost, QUANTILES
-        )
+        on_half = numbers_on(_on_grid(*half))
+        found, best, error = extrapolated_numbers(_on_grid(contact, stress), on_half, lost, QUANTILES)
     else:
         found = numbers_on(_on_grid(contact, stress), QUANTILES)
         best = error = found * np.nan
@@ -220,12 +217,8 @@ def stress_numbers(
     )
     numbers["seed_reference_depth"] = stress["reference_depth"]
     patches, radii, *_ = contact_patches(contact["pressure"].values > 0)
-    correlations = np.array(
-        [
-            _patch_correlations(stress, ratio, grid_of(contact), patches, radii)
-            for ratio in stress["poisson"].values.tolist()
-        ]
-    )
+    ratios, grid = stress["poisson"].values.tolist(), grid_of(contact)
+    correlations = np.array([_patch_correlations(stress, ratio, grid, patches, radii) for ratio in ratios])
     numbers["seed_depth_patch_correlation"] = ("poisson", correlations[:, 0])
     numbers["seed_patch_correlation"] = (("patches", "poisson"), correlations[:, 1:].T)
     return numbers.assign_coords(kind=["estimate", "error"], patches=["highest_of_patch", "large_patches"])
@@ -325,9 +318,8 @@ def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
     alone.
     """
     tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
-    checks = {
-        law: (float(contact.attrs[f"certificate_{name}"]), tolerance) for name, law in CERTIFIED.items()
-    }
+    violations = {law: float(contact.attrs[f"certificate_{name}"]) for name, law in CERTIFIED.items()}
+    checks = {law: (value, tolerance) for law, value in violations.items()}
     for name, variable in {"area": "path_area_fraction", "load": "path_mean_pressure"}.items():
         falls = float(np.sum(np.diff(contact[variable]) <= 0))
         checks[f"falls of the {name} along the load path"] = falls, 0
@@ -365,11 +357,9 @@ def verify_statistics(statistics: xr.Dataset) -> Checks:
         counted = counts.sel(quantity=name, selection=selection_for(str(name)))
         lost += float(np.abs(counted - found.sel(quantity=name)).sum())
     unlike = np.abs(statistics["joint_counts"].sum(("bin", "depth_bin")) - counts.sum("seed")).sum()
+    worst = float(np.abs(integral - 1).max())
     return {
-        "densities of the peaks against an integral of one": (
-            float(np.abs(integral - 1).max()),
-            LAW_BOUND,
-        ),
+        "densities of the peaks against an integral of one": (worst, LAW_BOUND),
         "density of the heights against an integral of one": (abs(float(heights) - 1), LAW_BOUND),
         "peaks not counted": (lost, 0),
         "peaks by value and depth against peaks by value": (float(unlike), 0),

@@ -58,7 +58,7 @@ def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
         Contact radius and area fraction of the closed form (path) and of the solver (poisson, path), and the
         load-area curve of the closed form (poisson, curve).
     """
-    poisson, radii = (0.0, 0.33, 0.5), np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
+    poisson, radii = [0.0, 0.33, 0.5], np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
     curve = np.linspace(0.0, radii.max() + 0.02, 61)[1:]
     layers = [Solid(1.0, nu) for nu in poisson]
     imposed, along_curve = (
@@ -77,7 +77,7 @@ def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
             "curve_area_fraction": ("curve", np.pi * curve**2),
             "curve_mean_pressure_young": (("poisson", "curve"), along_curve),
         },
-        coords={"poisson": np.asarray(poisson, float)},
+        coords={"poisson": poisson},
         attrs={"grid_points": points, "method": method, "curvature_radius": CURVATURE_RADIUS},
     )
 
@@ -127,7 +127,7 @@ def slab_load_area(
             "curve_area_fraction": ("curve", np.pi * curve**2),
             "curve_mean_pressure": ("curve", _periodic_pressures(curve)),
         },
-        coords={"slab_height": ("slab", np.asarray(heights, float))},
+        coords={"slab_height": ("slab", list(heights))},
         attrs={"grid_points": points, "method": method, "curvature_radius": CURVATURE_RADIUS},
     )
 
@@ -171,10 +171,8 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
     """
     loads, indentations = (0.15, 0.27, 0.4, 0.52, 0.66), np.array([0.012, 0.015, 0.018, 0.021, 0.024])
     wave = np.array([[_wave_errors(n, load) for load in loads] for n in points])
-    approaches, grids = indentations / CURVATURE_RADIUS, (*points, 2 * points[-1])
-    slab = np.array(
-        [[indenter.slab_contact(n, float(depth)).mean_pressure for depth in approaches] for n in grids]
-    )
+    approaches, grids = (indentations / CURVATURE_RADIUS).tolist(), (*points, 2 * points[-1])
+    slab = np.array([[indenter.slab_contact(n, depth).mean_pressure for depth in approaches] for n in grids])
     errors = {
         "wave_pressure_error": wave[..., 0],
         "wave_approach_error": wave[..., 1],
@@ -277,7 +275,7 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         Largest pressure, and largest von Mises stress on the axis with its depth, each ``solved_`` and
         ``exact_`` (axis_ratio).
     """
-    poisson, axis_ratios, middle = 0.3, (0.2, 0.4, 0.6, 0.8, 1.0), points // 2
+    poisson, axis_ratios, middle = 0.3, [0.2, 0.4, 0.6, 0.8, 1.0], points // 2
     depth = np.linspace(0.25, 1.0, 31) * SEMI_MINOR
     rows = []
     for ratio in axis_ratios:
@@ -297,7 +295,7 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
     names = ("largest_pressure", "von_mises", "von_mises_depth")
     both = np.transpose(rows, (1, 2, 0))  # solved and exact values of each quantity
     pairs = {name: ("axis_ratio", *values) for name, values in zip(names, both, strict=True)}
-    return _dataset(pairs, points, {"axis_ratio": np.asarray(axis_ratios)}).assign_attrs(poisson=poisson)
+    return _dataset(pairs, points, {"axis_ratio": axis_ratios}).assign_attrs(poisson=poisson)
 
 
 def edge_tension(points: int = 512) -> xr.Dataset:
@@ -345,7 +343,7 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
         Load, ``solved_`` and ``exact_load`` (indenter, contact_ratio, poisson), at the approach of the closed
         form. The contact ratio is the contact radius over the height of the layer.
     """
-    contact_ratios, poisson, contact_radius = (0.5, 1.0, 2.0), (0.0, 0.3, 0.5), 0.05
+    contact_ratios, poisson, contact_radius = [0.5, 1.0, 2.0], [0.0, 0.3, 0.5], 0.05
     round_face = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
     inside = round_face <= contact_radius**2 / (2 * CURVATURE_RADIUS)
     flat_face = np.where(inside, 0.0, 1.0)  # around the punch too high to be touched
@@ -356,19 +354,12 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
         layer = BondedLayer(height, nu)
         forms = layer.flat_punch(punch_radius, 1e-4), layer.paraboloid(contact_radius, CURVATURE_RADIUS)
         for kind, (face, expected) in enumerate(zip((flat_face, round_face), forms, strict=True)):
-            contact = solve_contact(
-                face, indenter.bonded_slab(nu, height), approach=expected.approach, rtol=RTOL
-            )
+            slab = indenter.bonded_slab(nu, height)
+            contact = solve_contact(face, slab, approach=expected.approach, rtol=RTOL)
             solved[kind, i, j], exact[kind, i, j] = contact.mean_pressure, expected.load
-    return _dataset(
-        {"load": (("indenter", "contact_ratio", "poisson"), solved, exact)},
-        points,
-        {
-            "indenter": ["flat punch", "paraboloid"],
-            "contact_ratio": np.asarray(contact_ratios),
-            "poisson": np.asarray(poisson),
-        },
-    )
+    indenters = ["flat punch", "paraboloid"]
+    axes = {"indenter": indenters, "contact_ratio": contact_ratios, "poisson": poisson}
+    return _dataset({"load": (tuple(axes), solved, exact)}, points, axes)
 
 
 def coating_indentation(points: int = 512) -> xr.Dataset:
@@ -386,27 +377,21 @@ def coating_indentation(points: int = 512) -> xr.Dataset:
         load of the closed form. The contact ratio is the exact contact radius over the height of the coating,
         the modulus ratio Young's modulus of the coating over that of the base.
     """
-    contact_ratios, modulus_ratios, poisson, contact_radius = (0.5, 1.0, 2.0), (0.25, 2.0, 4.0), 0.3, 0.05
+    contact_ratios, modulus_ratios, poisson, contact_radius = [0.5, 1.0, 2.0], [0.25, 2.0, 4.0], 0.3, 0.05
     face = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
     found = np.empty((4, len(contact_ratios), len(modulus_ratios)))
     for i, j in np.ndindex(found.shape[1:]):
         height, ratio = contact_radius / contact_ratios[i], modulus_ratios[j]
-        exact = Coating(height, poisson, ratio, base_modulus=1.0, base_poisson=poisson).paraboloid(
-            contact_radius, CURVATURE_RADIUS
-        )
+        coated = Coating(height, poisson, ratio, base_modulus=1.0, base_poisson=poisson)
+        exact = coated.paraboloid(contact_radius, CURVATURE_RADIUS)
         base = Solid(1 - poisson**2, poisson)
         coating = Solid(ratio * base.young, poisson, height, base=base)
         contact = solve_contact(face, coating, mean_pressure=exact.load, rtol=RTOL)
-        found[:, i, j] = (
-            np.sqrt(contact.area_fraction / np.pi),
-            contact_radius,
-            contact.max_pressure,
-            float(exact.pressure(0.0)),
-        )
-    axes = ("contact_ratio", "modulus_ratio")
-    pairs = {"contact_radius": (axes, *found[:2]), "largest_pressure": (axes, *found[2:])}
-    values = {"contact_ratio": np.asarray(contact_ratios), "modulus_ratio": np.asarray(modulus_ratios)}
-    return _dataset(pairs, points, values)
+        found[:2, i, j] = np.sqrt(contact.area_fraction / np.pi), contact_radius
+        found[2:, i, j] = contact.max_pressure, float(exact.pressure(0.0))
+    axes = {"contact_ratio": contact_ratios, "modulus_ratio": modulus_ratios}
+    pairs = {"contact_radius": (tuple(axes), *found[:2]), "largest_pressure": (tuple(axes), *found[2:])}
+    return _dataset(pairs, points, axes)
 
 
 def wave_asymptotes(points: int = 512) -> xr.Dataset:
@@ -431,24 +416,17 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
     y, x = (nodes - 0.5 for nodes in grid.coordinates())
     height = wave.height(y[:, None], x)
     few, most = (
-        [
-            solve_contact(height, Solid(1.0, 0.0), mean_pressure=p * wave.complete_pressure, rtol=RTOL)
-            for p in loads
-        ]
-        for loads in (small, nearly_complete)
+        [solve_contact(height, Solid(1.0, 0.0), mean_pressure=load, rtol=RTOL) for load in loads]
+        for loads in (small * wave.complete_pressure, nearly_complete * wave.complete_pressure)
     )
     radius = [indenter.fitted_contact_radius(contact.pressure, grid) for contact in few]
     exact_radius = [np.sqrt(wave.small_area_fraction(contact.mean_pressure) / np.pi) for contact in few]
     gap = [contact.gap.mean() for contact in most]
     exact_gap = [wave.nearly_complete_mean_gap(contact.mean_pressure) for contact in most]
-    return _dataset(
-        {
-            "contact_radius": ("small_load", radius, exact_radius),
-            "mean_gap": ("nearly_complete_load", gap, exact_gap),
-        },
-        points,
-        {"small_load": small, "nearly_complete_load": nearly_complete},
-    )
+    axes = {"small_load": small, "nearly_complete_load": nearly_complete}
+    pairs = {"contact_radius": ("small_load", radius, exact_radius)}
+    pairs["mean_gap"] = "nearly_complete_load", gap, exact_gap
+    return _dataset(pairs, points, axes)
 
 
 def metal_contacts(points: int = 128) -> xr.Dataset:

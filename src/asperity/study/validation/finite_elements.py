@@ -51,16 +51,14 @@ def elements(
 def _on_mesh(across: int, up: int, contact: Contact) -> xr.Dataset:
     """Fields by the elements of one mesh, and by the spectral solution at the same places."""
     poisson = 0.33
-    slab = finite_element.Slab(
-        graded(0.5, across, 3.0), 1 - graded(1.0, up, 10.0)[::-1], 1 - poisson**2, poisson
-    )
+    nodes = graded(0.5, across, 3.0), 1 - graded(1.0, up, 10.0)[::-1]
+    slab = finite_element.Slab(*nodes, 1 - poisson**2, poisson)
     moved, push = finite_element.press(slab, CURVATURE_RADIUS, APPROACH)
     x, z, *by_elements = slab.on_diagonal(moved)
     order = np.argsort(1 - z)
     depth = (1 - z)[order]
-    spectral = indenter.displacement_and_stress(
-        contact.pressure, contact.grid, contact.layer, x + 0.5, x + 0.5, depth
-    )
+    solved = contact.pressure, contact.grid, contact.layer
+    spectral = indenter.displacement_and_stress(*solved, x + 0.5, x + 0.5, depth)
     variables: dict[str, object] = {
         "load_spectral": contact.mean_pressure,
         "load_elements": 4 * float(push.sum()),
@@ -72,14 +70,10 @@ def _on_mesh(across: int, up: int, contact: Contact) -> xr.Dataset:
         kind = 0 if name.startswith("displacement") else 1
         variables[f"{name}_spectral"] = ("depth", "distance"), spectral[kind][..., component]
         variables[f"{name}_elements"] = ("depth", "distance"), by_elements[kind][order][..., component]
+    nodes_of_walls = {"axis_node": slab.plane.nodes, "node_z": slab.column.nodes}
     return xr.Dataset(
         variables,
-        coords={
-            "distance": np.sqrt(2) * x,
-            "depth": depth,
-            "axis_node": slab.plane.nodes,
-            "node_z": slab.column.nodes,
-        },
+        coords={"distance": np.sqrt(2) * x, "depth": depth} | nodes_of_walls,
         attrs={
             "grid_points": contact.grid.shape[0],
             "curvature_radius": CURVATURE_RADIUS,
