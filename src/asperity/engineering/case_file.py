@@ -6,8 +6,6 @@ files are relative to the folder of the file. ``map.file`` may be a list of seve
 ``ring_*.x3p``; then the map of the counter body may be a list, too.
 """
 
-from __future__ import annotations
-
 import copy
 import glob
 import os

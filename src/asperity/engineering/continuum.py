@@ -3,8 +3,6 @@
 The formulas are in `asperity.stress.statistics.extrapolation`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Differences of numbers between two surfaces, each of one map or of a sample, with their 95 % intervals."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

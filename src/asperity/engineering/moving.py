@@ -8,8 +8,6 @@ the lower body has moved by s, the upper face has moved past it by S s/(1 − S/
 body by S s/(1 + S/2). In the middle of the contact the faces lie as they are given.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple

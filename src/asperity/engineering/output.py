@@ -1,7 +1,5 @@
 """The folder of an answer: results in SI units, pictures, tables and the report."""
 
-from __future__ import annotations
-
 import base64
 import json
 import os

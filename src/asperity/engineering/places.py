@@ -6,8 +6,6 @@ the ratio of the sum to the load, with the variance that a bootstrap of the bloc
 draws (W. G. Cochran, Sampling Techniques, 3rd ed., Wiley 1977, Eq. 6.9), and Student's t.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All stages from a map to an answer: read, press, stress, and what the questions of the case add in each."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

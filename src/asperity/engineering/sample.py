@@ -4,8 +4,6 @@ The largest value of a peak on an area that was not measured follows from the pe
 (`asperity.stress.statistics.largest`).
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -63,6 +61,26 @@ def shown_unit(values: ArrayLike, unit: str, name: str) -> tuple[float, str]:
     return scaled_unit(values, unit) if unit in SCALED else (1.0, unit)
 
 
+class Mean(NamedTuple):
+    """Mean over the maps of a sample, half of its 95 % interval, and the two parts of that.
+
+    Attributes
+    ----------
+    value : float
+    error : float
+        Root of the sum of the squares of both parts; NaN for one map.
+    of_maps : float
+        From Student's t over the maps; NaN for one map.
+    of_grid : float
+        Mean of the errors of the grid; NaN where no map has one.
+    """
+
+    value: float
+    error: float
+    of_maps: float
+    of_grid: float
+
+
 class SampleRow(NamedTuple):
     """One number of a sample: group, name, unit, its mean and interval, and its value on each map."""
 
@@ -84,26 +102,6 @@ class SampleRow(NamedTuple):
         mean = with_error(self.mean.value / factor, self.mean.error / factor)
         each = [f"{float(f'{value / factor:.4g}'):.15g}" for value in self.of_each]
         return f"{mean} {symbol}".strip(), each
-
-
-class Mean(NamedTuple):
-    """Mean over the maps of a sample, half of its 95 % interval, and the two parts of that.
-
-    Attributes
-    ----------
-    value : float
-    error : float
-        Root of the sum of the squares of both parts; NaN for one map.
-    of_maps : float
-        From Student's t over the maps; NaN for one map.
-    of_grid : float
-        Mean of the errors of the grid; NaN where no map has one.
-    """
-
-    value: float
-    error: float
-    of_maps: float
-    of_grid: float
 
 
 def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
@@ -134,7 +132,7 @@ def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
     return Mean(float(values.mean()), float(np.hypot(of_maps, np.nan_to_num(of_grid))), of_maps, of_grid)
 
 
-def pool_answers(answers: Sequence[Answer]) -> Sample:
+def pool_answers(answers: Sequence[Answer]) -> "Sample":
     """The numbers of maps of one surface, in one case, as a sample.
 
     Parameters

@@ -6,8 +6,6 @@ written atomically, and carries a fingerprint of all that is in it and the setti
 again. It holds no wall-clock time: the same configuration gives the same numbers on the same machine.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

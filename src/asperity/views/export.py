@@ -10,8 +10,6 @@ Images are written plane by plane, so that memory does not grow with the size of
 and pyvista open it.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
@@ -57,7 +55,7 @@ class ExportUnits(NamedTuple):
     stress_name: str = "effective_modulus"
 
     @classmethod
-    def of(cls, system: str | None) -> ExportUnits:
+    def of(cls, system: str | None) -> "ExportUnits":
         """Units in which the numbers of a result in a system of units are exported."""
         return cls(1e-6, 1e6, "um", "MPa") if system == SI_UNITS else cls()
 

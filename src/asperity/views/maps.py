@@ -1,7 +1,5 @@
 """Height, contact pressure and gap over the cell, with the outlines of the contacts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypedDict, Unpack
 

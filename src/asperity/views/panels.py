@@ -1,7 +1,5 @@
 """Figures of equal panels, one for each result, or the axes that the caller gives."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 from collections.abc import Iterator, Sequence

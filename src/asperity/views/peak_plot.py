@@ -1,7 +1,5 @@
 """Peaks of the stress: magnitude and depth of every one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

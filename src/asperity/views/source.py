@@ -1,7 +1,5 @@
 """Results as the pictures need them: title, grid, fields, unit system, and the solid under a contact."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Stress in a body under a contact, in a plane below its surface or in a vertical section."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from numbers import Real
 from typing import Any, NamedTuple, TypedDict, Unpack

@@ -1,7 +1,5 @@
 """Sample of maps: several maps of one surface are pooled to means with intervals."""
 
-from __future__ import annotations
-
 from asperity.engineering.question import Question
 from asperity.settings.model import optional
 from asperity.settings.quantities import Area
