@@ -140,7 +140,7 @@ def make_parser(only: str | None = None, explained: bool = True) -> Parser:
 
 
 def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Flag or name → description of all arguments of a command or group, without those of its groups."""
+    """Flag or name → description of the arguments of a command or group itself, without its groups."""
     found: dict[str, dict[str, Any]] = {}
     for key, given in entry.items():
         if key == "arguments":
@@ -158,7 +158,7 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], explained: bool) -> None:
-    """Add the arguments of a command or group; those of a case are explained only where help is wanted."""
+    """Add the arguments of a command or group; settings of a case are explained only where help is wanted."""
     for flag, given in arguments(entry).items():
         options = dict(given)
         if isinstance(options.get("metavar"), list):

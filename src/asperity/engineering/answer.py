@@ -145,7 +145,7 @@ class Answer:
         return self.contact.mean_pressure / (1 - (0.0 if film is None else film.share))
 
     def loaded_body(self, contact: Contact, body: str) -> LoadedSolid:
-        """A body as a contact loads it, that of the answer or that on half of its nodes."""
+        """A body under a contact: the contact of the answer, or the one on half of its nodes."""
         for question in self.case.questions.values():
             if (loaded := question.loaded(self, contact, body)) is not None:
                 return loaded
@@ -215,13 +215,13 @@ class Answer:
 
     @property
     def tiles(self) -> list[Row]:
-        """The rows that answer the questions, then those of the contact."""
+        """Rows at the top of the page: answers to the questions, then numbers of the contact."""
         rows = without_repeats(self.rows)
         return [row for name in tile_names(self.case) for row in rows if row.name == name]
 
     @property
     def verdicts(self) -> list[str]:
-        """The answer to each question in a sentence; without a question those of contact and stress."""
+        """The answer to each question in a sentence, then a sentence about interfaces and the contact."""
         found = [question.verdict(self) for question in self.case.questions.values()]
         for name in self.case.different_bodies:
             if (interface := self.bodies[name].interface) is not None:
@@ -303,7 +303,7 @@ class Answer:
 
 
 def tile_names(case: Case) -> list[str]:
-    """Names of the numbers at the top of a page: those of the questions of the case, then the contact."""
+    """Names of the numbers at the top of a page: first of the questions of the case, then of the contact."""
     of_questions = [name for question in case.questions.values() for name in question.TILES]
     coated = any(body.coating is not None for body in case.bodies.values())
     return list(dict.fromkeys([*(INTERFACE_TILES if coated else ()), *of_questions, *CONTACT_TILES]))

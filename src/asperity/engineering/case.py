@@ -302,7 +302,7 @@ class Case(Settings):
         return self.replaced(map=surface, counter_body=counter_body)
 
     def on_face(self, rough: RoughFace) -> Self:
-        """The case with what its map determines: options of the file, and sliding along the lay."""
+        """The case with the options of the file of its map, and with sliding along the lay."""
         sliding = None if self.sliding is None else self.sliding.along_lay(rough.face)
         return self.with_maps(rough.options or self.map, rough.counter).replaced(sliding=sliding)
 

@@ -101,7 +101,7 @@ def put(content: dict[str, Any], keys: Sequence[str], value: Any) -> None:
 
 
 def names_of_maps(paths: Sequence[str]) -> list[str]:
-    """Names of folders for several answers: those of the files; equal ones get the folder's name in front."""
+    """Names of folders for several answers: stems of the files, equal ones after the folder's name."""
     stems = [Path(path).stem for path in paths]
     count = Counter(stems)
     return [
@@ -173,7 +173,7 @@ def _text(content: Mapping[str, Any]) -> str:
 
 
 def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
-    """True if the text of a case file is that of a case, with maps of the same checksums in any folder."""
+    """True if the text of a case file describes a case; its maps may be elsewhere, with equal checksums."""
     try:
         there = yaml.safe_load(text)
     except yaml.YAMLError:

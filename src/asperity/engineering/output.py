@@ -45,7 +45,7 @@ Shown = tuple[Picture, str, list[dict[str, Any]]]
 """A picture of the report, as an image in base64, and its values."""
 
 PACKAGES = ("numpy", "numba", "xarray", "SurfaceTopography")
-"""Packages whose versions the report names, besides that of the Fourier transforms."""
+"""Packages whose versions the report names; it also names the library of the Fourier transforms."""
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
@@ -202,7 +202,7 @@ def _taken_lead(answer: Answer, groups: dict[str, list[Shown]]) -> Shown | None:
 
 
 def headline(answer: Answer) -> list[tuple[str, str, list[str]]]:
-    """The tiles of a report: name, value, and its errors, each with what it is the error of."""
+    """The tiles of a report: name, value, and its errors, each with its cause."""
     found, rows = [], answer.tiles
     several = len({row.group for row in rows if row.name == "largest von Mises stress"}) > 1
     for row in rows:

@@ -100,7 +100,7 @@ class Row(NamedTuple):
         return f"{with_error(value / factor, error / factor)} {symbol}".strip()
 
     def by(self, error: float, source: str = "the pixels") -> Row:
-        """The row with the error of its value, if that is known, and what it is the error of."""
+        """The row with the error of its value and the cause of the error, if the error is known."""
         if not (math.isfinite(self.value) and error > 0):
             return self
         row = self._replace(estimate=self.value, error=error, error_of=source)
@@ -209,7 +209,7 @@ class Question(Settings):
         return None
 
     def of_body(self, answer: Answer, body: str, progress: Progress) -> None:
-        """Add what follows from the stress in a body to the result."""
+        """Add the numbers that follow from the stress in a body to the result."""
 
     def after_stress(self, answer: Answer, progress: Progress) -> Any:
         """Result that needs the whole answer."""
@@ -220,7 +220,7 @@ class Question(Settings):
         return {}
 
     def of_other_cases(self, answer: Answer, others: Mapping[str, Answer]) -> Any:
-        """Result that needs the whole answer and those of `other_cases`."""
+        """Result that needs the whole answer and the answers of `other_cases`."""
         return None
 
     def verdict(self, answer: Answer) -> str:
@@ -240,7 +240,7 @@ class Question(Settings):
         return iter(())
 
     def assumption(self, answer: Answer) -> str:
-        """What is assumed, in a sentence."""
+        """The assumptions, in a sentence."""
         return ""
 
     def peaks(self, answer: Answer, body: str) -> pd.DataFrame | None:

@@ -157,7 +157,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
 
 
 STRESS, SLIP, FLOW = 2.0, 4.0, 2.0
-"""Work of the stress in a body, of partial slip and of the flow of a film, in that of the contact."""
+"""Work of the stress in a body, of partial slip and of the flow of a film; the contact has a work of 1."""
 
 
 def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
@@ -206,7 +206,7 @@ class _Parts:
 
 
 def _analyse(answer: Answer, name: str, progress: Progress) -> None:
-    """Add the stress in one body to an answer, and what the questions find in it."""
+    """Add the stress in one body to an answer, with the results of the questions in this body."""
     questions = answer.case.questions.values()
     alone = STRESS / work_of(answer.case, answer.face.grid.mirrored)[f"stress {name}"]
     loaded, on_half = (answer.loaded_body(each, name) for each in (answer.contact, answer.half.contact))

@@ -26,7 +26,7 @@ LEVELS = 4000
 """Steps between the smallest and the largest value of a panel."""
 
 MOST_POINTS = 1000
-"""Most points of a panel, of lines with markers; those of the largest x are kept."""
+"""Most points of lines with markers in a panel; the points with the largest x are kept."""
 
 MISSING = 65535
 """Number of a missing value."""
@@ -117,7 +117,7 @@ SLIDER_POINTS = 128
 """Most values along an edge of a plane of the slider."""
 
 PLANES = 7
-"""Planes of the slider, besides that of the largest magnitude."""
+"""Planes of the slider, besides the plane with the largest magnitude."""
 
 FADED = 0.1
 """The slider ends where the stress is below this share of its largest magnitude."""

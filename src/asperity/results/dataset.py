@@ -233,7 +233,7 @@ def _check_size(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def _check(dataset: xr.Dataset) -> None:
-    """Raise `ValueError` if names, units or fingerprint are not those of a result."""
+    """Raise `ValueError` if names or units are unknown, or the fingerprint does not fit the content."""
     system = unit_system(dataset)
     if system not in UNIT_SYSTEMS:
         raise ValueError(f"unknown {UNIT_SYSTEM} {system!r}")

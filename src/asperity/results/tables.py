@@ -76,7 +76,7 @@ def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format:
 
 
 def check_columns(frame: "pd.DataFrame", table: str) -> None:
-    """Raise `ValueError` unless the columns of a frame are those of a table, in their order."""
+    """Raise `ValueError` unless a frame has the columns of a table, in their order."""
     columns = TABLES[table]["columns"]
     found = [_described(str(name), columns) for name in frame.columns]
     needed = [name for name, (_, _, *optional) in columns.items() if not optional]

@@ -25,7 +25,7 @@ class Variable(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """A variable that only the files of a stage have, and what these files hold."""
+    """A variable that only the files of a stage have, and a summary of these files."""
 
     variable: str
     summary: str

@@ -45,7 +45,7 @@ Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
 
 OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
-"""Keywords of an entry that are not those of the standard."""
+"""Keywords of an entry that the standard does not have."""
 
 Number = Annotated[float, Strict()]
 """A number; text and truth values are refused."""
@@ -201,7 +201,7 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
     @model_validator(mode="before")
     @classmethod
     def _plain(cls, values: Any) -> Any:
-        """The values, with numbers of NumPy as those of Python."""
+        """The values, with numbers of NumPy as numbers of Python."""
         if not isinstance(values, dict):
             return values
         return {name: _plain_numbers(each) for name, each in values.items()}
@@ -305,7 +305,7 @@ def _classes_in(module: str) -> dict[str, list[ast.stmt]]:
 
 @cache
 def described(cls: type[BaseModel]) -> Entry:
-    """Description of a class of settings, with those of the groups in it."""
+    """Description of a class of settings and of the groups in it."""
     schema = cls.model_json_schema()
     return _plain(schema, schema.get("$defs", {}))
 

@@ -134,7 +134,7 @@ def _plot(
 
 
 def map_of(source: Source, name: str, part: Part, note: str = "") -> Map:
-    """Map of one of the fields of a result; those of the contact alone are missing where there is none."""
+    """Map of one of the fields of a result; pressure and slip are left white outside of the contact."""
     values = source.field(name)[part]
     shown = values if name in ("height", "gap") else np.where(values > 0, values, np.nan)
     return Map(source, part, shown, note)

@@ -21,7 +21,7 @@ LEAST_HEIGHT, MOST_HEIGHT = 30 * MILLIMETRE, 150 * MILLIMETRE
 """Limits of the height of a panel; longer or wider cells do not fill it."""
 
 FLATTEST = 0.01
-"""Smallest height of a panel over its width; that of a row of nodes would be 0."""
+"""Smallest height of a panel over its width; a single row of nodes would have height 0."""
 
 DIGIT, LINE = 1.6 * MILLIMETRE, 3.4 * MILLIMETRE
 """Width of a digit of a tick label, and height of a line of a title, in the sizes of the style."""
@@ -30,7 +30,7 @@ BESIDE, BELOW, ABOVE = 8 * MILLIMETRE, 10.5 * MILLIMETRE, 3 * MILLIMETRE
 """Room left of a panel without the digits of its ticks, below it, and above it without its title."""
 
 APART = 3.5 * MILLIMETRE
-"""Distance of a panel from what is on its right, and from the colour bar."""
+"""Distance of a panel from the next panel on its right, and from the colour bar."""
 
 BAR = 3.5 * MILLIMETRE
 """Thickness of a colour bar."""

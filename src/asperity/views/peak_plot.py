@@ -23,7 +23,7 @@ SHAPE = 0.8
 """Height of a panel over its width."""
 
 AXIS_DEPTH = 1.3
-"""Depth of the axis over that of the deepest peaks, which leaves room for the legend."""
+"""Depth of the axis over the depth of the deepest peaks; the rest is for the legend."""
 
 MOST_BINS = 200
 """Most bins of a histogram."""

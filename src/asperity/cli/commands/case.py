@@ -14,7 +14,7 @@ WRONG_USAGE = 2
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print what is asked for."""
+    """Print a template, an explanation, the materials or the JSON Schema."""
     asked = [bool(options.template), bool(options.explain), options.materials, options.schema]
     if sum(asked) != 1:
         known = ", ".join(templates.templates())

@@ -90,7 +90,7 @@ def _check_names(options: argparse.Namespace) -> None:
 
 
 def _compute(options: argparse.Namespace, folder: Path | None, jobs: Mapping[str, Job]) -> None:
-    """Compute and write the answers of all jobs, and what is made of several."""
+    """Compute and write the answers of all jobs, and the comparison or the means of several."""
     from asperity.engineering.folder import locked
 
     with ExitStack() as stack:

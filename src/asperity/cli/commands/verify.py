@@ -24,7 +24,7 @@ from asperity.results import dataset
 from asperity.settings.reader import load
 
 WRITTEN = ("report.html", "answer.csv", "sample.csv", "comparison.csv")
-"""Files by which a folder is that of an answer or of several, also without its manifest."""
+"""Files that show that a folder holds an answer or several, also without its manifest."""
 
 
 class Check(NamedTuple):

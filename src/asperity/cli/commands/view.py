@@ -27,7 +27,7 @@ POSITIONS |= {"section": ("y", "x", "depth"), "plane": ("depth", "y", "x"), "pea
 """View → positions that it takes."""
 
 HIGHEST = {"plane": ("depth",), "section": ("y", "x")}
-"""View → positions that may be ``max``, that of the largest magnitude of the field."""
+"""View → positions that may be ``max``, where the field has its largest magnitude."""
 
 STAGES = {"height": ("surface", "contact"), "peaks": ("stress",)}
 """View → stages whose results it shows, if not only the contact."""

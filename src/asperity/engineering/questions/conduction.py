@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from asperity.engineering.question import Answer, Case
 
 CONSTANTS = ("conductivity", "resistivity")
-"""Constants of a body; a conductance needs those of both bodies."""
+"""Constants of a body; a conductance needs the constant of both bodies."""
 
 UNITS = {"thermal_conductance": "W/(m² K)", "electrical_conductance": "S/m²"}
 """Conductance per nominal area → its unit."""
@@ -52,7 +52,7 @@ class Conduction(Question):
             yield "conduction", ": conductivity or resistivity of both bodies is needed"
 
     def verdict(self, answer: Answer) -> str:
-        """Resistance or conductance of the real contact, and what they leave out."""
+        """Resistance or conductance of the real contact, without films, oxides and the gap."""
         rows, found = {row.name: row for row in self.rows(answer)}, []
         if (resistance := rows.get("electrical contact resistance")) is not None:
             found.append(f"the real contact resists the current with {shown_si(resistance.value, 'Ω', 3)}")
@@ -65,7 +65,7 @@ class Conduction(Question):
         return "; ".join([*found, "films, oxides and the gap are left out"])
 
     def rows(self, answer: Answer) -> Iterator[Row]:
-        """Conductances per nominal area, the electrical resistance, and what it leaves out."""
+        """Conductances per nominal area, the electrical resistance, and the constriction of that area."""
         area = answer.face.grid.area
         for name, resistivity in resistivities(answer.case).items():
             value, unit = answer.contact.conductance(resistivity), UNITS[name]
@@ -75,7 +75,7 @@ class Conduction(Question):
             yield Row("conduction", name.replace("_", " contact "), value, unit, f"{number}, without films")
 
     def assumption(self, answer: Answer) -> str:
-        """What conduction leaves out."""
+        """Conduction through the real contact alone."""
         return "Heat and current pass through the real contact alone, not through films, oxides or the gap."
 
 

@@ -78,7 +78,7 @@ class Cycles(Question):
         return any(body.gives(name) for body in bodies for name in limits)
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """What cycles need, and what they do not go with."""
+        """Settings that cycles need, and settings that they exclude."""
         bodies = case.groups_of_bodies
         limited = {name: body for name, body in bodies.items() if body.fatigue_torsion is not None}
         yield from _problems_of_limits(limited)
@@ -226,7 +226,7 @@ class Cycles(Question):
         yield Row(group, "probability of no crack on the map", none, "1", shown)
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
-        """Error by few shifts, and what the limits are compared with."""
+        """Error by few shifts, and the stress with which the limits are compared."""
         found, known = answer.of(self), answer.case.different_bodies
         for body in known:
             if (size := found[body].attrs.get("few_shifts_error") if body in found else None) is not None:

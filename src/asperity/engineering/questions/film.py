@@ -67,7 +67,7 @@ class Film(Question):
         return 1 - SHARES_OF_ASPERITIES[self.correlation](self.lambda_ratio)
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """What a film needs, and what it does not go with."""
+        """Settings that a film needs, and settings that it excludes."""
         if (self.load_share is None) == (self.lambda_ratio is None):
             yield "film", ": exactly one of load_share and lambda_ratio is needed"
         elif not self.share < 1:
@@ -93,7 +93,7 @@ class Film(Question):
         return case.replaced(load=part), rough, self.share
 
     def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid | None:
-        """A body under the pressure of the asperities and that of the film."""
+        """A body under the pressure of the asperities and the pressure of the film."""
         share = self.share
         if not share:
             return None
@@ -131,7 +131,7 @@ class Film(Question):
             )
 
     def assumption(self, answer: Answer) -> str:
-        """What the film does."""
+        """The film carries a smooth pressure and no shear traction."""
         return (
             f"A film carries {per_cent(self.share)} of the load as the smooth part of the pressure, without a"
             " shear traction; numbers of the contact are those of the asperities under the rest."

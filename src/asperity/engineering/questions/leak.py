@@ -217,7 +217,7 @@ class Leak(Question):
             yield advice_on_pixels("leakage", {name: found.flow.flow_rate}, {name: found.on_half})
 
     def assumption(self, answer: Answer) -> str:
-        """What the flow assumes."""
+        """A laminar film that does not open the gap."""
         if self.viscosity is None:
             return ""
         return "The film is laminar, fills the gap and does not open it."

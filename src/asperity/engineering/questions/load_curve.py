@@ -339,7 +339,10 @@ def largest_von_mises(
     from asperity.engineering.body_stress import STRESS_TOLERANCE, largest_von_mises_between
     from asperity.stress.analysis import analyse_stress
 
-    sliding = {"friction": friction, "sliding_direction": traction_direction(sliding_direction, body)}
+    sliding: dict[str, Any] = {
+        "friction": friction,
+        "sliding_direction": traction_direction(sliding_direction, body),
+    }
     stress = analyse_stress(loaded, quantities=("von_mises",), tolerance=STRESS_TOLERANCE, **sliding)
     top = np.nextafter(loaded.layer.interface or -1.0, np.inf)
     return largest_von_mises_between(stress, top, np.inf).value
@@ -377,8 +380,8 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
             known[logarithm] = math.log(stress_under(math.exp(logarithm)) / limit)
         return known[logarithm]
 
-    within = {"xtol": YIELD_LOAD_ERROR, "rtol": 1e-12}
-    return math.exp(scipy.optimize.brentq(excess, *ends.tolist(), **within))
+    low, high = ends.tolist()
+    return math.exp(scipy.optimize.brentq(excess, low, high, xtol=YIELD_LOAD_ERROR, rtol=1e-12))
 
 
 def _within(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:

@@ -65,7 +65,7 @@ class PartialSlip(Question):
     """Tangential displacement of the bodies instead of a force, on half-spaces."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """What partial slip does not go with, and a force above friction times load."""
+        """Settings that partial slip needs, and settings that it excludes."""
         if (self.tangential_force is None) == (self.tangential_displacement is None):
             yield "partial_slip", ": exactly one of tangential_force and tangential_displacement is needed"
         if not case.friction:
@@ -151,7 +151,7 @@ class PartialSlip(Question):
         yield advice_on_pixels("slip", *both)
 
     def assumption(self, answer: Answer) -> str:
-        """What partial slip assumes."""
+        """A tangential force that has grown once, and a pressure without friction."""
         return (
             "The tangential force has grown once from zero; the faces stick where the shear traction is below"
             " friction times pressure, and the pressure is computed without friction."

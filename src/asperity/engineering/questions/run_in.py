@@ -31,7 +31,7 @@ class RunInResult:
 
     @property
     def another(self) -> float:
-        """Largest depth by which one more load would flatten the map, over that of the first."""
+        """Flattening by one more load over the flattening by the first load (largest depths)."""
         return self.depths[-1] / self.depths[0] if self.depths[0] else 0.0
 
 
@@ -87,7 +87,7 @@ class RunIn(Question):
         return f"the first load flattens peaks by up to {shown_si(depth, 'm', 3)}" if depth else ""
 
     def rows(self, answer: Answer) -> Iterator[Row]:
-        """The contact before, how far the map was flattened, and what another load would do."""
+        """The first contact, the depth of flattening, and the depth by which another load would flatten."""
         found: RunInResult = answer.of(self)
         first, area = found.first, found.first.area_fraction
         yield Row(GROUP, "real contact of the first load", area, "1", f"{100 * area:.4g} %")
@@ -108,7 +108,7 @@ class RunIn(Question):
             )
 
     def assumption(self, answer: Answer) -> str:
-        """What run-in assumes."""
+        """Flattening without residual stress, pile-up or wear."""
         return (
             "Run-in flattens the surface where the pressure reaches the hardness, without residual stress,"
             " pile-up or wear; numbers are those of the elastic contact of the flattened surface."

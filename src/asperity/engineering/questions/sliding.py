@@ -121,7 +121,7 @@ class Sliding(Question):
         )
 
     def assumption(self, answer: Answer) -> str:
-        """What full sliding assumes."""
+        """Shear traction in full sliding, and a pressure without friction."""
         if not self.friction or "partial_slip" in answer.case.questions:
             return ""
         return (

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Yielded:
-    """What of a body is above its yield stress, in SI units.
+    """Part of a body whose von Mises stress is above yield, in SI units.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class Yielding(Question):
         answer.of(self)[body] = Yielded(found.volume * area, error, found.depths, fraction, of_places)
 
     def verdict(self, answer: Answer) -> str:
-        """What yields, of the materials of each body."""
+        """Whether each material yields, to which depth and at which stress."""
         found, names = [], _bodies_apart(answer)
         for name in names:
             for material, limit, stress, depths in self._materials(answer, name):

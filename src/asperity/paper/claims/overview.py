@@ -1,6 +1,7 @@
 """Overview picture of the claims: each number with its interval, and the region in which its claim holds."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -57,7 +58,7 @@ def draw(findings: Sequence[Finding]) -> Figure:
     axis.set_xlabel("measured over the edge or the middle\nof the region wanted (shaded)")
     for verdict, number in tally(findings).items():
         if number:
-            look = {"marker": _MARKER[verdict], "color": _COLOUR[verdict], "ls": "none"}
+            look: dict[str, Any] = {"marker": _MARKER[verdict], "color": _COLOUR[verdict], "ls": "none"}
             axis.plot([], [], **look, label=f"{verdict} ({number})")
     figure.legend(loc="outside upper right", ncols=3)
     return figure

@@ -176,7 +176,7 @@ def contact_area(data: xr.Dataset) -> str:
 
 
 def title_panel(axis: Axes, title: str) -> None:
-    """Write a title over a panel; one of several parts stands on lines above that of the panel's letter."""
+    """Write a title over a panel; a title of several parts has a line for each, above the panel's letter."""
     axis.set_title(title.replace(", ", ",\n") + "\n" if ", " in title else title, loc="center")
 
 

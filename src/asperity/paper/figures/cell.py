@@ -83,7 +83,7 @@ def draw_hertzian(validation: Datasets) -> Figure:
 
 
 def caption_hertzian(validation: Datasets) -> str:
-    """Size of what is drawn."""
+    """Radius and approach of the paraboloid, and the contact radius."""
     data = validation["elements"]
     return (
         f"A paraboloid of radius {data.attrs['curvature_radius']:g} L pressed by "

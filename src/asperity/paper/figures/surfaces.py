@@ -28,7 +28,7 @@ OFFSET = 7.0
 """Distance between the sections of several surfaces in one panel, in rms heights."""
 
 ZOOM = 0.125
-"""Edge of the magnified part of a map of pressure, over that of the cell."""
+"""Edge of the magnified part of a map of pressure, over the edge of the cell."""
 
 ALIKE = 0.1
 """Largest difference of densities, over the largest density, at which curves are said to coincide."""

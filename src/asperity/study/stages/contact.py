@@ -112,7 +112,9 @@ def press_surface(
         if kind == "area_fraction" and fraction == value:
             contact = step
     if kind != "area_fraction":
-        own = {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [lowest + value]}
+        own: Any = (
+            {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [lowest + value]}
+        )
         (contact,) = press(**own)
         curve = sorted([*curve, [getattr(contact, name) for name in CURVE]])
     solved, columns = contact.to_dataset(), zip(CURVE, np.array(curve).T, strict=True)

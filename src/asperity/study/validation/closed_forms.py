@@ -186,7 +186,7 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
 
 
 def _wave_errors(points: int, load: float) -> tuple[float, float]:
-    """Relative errors of pressure (L2) and approach of a wave; load over that of closing."""
+    """Relative errors of pressure (L2) and approach of a wave; `load` is over the load that closes it."""
     mean_pressure = load * (np.pi * WAVE_AMPLITUDE)
     exact = Westergaard(mean_pressure, WAVE_AMPLITUDE)
     line = Grid((8, points), (8 / points, 1.0))
