@@ -11,7 +11,6 @@ from small_study import CONTACT, LAYER, STRESS
 
 from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence, FixedNumber, MissingEvidenceError, Number, SeedNumbers
-from asperity.paper.claims.overview import draw
 from asperity.paper.claims.sources import roles, surfaces_by_delta
 from asperity.paper.claims.verdicts import (
     CLAIMS,
@@ -284,7 +283,7 @@ def test_tables_are_read_again_and_hold_every_claim(study, tmp_path):
     text = report.markdown(found)
     assert report.markdown(report.findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)) == text
     assert all(f.claim.compared.replace("|", "\\|") in text for f in found)
-    assert len(draw(found).axes[0].get_yticks()) == len(CLAIMS)
+    assert len(report.picture(found).axes[0].get_yticks()) == len(CLAIMS)
 
 
 def test_surfaces_of_another_delta_are_found():

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from asperity.paper.claims import overview, report
+from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence
 from asperity.paper.claims.verdicts import CLAIMS, decide
 from asperity.results import dataset
@@ -27,4 +27,4 @@ with job(snakemake), style():
     )  # with the digits that are kept
     write_table(report.frame(findings), "claims", output.table)
     write_text(output.text, f"# Does the paper hold?\n\n{report.markdown(findings)}")
-    save(overview.draw(findings), *output.picture)
+    save(report.picture(findings), *output.picture)

@@ -109,14 +109,9 @@ def solved_on_half(contact: Contact) -> HalfGrid:
     reason = "the boundary is free, and the estimate is made for periodic cells"
     if contact.boundary != "free":
         reason = reason_against(contact.pressure, contact.height, mirrored=contact.grid.mirrored)
-    half, lost = solve_on_half(
-        contact.height,
-        contact.solid,
-        contact.grid,
-        contact.boundary,
-        force=contact.force,
-        hardness=contact.hardness if math.isfinite(contact.hardness) else None,
-    )
+    hardness = contact.hardness if math.isfinite(contact.hardness) else None
+    given = contact.height, contact.solid, contact.grid, contact.boundary
+    half, lost = solve_on_half(*given, force=contact.force, hardness=hardness)
     return HalfGrid(half, lost, reason)
 
 

@@ -218,11 +218,9 @@ def headline(answer: Answer) -> list[tuple[str, str, list[str]]]:
 
 def reports_of_questions(answer: Answer) -> list[Markup]:
     """The parts of the report that questions have a template for."""
-    return [
-        Markup(rendered("asperity.engineering.questions", question.TEMPLATE, found=answer.found[name]))
-        for name, question in answer.case.questions.items()
-        if question.TEMPLATE
-    ]
+    package, asked = "asperity.engineering.questions", answer.case.questions.items()
+    templates = {name: question.TEMPLATE for name, question in asked if question.TEMPLATE}
+    return [Markup(rendered(package, each, found=answer.found[name])) for name, each in templates.items()]
 
 
 def constants_of_table(case: Case) -> list[str]:

@@ -32,15 +32,8 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     ConvergenceError
         If the contact does not converge.
     """
-    return solve_contact(
-        face.height,
-        case.solid,
-        face.grid,
-        hardness=case.hardness,
-        boundary=face.boundary,
-        progress=progress,
-        **imposed_load(face, case),
-    )
+    options = {"hardness": case.hardness, "boundary": face.boundary, **imposed_load(face, case)}
+    return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
 
 
 def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:

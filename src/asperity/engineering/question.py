@@ -288,11 +288,7 @@ def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, 
     ratios = {name: a / b if b else (math.inf if a else 1.0) for name, (a, b) in pairs.items()}
     most = max(ratios.values(), key=lambda ratio: abs(ratio - 1))
     changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
-    size = abs(most - 1)
-    return Advice(
-        size > RESOLUTION_CHANGE,
-        "pixels of the interface",
-        f"pixels as they are, instead of twice as large ones, changed {changed} (from a second solution).",
-        f"pixels: those twice as large change {what} by a factor of {1 / most if most else math.inf:.3g}",
-        size,
-    )
+    size, factor = abs(most - 1), 1 / most if most else math.inf
+    text = f"pixels as they are, instead of twice as large ones, changed {changed} (from a second solution)."
+    short = f"pixels: those twice as large change {what} by a factor of {factor:.3g}"
+    return Advice(size > RESOLUTION_CHANGE, "pixels of the interface", text, short, size)

@@ -341,10 +341,8 @@ class Sample:
                 value = largest_on(sizes, total, area)
                 rows = [row.mean for row in self.rows if row.name == LARGEST.get(quantity)]
                 share = max((row.of_grid / row.value for row in rows if row.of_grid > 0), default=0.0)
-                low, high = (
-                    value.value + sign * np.hypot(end - value.value, share * value.value)
-                    for sign, end in ((-1, value.low), (1, value.high))
-                )
+                size = value.value
+                low, high = size + np.hypot(np.subtract(value[1:3], size), share * size) * (-1, 1)
                 highest = hardness if quantity == "pressure" else np.inf
                 ends = np.minimum((value.value, low, high), highest)
                 found.append((body, quantity, area, *ends, *value[3:]))

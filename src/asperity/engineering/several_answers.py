@@ -48,10 +48,9 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     from asperity.engineering.pictures import compared_pictures
 
     rows = {name: without_repeats(answer.rows) for name, answer in answers.items()}
-    shown = {
-        name: {(group_of(row), row.name): row.value_and_place[0] for row in each}
-        for name, each in rows.items()
-    }
+    shown: dict[str, dict[Any, str]] = {}
+    for name, each in rows.items():
+        shown[name] = {(group_of(row), row.name): row.value_and_place[0] for row in each}
     keys = dict.fromkeys(key for column in shown.values() for key in column)
     frame = pd.DataFrame([[*key, *(column.get(key, "") for column in shown.values())] for key in keys])
     frame.columns = pd.Index(["", "number", *shown])
@@ -176,11 +175,8 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
         tables["answer_largest"] = largest
     rows = without_repeats(sample.rows)
     repeats = REPEATS if len(rows) < len(sample.rows) else ""
-    predicted = [
-        largest_in_words(row)
-        for row in (() if largest is None else largest.itertuples())
-        if row.body == "lower" or not repeats
-    ]
+    of_area = () if largest is None else largest.itertuples()
+    predicted = [largest_in_words(row) for row in of_area if row.body == "lower" or not repeats]
     size = sample.areas.sum() if area is None else area
     predicted += [survival_in_words(row) for row in sample.survival(size).itertuples()]
     page = rendered(
@@ -203,10 +199,8 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
     with locked(folder), replacing(folder, kept=set()) as unfinished:
         for (table, frame), name in zip(tables.items(), SAMPLE, strict=False):
             write_table(frame, table, unfinished / name, float_format="%.8g")
-        write_workbook(
-            {name.removeprefix("answer_"): frame for name, frame in tables.items()},
-            unfinished / "sample.xlsx",
-        )
+        sheets = {name.removeprefix("answer_"): frame for name, frame in tables.items()}
+        write_workbook(sheets, unfinished / "sample.xlsx")
         write_text(unfinished / "sample.html", page)
         write_text(unfinished / CASE_FILE, case)
         manifests = {name: sha256_of(folder / name / MANIFEST) for name in sample.names}

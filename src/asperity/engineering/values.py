@@ -52,11 +52,8 @@ def values_of(figure: Figure) -> list[dict[str, Any]]:
             box = _in_figure(axis, np.array([[x[0], y[0]], [x[1], y[1]]])).ravel().tolist()
             found.append({"box": box, "x": x, "y": y, "labels": labels, **packed(values)})
         elif not bars:
-            lines = [
-                np.asarray(line.get_xydata())
-                for line in axis.lines
-                if line.get_marker() not in ("", "None", None)
-            ]
+            marked = [line for line in axis.lines if line.get_marker() not in ("", "None", None)]
+            lines = [np.asarray(line.get_xydata()) for line in marked]
             points = [np.hstack([_in_figure(axis, line), line]) for line in lines]
             rows = np.vstack([np.empty((0, 4)), *points])
             rows = rows[np.isfinite(rows).all(axis=1)]

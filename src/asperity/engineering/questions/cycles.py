@@ -158,18 +158,15 @@ class Cycles(Question):
 
     def verdict(self, answer: Answer) -> str:
         """Fatigue and shakedown of the body with the worst cycles."""
-        worst = {
-            name: [cycles.attrs[f"worst_{name}"][0] for cycles in answer.of(self).values() if name in cycles]
-            for name in WORDS
-        }
+        each = answer.of(self).values()
+        worst = {name: [one.attrs[f"worst_{name}"][0] for one in each if name in one] for name in WORDS}
         found = []
         if worst["dang_van"]:
             ratio = max(worst["dang_van"])
-            found.append(
-                f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
-                if ratio > 1
-                else f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
-            )
+            text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
+            if ratio > 1:
+                text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+            found.append(text)
         if worst["shakedown_lower"] and worst["shakedown_upper"]:
             low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
             between = f"{low:.2g} to {high:.2g} times the load"
@@ -237,12 +234,8 @@ class Cycles(Question):
                 yield Advice(size > FEW_SHIFTS, "number of shifts", text, f"shifts: {error}", size)
         if any("dang_van" in cycles for cycles in found.values()):
             film = "" if "film" in answer.case.questions else "of dry faces: there is no lubricant film, "
-            yield Advice(
-                False,
-                "fatigue",
-                f"the fatigue limits are compared with elastic stress cycles {film}no residual stress except"
-                " the one given, and no life is predicted.",
-            )
+            text = f"the fatigue limits are compared with elastic stress cycles {film}no residual stress "
+            yield Advice(False, "fatigue", f"{text}except the one given, and no life is predicted.")
 
     def files(self, case: Case) -> list[str]:
         """Datasets, pictures and table."""

@@ -121,14 +121,11 @@ class Film(Question):
         """How far correlations of the share agree."""
         if self.lambda_ratio is not None:
             low, high = (1 - self.share) / SPREAD, min(1.0, (1 - self.share) * SPREAD)
-            yield Advice(
-                False,
-                "share of the film",
-                f"published correlations of the share with λ differ by a factor of {SPREAD:g}: the asperities"
-                f" carry {per_cent(low)} to {per_cent(high)} of the load at λ = {self.lambda_ratio:g}.",
-                f"film: the load on asperities is known to a factor of {SPREAD:g}",
-                SPREAD - 1,
-            )
+            text = f"published correlations of the share with λ differ by a factor of {SPREAD:g}: the "
+            text += f"asperities carry {per_cent(low)} to {per_cent(high)} of the load at λ = "
+            text += f"{self.lambda_ratio:g}."
+            short = f"film: the load on asperities is known to a factor of {SPREAD:g}"
+            yield Advice(False, "share of the film", text, short, SPREAD - 1)
 
     def assumption(self, answer: Answer) -> str:
         """The film carries a smooth pressure and no shear traction."""

@@ -79,10 +79,8 @@ class PartialSlip(Question):
         if case.hardness:
             yield "partial_slip", ": an elastic contact is needed, without hardness"
         if self.tangential_displacement is not None and case.solid.uniform_compliance():
-            yield (
-                "partial_slip.tangential_displacement",
-                ": half-spaces are needed, or a tangential_force on layers",
-            )
+            needed = ": half-spaces are needed, or a tangential_force on layers"
+            yield "partial_slip.tangential_displacement", needed
 
     def of_contact(self, answer: Answer, progress: Progress) -> SlipResult:
         """The contact under the tangential load."""
@@ -127,28 +125,18 @@ class PartialSlip(Question):
         found: SlipResult = answer.of(self)
         limit = found.slip.friction * answer.numbers.force
         if self.tangential_force is not None and self.tangential_force >= limit:
-            yield Advice(
-                True,
-                "gross sliding",
-                f"the bodies slide: {shown_si(self.tangential_force, 'N')} is not below friction times load, "
-                f"{shown_si(limit, 'N')}, which is the tangential force of this answer.",
-            )
+            force, most = shown_si(self.tangential_force, "N"), shown_si(limit, "N")
+            text = f"the bodies slide: {force} is not below friction times load, {most}, which is the "
+            yield Advice(True, "gross sliding", f"{text}tangential force of this answer.")
         size = found.slip.deviation
         if size > 0:
-            yield Advice(
-                size > UNEVEN,
-                "superposition of partial slip",
-                "the superposition of partial slip neglects that the displacement under a shear traction"
-                " depends on the direction of its waves: nodes that stick are displaced unevenly, by"
-                f" {per_cent(size)} (rms) of the tangential displacement.",
-                f"partial slip: sticking nodes are displaced unevenly by {per_cent(size)}",
-                size,
-            )
-        both = [
-            {row.name: row.value for row in _rows(slip) if row.name in COMPARED}
-            for slip in (found.slip, found.on_half)
-        ]
-        yield advice_on_pixels("slip", *both)
+            text = "the superposition of partial slip neglects that the displacement under a shear traction "
+            text += "depends on the direction of its waves: nodes that stick are displaced unevenly, by "
+            text += f"{per_cent(size)} (rms) of the tangential displacement."
+            short = f"partial slip: sticking nodes are displaced unevenly by {per_cent(size)}"
+            yield Advice(size > UNEVEN, "superposition of partial slip", text, short, size)
+        fine, coarse = ({row.name: row.value for row in _rows(each)} for each in (found.slip, found.on_half))
+        yield advice_on_pixels("slip", fine, {name: coarse[name] for name in COMPARED})
 
     def assumption(self, answer: Answer) -> str:
         """A tangential force that has grown once, and a pressure without friction."""

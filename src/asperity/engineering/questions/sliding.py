@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import PlainValidator, PrivateAttr, WithJsonSchema
 
 from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Question
+from asperity.engineering.question import Advice, Question, per_cent
 from asperity.settings.model import NeededError, Number, optional, setting
 
 if TYPE_CHECKING:
@@ -97,7 +97,6 @@ class Sliding(Question):
         import numpy as np
 
         from asperity.elasticity.two_bodies import sliding_coupling
-        from asperity.engineering.question import per_cent
 
         face = answer.face
         wave = np.geomspace(face.wavelength_short, max(face.grid.period), 100)
@@ -112,13 +111,9 @@ class Sliding(Question):
         if most == 0:
             waves = "waves of every wavelength"
             text = f"Friction would change {waves} by up to {per_cent(size)}."
-        yield Advice(
-            size > NEGLECTED_COUPLING,
-            "friction in the contact",
-            f"the contact is solved without friction. {text}",
-            f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}",
-            size,
-        )
+        text = f"the contact is solved without friction. {text}"
+        short = f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}"
+        yield Advice(size > NEGLECTED_COUPLING, "friction in the contact", text, short, size)
 
     def assumption(self, answer: Answer) -> str:
         """Shear traction in full sliding, and a pressure without friction."""
