@@ -21,24 +21,22 @@ from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import direction_cosines, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
+from asperity.engineering.questions.cycles import MOST_SHIFTS
 from asperity.fourier.grid import Edges, Grid, with_mirror_images
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.histories import MovingPressure
 
-MAX_SHIFTS = 10_000
-"""Most positions of the bodies."""
-
 LONGEST_STEP = 8
 """Most nodes along an axis of one step in a direction of the grid."""
 
-REACH = 1.5
+FARTHEST = 1.5
 """Places from the middle of a Hertz contact, in half-widths, beyond which a point counts as unloaded."""
 
 SAME_DIRECTION = 1e-3
 """Largest difference in degrees between an angle and the direction of the grid that it means."""
 
 
-class State(NamedTuple):
+class Shift(NamedTuple):
     """A position: steps of the upper body, mean pressure, and place of the point along the motion."""
 
     steps: int
@@ -133,8 +131,8 @@ class MovingContact:
             for name, face in (("lower", lower), ("upper", upper))
         )
         self.grid = grid.whole_cell
-        accepted = f"a whole number from 2 to {MAX_SHIFTS}"
-        self.shifts = whole_number("shifts", shifts, accepted, lambda count: 2 <= count <= MAX_SHIFTS)
+        accepted = f"a whole number from 2 to {MOST_SHIFTS}"
+        self.shifts = whole_number("shifts", shifts, accepted, lambda count: 2 <= count <= MOST_SHIFTS)
         self._layers = (
             {"lower": solid.lower, "upper": solid.upper} if isinstance(solid, TwoBodies) else {"lower": solid}
         )
@@ -168,11 +166,11 @@ class MovingContact:
             longest = self.step_length * moved
             if longest > 0.5 * wave * (1 + 1e-9):
                 needed = math.ceil(self.shifts * 2 * longest / wave)
-                if needed > MAX_SHIFTS:
+                if needed > MOST_SHIFTS:
                     raise ValueError(
-                        f"wavelength_short = {wave:.4g}: at least {wave * needed / MAX_SHIFTS:.4g} is needed"
+                        f"wavelength_short = {wave:.4g}: at least {wave * needed / MOST_SHIFTS:.4g} is needed"
                         f"{', or a smaller slide_to_roll' if self._hertz else ''}: steps of half of it take "
-                        f"{needed} shifts, and {MAX_SHIFTS} are the most"
+                        f"{needed} shifts, and {MOST_SHIFTS} are the most"
                     )
                 raise ValueError(
                     f"shifts = {self.shifts}: at least {needed} are needed, for steps of half of the "
@@ -185,17 +183,17 @@ class MovingContact:
         each = zip(self.grid.shape, self.step, strict=True)
         return math.lcm(*(nodes // math.gcd(nodes, step) for nodes, step in each))
 
-    def states(self, body: str) -> list[State]:
+    def states(self, body: str) -> list[Shift]:
         """Positions at which the contact is computed for the history of a point of `body`."""
         if self._hertz is None:
             steps = np.rint(np.arange(self.shifts) * self.period / self.shifts)
-            return [State(int(step), self._mean_pressure, 0.0) for step in steps]
+            return [Shift(int(step), self._mean_pressure, 0.0) for step in steps]
         places = self._places()
         pressures = self._hertz.pressure(*self._line(places))
         share = self._ratio / (1 - self._ratio / 2 if body == "lower" else 1 + self._ratio / 2)
         steps = np.rint(share * places / self.step_length)
         found = zip(steps.astype(int).tolist(), pressures.tolist(), places.tolist(), strict=True)
-        return [State(*state) for state in found]
+        return [Shift(*state) for state in found]
 
     def _places(self) -> Array:
         """Places on the line through the Hertz contact from the middle of its chord."""
@@ -209,7 +207,7 @@ class MovingContact:
                 f"sliding_direction = {shown(self._direction)}, at = {self._at[0]:g} {self._at[1]:g}: a line "
                 "across the Hertz contact is needed"
             )
-        reach = REACH * math.sqrt(chord) * (2 * np.arange(self.shifts) + 1 - self.shifts) / self.shifts
+        reach = FARTHEST * math.sqrt(chord) * (2 * np.arange(self.shifts) + 1 - self.shifts) / self.shifts
         return (middle + reach) / square
 
     def _line(self, places: Array) -> tuple[Array, Array]:
@@ -259,7 +257,7 @@ class MovingContact:
             0.0 if hertz is None else hertz.deepest(),
         )
 
-    def _pressure(self, state: State, body: str) -> Array:
+    def _pressure(self, state: Shift, body: str) -> Array:
         """Pressure of a position in coordinates of a body."""
         shift = np.multiply(state.steps, self.step)
         both_rough = bool(np.ptp(self._upper)) and bool(np.ptp(self._lower))

@@ -34,7 +34,7 @@ MAPS = {
 """Field of the contact → its colours, and the caption of its picture."""
 
 FADED = 0.1
-"""A section ends where the stress is below the yield stress and this share of the largest stress."""
+"""A section ends where the stress is below the limit of the material and this share of the largest stress."""
 
 FRAMED = "framed part"
 """Title of the second map."""

@@ -37,11 +37,11 @@ LIMIT_SHARES = (0.5, 0.75, 0.9, 1.0)
 CRACKS = "cracks expected per area"
 """Name of the number from which the probability on an area follows."""
 
+MOST_SHIFTS = 10_000
+"""Most positions of moving bodies."""
+
 FEW_SHIFTS = 0.1
 """Change of the worst cycles with half of the shifts above which these are too few."""
-
-FADED = 0.1
-"""A section ends where the stress is below the fatigue limit and this share of the largest stress."""
 
 
 class Cycles(Question):
@@ -58,7 +58,7 @@ class Cycles(Question):
     LEAD = "cycles"
 
     shifts: Whole | None = optional(
-        "cycles of a smooth body under a rough one, with fatigue limits", ge=2, le=10_000, example=64
+        "cycles of a smooth body under a rough one, with fatigue limits", ge=2, le=MOST_SHIFTS, example=64
     )
     """Number of positions of the moving bodies for which the contact is solved. They divide one period
     along the sliding direction, or the way of a point through the Hertz contact."""
@@ -292,7 +292,7 @@ class Cycles(Question):
         """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
         import numpy as np
 
-        from asperity.engineering.pictures import source_of
+        from asperity.engineering.pictures import FADED, source_of
         from asperity.views.scales import STRESS, Look
         from asperity.views.stress_plot import draw_sections, until_faded
 

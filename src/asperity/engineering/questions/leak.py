@@ -37,7 +37,7 @@ SEALING_ERROR = 0.01
 """Relative error of the load that seals; half of the error costs one contact more."""
 
 WIDE = 10
-"""Largest over smallest gap of a picture above which its colours are logarithmic."""
+"""Largest over smallest value of a picture above which its colours, or its axis, are logarithmic."""
 
 CLOSE_UP = 20
 """Pixels to each side of the narrowest constriction in its picture."""

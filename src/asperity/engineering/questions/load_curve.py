@@ -17,7 +17,7 @@ from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row, per_cent
-from asperity.engineering.questions.leak import SEALING_ERROR
+from asperity.engineering.questions.leak import SEALING_ERROR, WIDE
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, optional, setting
 
@@ -75,9 +75,6 @@ PANELS = {
 
 ROOM = 5
 """Factor by which a logarithmic axis is longer below, for a legend under a falling curve."""
-
-WIDE = 10
-"""Largest over smallest value of a number above which its axis is logarithmic."""
 
 
 def _written_load(value: Any, info: ValidationInfo) -> Any:
