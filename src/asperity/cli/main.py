@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        By default those of this process.
+        By default the arguments of this process.
 
     Returns
     -------

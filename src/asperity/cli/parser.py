@@ -110,7 +110,7 @@ def make_parser(only: str | None = None, explained: bool = True) -> Parser:
     Parameters
     ----------
     only : str, optional
-        The command whose arguments are needed; by default those of all commands are made.
+        The command whose arguments are needed; by default the arguments of all commands are made.
     explained : bool
         True if settings of a case are explained, for which all questions are imported.
     """
@@ -218,7 +218,7 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
     default_text : str, optional
         Behaviour if the argument is left out, in place of the default of the setting.
     words : str, optional
-        Accepted values, in place of those of the setting.
+        Accepted values, in place of the values that the setting accepts.
     as_text : bool
         The command itself checks the value.
     """

@@ -256,7 +256,7 @@ class Answer:
         return pd.DataFrame({"share": GAP_SHARES, "gap_m": gaps})
 
     def peaks(self) -> pd.DataFrame:
-        """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
+        """Peaks of the contact pressure and of the fields of the answer, the largest magnitudes first.
 
         Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact.
         """

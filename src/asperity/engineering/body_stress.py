@@ -289,7 +289,8 @@ class BodyAnswer:
     def grid_error(self, number: str) -> float:
         """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate.
 
-        On surfaces that are not isotropic and Gaussian it is at least that of the largest von Mises stress.
+        On surfaces that are not isotropic and Gaussian it is at least that error of the largest
+        von Mises stress.
         """
         if "reason_of_stress" in self.limits.attrs:
             return np.nan

@@ -129,7 +129,7 @@ def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[R
     Raises
     ------
     ValueError
-        If the path is that of a map of the case.
+        If the path names a map of the case.
     """
     maps = [each.file for each in (case.map, case.counter_map) if each is not None]
     for source in (each for each in maps if not isinstance(each, HeightMap) and path.exists()):

@@ -101,7 +101,7 @@ def stored_certificate(
     contact : dataset
         Result of stage contact.
     height : (ny, nx) array, optional
-        By default that which follows from gap, displacement and approach.
+        By default it follows from gap, displacement and approach.
     """
     grid, solid = grid_of(contact), solid_of(contact)
     pressure, displacement = (
@@ -132,7 +132,7 @@ def stored_certificate(
 
 
 def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
-    """Connected patches of contact on the map, those of largest load first.
+    """Connected patches of contact on the map, the largest load first.
 
     Returns
     -------

@@ -50,7 +50,7 @@ def continuum_limit(
     Parameters
     ----------
     contact : Contact
-        The limit is that of the smooth, band-limited surface through its nodes.
+        The limit belongs to the smooth, band-limited surface through its nodes.
     stress : dataset, optional
         Result of `analyse_stress` for this contact, or for one of its bodies. Without it, only numbers of the
         contact are estimated.

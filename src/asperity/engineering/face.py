@@ -76,7 +76,7 @@ class RoughFace(NamedTuple):
 def read_face(options: Map, counter: CounterMap | None = None, shared: bool = False) -> RoughFace:
     """Read a map and prepare it, with the map of the counter body if that is rough too.
 
-    Options that the counter map does not give itself are those of the map. The file overrides options that
+    The counter map takes options that it does not give itself from the map. The file overrides options that
     are shared with other maps.
 
     Raises

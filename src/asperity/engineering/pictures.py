@@ -41,7 +41,7 @@ FRAMED = "framed part"
 
 
 def pictures(answer: Answer) -> Iterator[Picture]:
-    """Pictures of an answer: height, contact pressure, those of the questions, and the stress in each body.
+    """Pictures of an answer: height, contact pressure, the questions, and the stress in each body.
 
     A close-up of the largest stress is beside each overview. The stress is drawn in a plane and in a section
     through the extreme value of each field, and as its peaks.

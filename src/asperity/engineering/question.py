@@ -200,7 +200,7 @@ class Question(Settings):
     def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid | None:
         """A body as a contact loads it under this question; None if that is the contact's pressure alone.
 
-        The contact is that of the answer, or the one on half of its nodes.
+        The contact is the contact of the answer, or the one on half of its nodes.
         """
         return None
 

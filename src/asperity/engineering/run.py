@@ -161,7 +161,7 @@ STRESS, SLIP, FLOW = 2.0, 4.0, 2.0
 
 
 def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
-    """Stages of the answer of a case → their work, in units of that of its contact.
+    """Stages of the answer of a case → their work; the contact has a work of 1.
 
     The contact takes about equal time at all loads but the largest. What a stage needs is known to a factor
     of two: the numbers serve for the progress and for estimates of time. Of a mirrored map, moving faces need

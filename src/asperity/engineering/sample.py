@@ -238,7 +238,7 @@ class Sample:
     def rows(self) -> list[SampleRow]:
         """Numbers that all maps have, line by line: estimates for vanishing pixels where all have one.
 
-        The share above yield is that of the volume down to the deepest point above yield of all maps.
+        The share above yield refers to the volume down to the deepest point above yield of all maps.
         """
         found: list[SampleRow] = []
         for (group, name), part in self.numbers.groupby(["group", "name"], sort=False):
@@ -286,7 +286,7 @@ class Sample:
     def _peaks(self) -> Iterator[tuple[str, str, list[Array]]]:
         """Body, quantity, and the sizes of its peaks on each map.
 
-        The pressure is that of both bodies. Bodies of one material have the same von Mises stress, too; under
+        The pressure acts on both bodies. Bodies of one material have the same von Mises stress, too; under
         friction, which has the opposite direction in the other body, this holds for its distribution.
         """
         groups = set(self.numbers["group"])
@@ -319,7 +319,7 @@ class Sample:
         Parameters
         ----------
         area : float
-            In m²; at most `MAX_AREA_RATIO` times that of all maps together.
+            In m²; at most `MAX_AREA_RATIO` times the area of all maps together.
 
         Returns
         -------

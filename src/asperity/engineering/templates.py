@@ -91,7 +91,7 @@ def _yaml(value: Any) -> str:
 
 
 def explanation(key: str) -> str:
-    """What a setting or a group of a case is, what it accepts, and its default.
+    """Text about a setting or a group of a case: its meaning, accepted values, and default.
 
     Raises
     ------

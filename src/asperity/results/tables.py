@@ -42,7 +42,7 @@ def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format:
     Parameters
     ----------
     frame : DataFrame
-        Its columns are those of `TABLES`, in that order; a Parquet file keeps their units in
+        Its columns are in `TABLES`, in the same order; a Parquet file keeps their units in
         ``frame.attrs``.
     table : str
         Name in `TABLES`.

@@ -44,7 +44,7 @@ class ExportUnits(NamedTuple):
     Parameters
     ----------
     length, stress : float
-        Size of the exported unit in that of the result; numbers are divided by it.
+        Size of the exported unit, in the unit of the result; numbers are divided by it.
     length_name, stress_name : str
         Suffixes of the names of columns and fields.
     """
@@ -181,7 +181,7 @@ def write_box(
     path : path
         Ends in ``.vti``.
     units : ExportUnits
-        The unit of stress is in that of the pressure.
+        Its unit of stress is given in the unit of the pressure.
     progress : callable, optional
     """
     planes = ([plane[name][0] / units.stress for name in box.fields] for plane in box.planes(progress))

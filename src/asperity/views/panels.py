@@ -59,7 +59,7 @@ def canvas(
     Raises
     ------
     ValueError
-        If the number of axes is not that of the panels.
+        If the number of axes is not the number of panels.
     """
     count = len(shapes)
     if axes is not None:
@@ -140,7 +140,7 @@ def add_colour_bar(figure: Figure, axes: Sequence[Axes], scale: Scale, where: st
     where : "right" or "bottom"
         Its side of the panels.
     bar : Axes, optional
-        Its axes; by default they take room from those of the panels.
+        Its axes; by default they take room from the panels.
     """
     limits, unit = scale.limits, scale.unit
     below = where == "bottom"

@@ -52,7 +52,7 @@ def plot_peaks(
     quantity : str
         One of the analysed quantities.
     poisson : float, optional
-        One of the analysed Poisson's ratios, by default that of the contact.
+        One of the analysed Poisson's ratios, by default the ratio of the contact.
     axes : Axes or sequence of Axes, optional
         Where to draw, one for each result; by default in a new figure.
     yield_stress : float or (depths, stresses), optional

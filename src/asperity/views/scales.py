@@ -33,7 +33,7 @@ class Measure:
     Parameters
     ----------
     factor : float
-        Size of the unit in that of the result; values are divided by it.
+        Size of the unit, in the unit of the result; values are divided by it.
     symbol : str
         Such as ``µm``; ``cell length`` or ``$E^*$`` for a dimensionless result; empty if it is not known.
     ratio : bool
@@ -210,7 +210,7 @@ class Look(NamedTuple):
     outline : str
         Colour of the outlines of contacts; empty for none.
     reduce : callable
-        Value of a pixel from those of the nodes that it stands for.
+        Value of a pixel from the values of the nodes that it stands for.
     low : float or None
         Fixed lower limit.
     signed : bool

@@ -115,7 +115,7 @@ def plot_plane(
     contact : dataset, `Contact`, sequence of them, or mapping from titles to them
         Results of stage contact; several are drawn beside each other in the same colours.
     depth : float or "max"
-        Depth of the plane; "max": that of the largest magnitude of the field, of each result.
+        Depth of the plane; "max": the depth of the largest magnitude of the field, in each result.
     field, poisson, body, friction, sliding_direction, axes, unit_system, progress
         As for `plot_section`.
     y, x : (first, last), optional
@@ -222,7 +222,7 @@ def plot_section(
     field : str
         As for `asperity.stress_planes`.
     poisson : float, optional
-        By default that of the contact.
+        By default the ratio of the contact.
     body : "lower" | "upper"
         The body whose stress is drawn, if the contact has two; depth counts from its surface.
     friction, sliding_direction : float, str or float, optional

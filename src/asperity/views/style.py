@@ -54,7 +54,7 @@ def panels(
 
 
 def label(data: xr.Dataset) -> str:
-    """Label of the surface of a result: attribute ``label``, which the study adds, or that of its settings.
+    """Label of the surface of a result: attribute ``label``, which the study adds, or else from its settings.
 
     A result of the study does not hold the label of its surface; its name stands for a missing one.
     """
@@ -87,7 +87,7 @@ def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
     Raises
     ------
     ValueError
-        If a suffix is not that of a picture format.
+        If a suffix names no picture format.
     """
     from matplotlib import rcParams
     from matplotlib.backend_bases import get_registered_canvas_class

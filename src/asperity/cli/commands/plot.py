@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _ratio(figure: str, name: str, data: xr.Dataset, chosen: Mapping[str, float]) -> float:
-    """Poisson's ratio that a figure shows: the chosen one, or that of the contact.
+    """Poisson's ratio that a figure shows: the chosen one, or the ratio of the contact.
 
     The stress in a half-space may have been analysed at ratios other than the contact's.
     """

@@ -80,10 +80,10 @@ class Conduction(Question):
 
 
 def _resistance(conductance: float, resistivity: float, area: float, is_whole: bool) -> Iterator[Row]:
-    """Resistance of the real contact on the nominal area, and that of the bodies around this area.
+    """Resistance of the real contact on the nominal area, and of the bodies around this area.
 
-    The latter is (ρ₁ + ρ₂) / (4 α) for a circle of radius α (R. Holm, Electric Contacts, 1967, §1;
-    J. A. Greenwood, Br. J. Appl. Phys. 17 (1966) 1621, DOI 10.1088/0508-3443/17/12/310).
+    The resistance of the bodies is (ρ₁ + ρ₂) / (4 α) for a circle of radius α (R. Holm, Electric Contacts,
+    1967, §1; J. A. Greenwood, Br. J. Appl. Phys. 17 (1966) 1621, DOI 10.1088/0508-3443/17/12/310).
     """
     if conductance > 0:
         value, nominal = 1 / (conductance * area), shown_si(area, "m^2")

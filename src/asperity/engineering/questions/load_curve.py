@@ -152,7 +152,7 @@ class LoadCurve(Question):
             yield "load_curve.loads", f" = {shown}: {RISING} below the load is needed"
 
     def path(self, case: Case) -> list[float]:
-        """The loads in SI units; the last is that of the case.
+        """The loads in SI units; the last is the load of the case.
 
         Raises
         ------

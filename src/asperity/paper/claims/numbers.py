@@ -265,7 +265,7 @@ def slab_stiffer_at_depth(evidence: Evidence) -> FixedNumber:
 
 
 def slab_stiffer_at_area(evidence: Evidence) -> FixedNumber:
-    """Load of the cubic slab over that of the half-space at the same, largest, area of contact.
+    """Load of the cubic slab over the load of the half-space at the same, largest, area of contact.
 
     The load is proportional to the cube of the radius, whose relative error is that on the half-space.
     """

@@ -19,7 +19,7 @@ from asperity.core.data import packaged_yaml
 
 @dataclass(frozen=True)
 class Description:
-    """A figure and what it needs.
+    """A figure and the results that it needs.
 
     Parameters
     ----------

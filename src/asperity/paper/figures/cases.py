@@ -128,7 +128,7 @@ def settings_in_words(results: Any, several_ratios: bool) -> str:
     results : mapping
         Tree of datasets.
     several_ratios : bool
-        The figure shows all Poisson's ratios of its results, not only those of the contacts.
+        The figure shows all Poisson's ratios of its results, not only the ratios of the contacts.
     """
     leaves, found = [results], dict[str, set[Any]]()
     while leaves:
@@ -188,7 +188,7 @@ def von_mises_densities(axis: Axes, cases: Sequence[FigureCase]) -> None:
 
 
 def peak_density(axis: Axes, case: FigureCase, quantity: str, compression: bool = False, **look: Any) -> None:
-    """Draw the probability density of the peaks of a quantity; of a shear stress that of the magnitude.
+    """Draw the probability density of the peaks of a quantity; of a shear stress, of its magnitude.
 
     With `compression`, compressive stresses are drawn to the right.
     """

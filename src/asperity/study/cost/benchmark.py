@@ -47,7 +47,7 @@ def job_costs(results: Path) -> pd.DataFrame:
 
 
 def cost_table(jobs: pd.DataFrame, by: str = "job") -> pd.DataFrame:
-    """Costs by rule and surface, or ``by="rule"``, the last row those of all jobs.
+    """Costs by rule and surface, or ``by="rule"``, the last row for all jobs.
 
     Returns
     -------

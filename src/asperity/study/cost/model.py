@@ -118,9 +118,9 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     Parameters
     ----------
     work : float
-        Work over that of the contact; see `asperity.engineering.run.work_of`.
+        Work over the work of the contact; see `asperity.engineering.run.work_of`.
     nodes : int
-        Nodes of the grid, of a mirrored map those of the map alone.
+        Nodes of the grid; a mirrored map counts alone, without its images.
     boundary : "periodic" | "free"
     """
     from asperity.surface.treatment.treatment import BYTES_PER_NODE

@@ -68,7 +68,7 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     given : sequence of str
         Names of YAML files, or YAML text: a configuration, an overlay, or the settings of one surface.
     area_fraction : float, optional
-        Replaces that of the configuration.
+        Replaces the area fraction of the configuration.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def planned_contacts(
 ) -> tuple[dict[str, PlannedContact], AccuracySettings]:
     """Planned contacts of a complete configuration, and settings of accuracy.
 
-    They are those of the random surfaces of all studies, or of all surfaces if no study names any. The
+    They belong to the random surfaces of all studies, or to all surfaces if no study names any. The
     settings are those of the surface with the fewest nodes per wavelength. A figure shows the load-area
     curves of the surfaces in `load_area`.
 
@@ -176,7 +176,7 @@ def outputs() -> list[str]:
 def spacing_of(points: float) -> float:
     """Distance of the planes, in grid spacings, with a number of nodes on the shortest wavelength.
 
-    It is that of the paper, or on coarser grids less, at most a sixteenth of the wavelength.
+    It is the distance of the paper, or on coarser grids less, at most a sixteenth of the wavelength.
     """
     paper = PRESETS["paper"]
     return paper.depth_spacing * min(1.0, points / paper.points_per_wavelength)

@@ -92,7 +92,7 @@ def press_surface(
     ConvergenceError
         If a contact does not converge.
     ValueError
-        If the approach is that of full contact or more.
+        If the approach reaches full contact.
     """
     layer, record = solid(layer_settings)
     kind, value = imposed_load(contact_settings)

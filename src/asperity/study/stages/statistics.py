@@ -148,7 +148,7 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     Returns
     -------
     dataset
-        Variables ``seed_…`` of surface and contact, and those of `stress_numbers`.
+        Variables ``seed_…`` of surface and contact, and the variables of `stress_numbers`.
     """
     names = ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
     area, pressure, gradient, approach = (float(contact[name]) for name in names)
@@ -236,7 +236,7 @@ def _patch_correlations(
 ) -> list[float]:
     """Rank correlations of the depth of von Mises peaks with the radius of the patch of contact above.
 
-    They are those of all peaks, of the highest below each patch, and of the latter below large patches.
+    One for all peaks, one for the highest peak below each patch, and one for the highest below large patches.
     """
     found = select_peaks(stress, "von_mises", ratio, selection_for("von_mises"))
     row, column = (

@@ -29,7 +29,7 @@ def stress_of_seed(
 ) -> xr.Dataset:
     """Stress of one seed of the study with its numbers, and their estimates at vanishing grid spacing.
 
-    Parameters are those of `compute_stress`.
+    Parameters are as for `compute_stress`.
 
     Returns
     -------
@@ -76,9 +76,9 @@ def compute_stress(
     Returns
     -------
     dict
-        Condition of the mean (q = 0) mode, that of the layer first → dataset as of `analyse_stress`. The
-        planes of a half-space reach down to the height of the layer that it replaces. A layer has only the
-        Poisson's ratio of its contact.
+        Condition of the mean (q = 0) mode, first the condition of the layer → dataset as of `analyse_stress`.
+        The planes of a half-space reach down to the height of the layer that it replaces. A layer has only
+        the Poisson's ratio of its contact.
 
     Raises
     ------

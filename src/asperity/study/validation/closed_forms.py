@@ -330,7 +330,7 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
     """Load of bonded layers under a flat punch and a paraboloid, against a Fredholm equation.
 
     The cell is so large that neighbours do not matter: their influence decays within a few layer heights.
-    The radius of the flat punch is that of a circle with the area of its nodes.
+    The flat punch has the radius of a circle with the area of its nodes.
 
     Parameters
     ----------
