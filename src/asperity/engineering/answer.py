@@ -391,9 +391,8 @@ def _body_rows(answer: Answer, name_of_body: str) -> Iterator[Row]:
 
     yield row("largest von Mises stress", body.largest_von_mises)
     yield row("at depth", body.depth, "m")
-    *_, y, x = body.largest["von_mises"]
-    factor, symbol = scaled_unit([x, y], "m")
-    for axis, position in (("x", x), ("y", y)):
+    factor, symbol = scaled_unit([body.x, body.y], "m")
+    for axis, position in (("x", body.x), ("y", body.y)):
         yield row(f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}")
     for name_of_field, name in EXTREME_WORDS.items():
         found = body.largest[name_of_field]

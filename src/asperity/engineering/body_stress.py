@@ -307,6 +307,16 @@ class BodyAnswer:
         """Depth of the largest von Mises stress."""
         return self.largest["von_mises"].depth
 
+    @property
+    def y(self) -> float:
+        """Place of the largest von Mises stress along y."""
+        return self.largest["von_mises"].y
+
+    @property
+    def x(self) -> float:
+        """Place of the largest von Mises stress along x."""
+        return self.largest["von_mises"].x
+
 
 def body_answer(
     loaded: LoadedSolid,
