@@ -21,7 +21,7 @@ from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import direction_cosines, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.engineering.questions.cycles import MOST_SHIFTS
+from asperity.engineering.question import MOST_SHIFTS
 from asperity.fourier.grid import Edges, Grid, with_mirror_images
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.histories import MovingPressure

@@ -52,6 +52,9 @@ HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 
+MOST_SHIFTS = 10_000
+"""Most positions of moving bodies."""
+
 _NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by|if|without) .*))?")
 """A number with its unit, and what follows it."""
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Picture, Question, Row, per_cent, row
+from asperity.engineering.question import MOST_SHIFTS, Advice, Picture, Question, Row, per_cent, row
 from asperity.settings.body import ResidualStress
 from asperity.settings.model import Number, Whole, optional, setting
 from asperity.settings.quantities import Volume
@@ -36,9 +36,6 @@ LIMIT_SHARES = (0.5, 0.75, 0.9, 1.0)
 
 CRACKS = "cracks expected per area"
 """Name of the number from which the probability on an area follows."""
-
-MOST_SHIFTS = 10_000
-"""Most positions of moving bodies."""
 
 FEW_SHIFTS = 0.1
 """Change of the worst cycles with half of the shifts above which these are too few."""
