@@ -5,8 +5,8 @@ thread: on small matrices several threads only wait for each other. Tests of a m
 in one process, so that no other has to make it again.
 
 `pytest --fft-engine pyfftw` runs all tests with this engine of the Fourier transforms, also in the processes
-that they start. Without the option the engine is the default, and modules with the mark `engines` run with
-each.
+that they start. Without the option the engine is the default, and tests with the mark `engines` run
+with each.
 
 With several workers the library is compiled before they start, so that they do not compile it side by side.
 """
@@ -54,7 +54,7 @@ def pytest_sessionstart(session):
 
 
 def pytest_generate_tests(metafunc):
-    """Run the tests of marked modules with every engine, those of the default first."""
+    """Run marked tests with every engine, those of the default first."""
     if metafunc.definition.get_closest_marker("engines") and not metafunc.config.getoption("--fft-engine"):
         metafunc.fixturenames.insert(0, "chosen_engine")
         metafunc.parametrize("chosen_engine", ENGINES, indirect=True, scope="module")

@@ -78,10 +78,7 @@ def untouched(_):
     pass
 
 
-@pytest.mark.parametrize(
-    "damage",
-    [untouched, copied_table, cut_table, deleted_result, other_version],
-)
+@pytest.mark.parametrize("damage", [untouched, copied_table, cut_table, deleted_result, other_version])
 def test_resume_keeps_whole_answers_alone(pool, damage, capsys):
     """The others are computed again: the means are those of the maps."""
     before = (pool / "sample.csv").read_bytes()

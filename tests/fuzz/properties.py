@@ -167,10 +167,7 @@ engineered = st.builds(
     # Not the thin free sheet, whose solutions take seconds: docs/contact.md.
     solid=st.sampled_from([solid for solid in families.SOLIDS if solid != "sheet"]),
 ) | st.builds(
-    families.FamilyCase,
-    **of_family,
-    solid=st.sampled_from(families.HALF_SPACES),
-    boundary=st.just("free"),
+    families.FamilyCase, **of_family, solid=st.sampled_from(families.HALF_SPACES), boundary=st.just("free")
 )
 
 

@@ -1,8 +1,6 @@
-"""Contact with a hardness, against direct solutions, its exact identities and another program."""
+"""Contact with a hardness, against direct solutions and exact identities; another program: `test_peers`."""
 
 import importlib
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -97,18 +95,6 @@ def test_certificate_bounds_errors_up_to_the_hardness(share, size):
         energy = np.vdot(wrong, np.fft.irfft2(modes * np.fft.rfft2(wrong), grid.shape))
         bound = asp.contact.verify_contact(height, pressure, HALF_SPACE, hardness=limit).error_bound
         assert 0 < energy / (pressure.sum() * height.std()) <= bound < np.inf
-
-
-def test_pressure_is_that_of_contact_mechanics():
-    """Another program; tolerances of both."""
-    pytest.importorskip("ContactMechanics")
-    peers = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))
-    height = rough((256, 256))
-    load = load_of(height, 0.02)
-    for share in (0.5, 0.2):
-        ours = hardened(height, share, asp.Solid(1.0, 0.0), mean_pressure=load, rtol=1e-10)
-        theirs, _ = peers["contact_mechanics"](height, load, 1e-11, "periodic", ours.hardness)
-        np.testing.assert_allclose(ours.pressure, theirs, atol=1e-7 * ours.hardness)
 
 
 def test_soft_limit_is_the_bearing_area():

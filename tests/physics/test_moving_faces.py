@@ -191,10 +191,7 @@ test_wrong_argument_is_refused = refuses(
         "wavelength_short = 0.25: at least .* or a smaller slide_to_roll: .* 10000 are the most",
     ),
     (lambda: moving(**HERTZ, at=(0.5, 0.0)), "at = 0.5 0: 0 is needed along the axis of the roller"),
-    (
-        lambda: moving(sliding_direction=30),
-        "sliding_direction = 30: .* 29.7449, by 4 nodes along y",
-    ),
+    (lambda: moving(sliding_direction=30), "sliding_direction = 30: .* 29.7449, by 4 nodes along y"),
     (lambda: moving(slide_to_roll=0.1), "slide_to_roll = 0.1: a Hertz contact is needed"),
     (lambda: moving(**HERTZ, slide_to_roll=2), "slide_to_roll = 2: a number above -2 and below 2"),
     (lambda: moving(**HERTZ, sliding_direction="y"), "sliding_direction = 'y', at = 0 0: a line across"),

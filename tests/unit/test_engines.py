@@ -92,15 +92,14 @@ def test_plans_of_another_process_give_the_same_bits(cache, tmp_path):
         assert found.stdout.strip() == hashlib.sha256(here).hexdigest()
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_engines_agree_on_contact_and_stress(boundary, monkeypatch):
+@pytest.mark.parametrize(("boundary", "mirrored"), [("periodic", False), ("free", False), ("periodic", True)])
+def test_engines_agree_on_contact_and_stress(boundary, mirrored, monkeypatch):
     """In a block of another engine, on two threads, ducc0 is not imported."""
 
     def run():
-        height = rough((32, 32))
-        contact = asp.solve_contact(
-            height, HALF_SPACE, mean_pressure=1e-3, boundary=boundary, rtol=1e-10, threads=2
-        )
+        height, grid = rough((32, 32)), Grid((32, 32), mirrored=mirrored)
+        settings = {"mean_pressure": 1e-3, "boundary": boundary, "rtol": 1e-10, "threads": 2}
+        contact = asp.solve_contact(height, HALF_SPACE, grid, **settings)
         contact.section("x", depths=[0.0, 0.1])
         return contact, asp.analyse_stress(contact, threads=2)
 

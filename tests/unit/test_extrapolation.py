@@ -60,8 +60,7 @@ def test_estimate_is_that_of_a_finer_grid(on_two_grids, output, tolerance):
 
 
 @pytest.mark.parametrize(
-    ("hurst", "waves", "area"),
-    [(0.8, 4, 0.02), (0.5, 4, 0.45), (0.8, 4, 0.9), (0.95, 20, 0.85)],
+    ("hurst", "waves", "area"), [(0.8, 4, 0.02), (0.5, 4, 0.45), (0.8, 4, 0.9), (0.95, 20, 0.85)]
 )
 def test_stated_errors_cover_the_true_ones(hurst, waves, area):
     """Against four times as many nodes; of many surfaces, 97 to 100 % are covered (docs/continuum.md)."""

@@ -23,6 +23,16 @@ HEIGHT = np.random.default_rng(3).normal(size=(8, 6)).round(3)
 BARE = {"physical_size": (8, 6), "unit": "um", "orientation": "peaks up"}
 
 
+RAW = np.random.default_rng(7).integers(-120, 120, size=(8, 6))
+SIZE = (16e-6, 12e-6)
+
+
+def assert_read(path, raw=RAW, size=SIZE, **options):
+    found = read_map(path, **options)
+    np.testing.assert_allclose(found.height, 1e-9 * raw, rtol=1e-6)  # single precision of some formats
+    assert found.length == pytest.approx(size, rel=1e-6)
+
+
 def quoted(rows, text, separator=","):
     return "\n".join(separator.join(f'"{text(value)}"' for value in row) for row in rows) + "\n"
 
@@ -35,10 +45,8 @@ def german(value):
     ("text", "height"),
     [
         (quoted(4 + HEIGHT / 9, "{:.3f}".format), (4 + HEIGHT / 9).round(3)),
-        (
-            quoted(4 + HEIGHT / 9, german),
-            (4 + HEIGHT / 9).round(3),
-        ),  # 3,917: as pandas writes with decimal=","
+        # 3,917: as pandas writes with decimal=","
+        (quoted(4 + HEIGHT / 9, german), (4 + HEIGHT / 9).round(3)),
         (quoted(HEIGHT, german, ";"), HEIGHT),
         (quoted(4 + HEIGHT.round(1), "{:.5g}".format).replace(".", ","), 4 + HEIGHT.round(1)),  # 4 and 3,9
         (quoted(4500 + HEIGHT, "{:,.1f}".format), (4500 + HEIGHT).round(1)),
@@ -62,18 +70,9 @@ def test_quoted_points_are_a_map(tmp_path):
 
 
 def wyko(real):
-    sizes = [
-        ("X Size", "8"),
-        ("Y Size", "6"),
-        ("Pixel_size", "7", "4", "0.002"),
-        ("Wavelength", "7", "4", "632.8"),
-    ]
-    return [
-        ("Wyko ASCII Data File Format 0", real, "1"),
-        *sizes,
-        ("Mult", "7", "4", "1"),
-        ("RAW_DATA", "3", "192", ""),
-    ]
+    sizes = [("X Size", "8"), ("Y Size", "6"), ("Pixel_size", "7", "4", "0.002")]
+    sizes += [("Wavelength", "7", "4", "632.8"), ("Mult", "7", "4", "1")]
+    return [("Wyko ASCII Data File Format 0", real, "1"), *sizes, ("RAW_DATA", "3", "192", "")]
 
 
 NOVA = [
@@ -89,7 +88,6 @@ GWYDDION = ["Channel: Topography", "Width: 12.0 µm", "Height: 16.0 µm", "Value
 SECOND = {"wyko": [("Intensity", "6", "192", "")], "gwyddion": GWYDDION}
 
 
-@pytest.mark.parametrize("separator", ["\t", " ", ";"])
 @pytest.mark.parametrize(
     ("header", "factor", "second"),
     [
@@ -101,21 +99,19 @@ SECOND = {"wyko": [("Intensity", "6", "192", "")], "gwyddion": GWYDDION}
     ],
     ids=["wyko", "waves", "nova", "gwyddion", "gwyddion #"],
 )
-def test_headings_are_read_with_every_separator(tmp_path, separator, header, factor, second):
+def test_headings_are_read_with_every_separator(tmp_path, header, factor, second):
     """Also if another block follows, whose channel is another one."""
 
-    def block(lines, rows):
+    def block(lines, rows, separator):
         words = [line if isinstance(line, str) else separator.join(line) for line in lines]
         return "\n".join([*words, *(separator.join(f"{z:.3f}" for z in row) for row in rows)]) + "\n"
 
-    for more in ("", block(second, 1000 + HEIGHT) if second else ""):
-        (tmp_path / "map.asc").write_text(block(header, HEIGHT) + more)
-        found = read_map(tmp_path / "map.asc", channel="0")
-        np.testing.assert_allclose(found.height, 1e-9 * factor * HEIGHT, rtol=1e-12)
-        assert found.length == pytest.approx((16e-6, 12e-6))
-    if second:
-        found = read_map(tmp_path / "map.asc", channel="1")
-        np.testing.assert_allclose(found.height, 1e-9 * factor * (1000 + HEIGHT), rtol=1e-12)
+    for separator in "\t ;":
+        for channel, more in ((0, None), (0, second), *([(1, second)] if second else [])):
+            text = block(header, HEIGHT, separator) + (block(more, 1000 + HEIGHT, separator) if more else "")
+            (tmp_path / "map.asc").write_text(text)
+            expected = 1e-9 * factor * (HEIGHT + 1000 * channel)
+            assert_read(tmp_path / "map.asc", 1e9 * expected, channel=channel)
 
 
 def test_a_wrong_row_below_a_heading_is_refused(tmp_path):
@@ -159,34 +155,16 @@ def test_absent_channel_of_text_is_refused(tmp_path):
         read_map(tmp_path / "map.txt", **BARE, channel="5")
 
 
-RAW = np.random.default_rng(7).integers(-120, 120, size=(8, 6))
-SIZE = (16e-6, 12e-6)
+X3P = [
+    *({"revision": "ISO5436 – 2000"}, {"revision": "ISO25178-72:2017"}, {"folder": "scan/"}),
+    *({"folder": "Scan 1\\", "member": "bindata\\data.bin"}, {"link": "./bindata/data.bin"}),
+    *({"member": "BinData/Data.bin"}, {"listed": "{:.9e}"}, {"type": "I", "axis": "I", "increment": "1e-9"}),
+    *({"type": "I", "increment": "1,0E-09", "pixel": "2,0E-06"}, {"type": "F", "increment": "0"}),
+    *({"prefix": ""}, {"md5": ""}, {"md5": "not available"}),
+]
 
 
-def assert_read(path, raw=RAW, size=SIZE, **options):
-    found = read_map(path, **options)
-    np.testing.assert_allclose(found.height, 1e-9 * raw, rtol=1e-6)  # single precision of some formats
-    assert found.length == pytest.approx(size, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    "kind",
-    [
-        {"revision": "ISO5436 – 2000"},
-        {"revision": "ISO25178-72:2017"},
-        {"folder": "scan/"},
-        {"folder": "Scan 1\\", "member": "bindata\\data.bin"},
-        {"link": "./bindata/data.bin"},
-        {"member": "BinData/Data.bin"},
-        {"listed": "{:.9e}"},
-        {"type": "I", "axis": "I", "increment": "1e-9"},
-        {"type": "I", "increment": "1,0E-09", "pixel": "2,0E-06"},
-        {"type": "F", "increment": "0"},
-        {"prefix": ""},
-        {"md5": ""},
-        {"md5": "not available"},
-    ],
-)
+@pytest.mark.parametrize("kind", X3P, ids=str)
 def test_x3p_of_every_writer_is_read(tmp_path, kind):
     foreign_files.write_x3p(tmp_path / "map.x3p", RAW, **kind)
     assert_read(tmp_path / "map.x3p")
@@ -228,28 +206,16 @@ def test_scans_that_are_not_square_have_their_size(tmp_path, size, kind, expecte
 LOWEST = {3: np.finfo("f4").min, 4: -128, 5: -32768, 7: np.finfo("f8").min}
 
 
-@pytest.mark.parametrize("data_type", LOWEST)
-@pytest.mark.parametrize(
-    "heading",
-    [
-        "aISO-1.0",
-        "aBCR-1.0",
-        "aNPL-V1.0",
-        "aBC-1.0",
-        "aBCR-0.0",
-        "\r\naISO-2.0",
-        "bISO-1.0",
-        "bBCR-1.0",
-        "bISO-2.0",
-    ],
-)
-def test_sdf_of_every_version_is_read(tmp_path, heading, data_type):
-    foreign_files.write_sdf(
-        tmp_path / "map.sdf", RAW, heading=heading, data_type=data_type, gap=LOWEST[data_type]
-    )
+def test_sdf_of_every_version_is_read(tmp_path):
+    """Every heading, text and binary, with every type of numbers."""
     expected = RAW.astype(float)
     expected[0, 0] = np.nan
-    assert_read(tmp_path / "map.sdf", expected)
+    headings = "aISO-1.0 aBCR-1.0 aNPL-V1.0 aBC-1.0 aBCR-0.0 \r\naISO-2.0 bISO-1.0 bBCR-1.0 bISO-2.0"
+    for number, heading in enumerate(headings.split(" ")):
+        for data_type in LOWEST if number in (0, 6) else [[*LOWEST][number % 4]]:
+            kind = {"heading": heading, "data_type": data_type, "gap": LOWEST[data_type]}
+            foreign_files.write_sdf(tmp_path / "map.sdf", RAW, **kind)
+            assert_read(tmp_path / "map.sdf", expected)
 
 
 @pytest.mark.parametrize(
@@ -261,10 +227,10 @@ def test_a_truemap_with_any_comment_is_read(tmp_path, comment):
 
 
 @pytest.mark.parametrize("packed", [0, 1, 3])
-@pytest.mark.parametrize("unit", [b"\xb5m", "µm".encode(), "μm".encode(), b"um", b"\xe6m"])
-def test_surf_is_read_in_every_form(tmp_path, packed, unit):
-    foreign_files.write_sur(tmp_path / "map.sur", RAW, unit=unit, packed=packed)
-    assert_read(tmp_path / "map.sur")
+def test_surf_is_read_in_every_form(tmp_path, packed):
+    for unit in (b"\xb5m", "µm".encode(), "μm".encode(), b"um", b"\xe6m"):
+        foreign_files.write_sur(tmp_path / "map.sur", RAW, unit=unit, packed=packed)
+        assert_read(tmp_path / "map.sur")
     with pytest.raises(MapError, match=r"the file holds .* GiB of data"):
         read_map(tmp_path / "map.sur", max_memory=1e-9)
 
@@ -301,8 +267,10 @@ def test_a_nanofocus_pixel_is_in_nm_or_mm(tmp_path, pixel):
     assert_read(tmp_path / "map.nms", RAW + 500)
 
 
-@pytest.mark.parametrize("kind", ["virtual", "virtual without its source", "external"])
-@pytest.mark.parametrize("name", ["map.h5", "map.nc"])
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [("virtual", "map.h5"), ("virtual without its source", "map.nc"), ("external", "map.h5")],
+)
 def test_numbers_in_another_file_are_refused(tmp_path, kind, name):
     """They would be read as zeros where the other file is missing."""
     h5py = pytest.importorskip("h5py")
@@ -354,12 +322,10 @@ def of_axes(y="y", x="x", units="mm", height="height", step=2e-3):
         of_axes().assign(mask=(("y", "x"), HEIGHT)),
     ],
 )
-@pytest.mark.parametrize("version", ["NETCDF4", "NETCDF3_64BIT"])
-def test_netcdf_has_named_axes_with_units(tmp_path, dataset, version):
-    dataset.to_netcdf(tmp_path / "map.nc", format=version)
-    found = read_map(tmp_path / "map.nc", orientation="peaks up")
-    np.testing.assert_allclose(found.height, 1e-6 * HEIGHT, rtol=1e-12)
-    assert found.length == pytest.approx((16e-6, 12e-6))
+def test_netcdf_has_named_axes_with_units(tmp_path, dataset):
+    for version in ("NETCDF4", "NETCDF3_64BIT"):
+        dataset.to_netcdf(tmp_path / f"{version}.nc", format=version)
+        assert_read(tmp_path / f"{version}.nc", 1e3 * HEIGHT, orientation="peaks up")
 
 
 def test_netcdf_without_edges_asks_for_them(tmp_path):
@@ -402,8 +368,10 @@ def test_arrays_are_taken_by_their_axes():
         )
 
 
-@pytest.mark.parametrize("value", [-9999.0, -32768.0, 65535.0, 1e30, 1e20, 0.0])
-@pytest.mark.parametrize("dtype", ["f8", "f4"])
+@pytest.mark.parametrize(
+    ("value", "dtype"),
+    [(-9999.0, "f8"), (-32768.0, "f4"), (65535.0, "f4"), (1e30, "f8"), (1e20, "f4"), (0.0, "f8")],
+)
 def test_missing_points_are_named_and_set(tmp_path, value, dtype):
     """A round hole in heights of about 100 µm."""
     rough = 100 + np.random.default_rng(2).normal(size=(30, 40))

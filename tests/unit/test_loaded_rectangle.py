@@ -14,8 +14,6 @@ from asperity.elasticity.loaded_rectangle import (
 )
 from asperity.fourier.grid import Grid
 
-pytestmark = pytest.mark.engines
-
 
 def love(y, x, edges):
     """Love's formula in multiple precision, in which nothing cancels noticeably; E* = 1."""
@@ -42,6 +40,7 @@ def test_compliance_and_slope_in_multiple_precision(edges, j, i):
     assert rectangle_slope_x(y, x, edges, 1.0).item() == pytest.approx(slope, rel=1e-11, abs=rounding)
 
 
+@pytest.mark.engines
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (16, 16), (13, 22)])
 def test_padded_convolution_is_the_sum_over_nodes(shape):
     grid = Grid(shape, (0.3, 2.0))
@@ -68,6 +67,7 @@ def test_factors_of_the_compliance_are_positive(shape, length):
     assert compliance_modes(Grid(shape, length), 1.0).min() > 0
 
 
+@pytest.mark.engines
 def test_padded_transforms_do_not_depend_on_threads():
     grid, fields = Grid((200, 130)), []
     pressure = np.random.default_rng(2).random(grid.shape)

@@ -13,8 +13,6 @@ from asperity.stress.planes.fields import ODD
 from asperity.stress.planes.stream import PlaneStream
 from asperity.stress.statistics.extrapolation import OnGrid, numbers_on, reason_against
 
-pytestmark = pytest.mark.engines
-
 LENGTH = 1.0, 1.2718
 SOLIDS = {
     "half-space": asp.Solid(1.0, 0.3),
@@ -37,6 +35,7 @@ def pressed(shape, solid, seed=1):
     return asp.LoadedSolid(pressure, grid, solid), cell
 
 
+@pytest.mark.engines
 @pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS)
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(("tolerance", "bound"), [(0.0, 1e-14), (1e-6, 1e-14), (1e-4, 1e-6)])
@@ -211,5 +210,5 @@ test_wrong_argument_is_refused = refuses(
     (
         lambda: asp.LoadedSolid(np.ones((4, 4)), Grid((4, 4), mirrored=True), SOLIDS["half-space"], "free"),
         "boundary = 'free': a grid that is not mirrored is needed",
-    ),
+    )
 )

@@ -12,8 +12,6 @@ from asperity.fourier.grid import Fourier, resample
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.planes import depth_grid, stress_planes
 
-pytestmark = pytest.mark.engines
-
 BONDED = asp.Solid(young=1.0, poisson=0.4, height=0.3)
 FRICTIONLESS = asp.Solid(young=1.0, poisson=0.2, height=0.3, bottom="frictionless")
 
@@ -23,6 +21,7 @@ def both(contact, depths, one, other, **settings):
     return zip(*(stress_planes(contact, depths, **settings, **each) for each in (one, other)), strict=True)
 
 
+@pytest.mark.engines
 @pytest.mark.parametrize("layer", [HALF_SPACE, replace(HALF_SPACE, lateral="free"), BONDED, FRICTIONLESS])
 @pytest.mark.parametrize("shape", [(32, 30), (33, 35)])
 def test_components_are_those_of_the_layers_modes(layer, shape):
@@ -74,6 +73,7 @@ def test_single_precision_only_above_its_rounding(layer):
                 assert error < 5e-6 * np.abs(double.fields["zz"]).max()  # rounding
 
 
+@pytest.mark.engines
 @pytest.mark.parametrize(("shape", "lateral"), [((16, 24), "confined"), ((15, 21), "free")])
 def test_ratios_at_once_are_those_one_by_one(shape, lateral):
     """Several ratios share transforms, one alone does not."""

@@ -7,25 +7,19 @@ import runpy
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from unittest import mock
+
+from snakemake import cli
 
 from asperity.results import dataset
 
 ROOT = Path(__file__).parents[2]
-PARTS = (
-    "Snakefile",
-    "config",
-    "workflow",
-    "profiles",
-    "tests/reference",
-    "tests/workflow/tiny.yaml",
-    "tests/workflow/own.yaml",
-)
+PARTS = ("Snakefile", "config", "workflow", "profiles", "tests/reference", "tests/workflow/tiny.yaml")
 QUICK = ("--configfile", "config/quick.yaml")
+STUDY = (*QUICK, "--config", "results=../own results")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
-OWN = ("--configfile", "tests/workflow/own.yaml")
-
 
 HIDE = """
 from importlib.machinery import PathFinder
@@ -76,6 +70,23 @@ def script(folder, name, *arguments):
 def snakemake(folder, *arguments, cores=2):
     """Run the workflow of the project in a folder."""
     return run(folder, "python", "-m", "snakemake", "--cores", str(cores), *arguments)
+
+
+def plan(folder, *options):
+    """What a dry run of the workflow in a folder prints, in this process: Python takes longest to start."""
+    said = io.StringIO()
+    with (
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(said),
+        contextlib.redirect_stderr(said),
+        mock.patch.dict(os.environ),
+        mock.patch.object(sys, "path", [*sys.path]),
+        mock.patch.object(sys, "executable", sys.executable),
+        warnings.catch_warnings(action="ignore"),
+        contextlib.suppress(SystemExit),
+    ):
+        cli.main(["--dry-run", "--cores", "2", *options])
+    return said.getvalue()
 
 
 def copy_project(folder):

@@ -8,53 +8,56 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from project import OWN, ROOT, snakemake
+from project import QUICK, ROOT
 
 from asperity.paper import figures
 from asperity.results import dataset
 from asperity.results.atomic import locked
 from asperity.settings.study import read_study
+from asperity.stress.analysis import SOUGHT
 from asperity.study import progress_and_log
 from asperity.study.stages.contact import press_surface
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 
-def test_killed_study_continues_without_loss(killed_study, own_study, monkeypatch):
+def test_killed_study_continues_without_loss(killed_study, quick_study, monkeypatch):
     """Also if the killed job has left half of its result: Snakemake marks results that are being made."""
-    _, _, finished = killed_study
+    _, results, killed, finished = killed_study
     assert {path: path.stat().st_mtime_ns for path in finished} == finished
-    monkeypatch.chdir(own_study.folder)
-    config = read_study(OWN[1:])
-    surface = make_surface(config["surfaces"]["fine"], 1)
-    contact = press_surface(surface, config["layer"], config["contact"])
-    stress = stress_of_seed(contact, config["layer"], config["stress"])
+    monkeypatch.chdir(quick_study.folder)
+    config, name = read_study(QUICK[1:]), killed.parent.name
+    surface = make_surface(config["surfaces"][name], 1)
+    settings = dataset.settings_of(dataset.read(killed))
+    contact = press_surface(surface, config["layer"], settings["contact"])
+    stress = stress_of_seed(contact, config["layer"], settings["stress"], ["free"], [*SOUGHT, "xy"])
     for stage, expected in {"surface": surface, "contact": contact, "stress": stress}.items():
-        written = dataset.read(own_study.results / stage / "fine/seed1.nc")
+        written = dataset.read(results / stage / name / "seed1.nc")
         assert set(written.variables) >= set(expected.variables), stage
-        for name in expected.variables:
-            np.testing.assert_array_equal(written[name], expected[name], f"{stage}: {name}")
+        for variable in expected.variables:
+            np.testing.assert_array_equal(written[variable], expected[variable], f"{stage}: {variable}")
 
 
-def test_a_study_does_not_write_beside_another(own_study):
+def test_a_study_does_not_write_beside_another(quick_study):
     """The other one is this process, which holds the lock alone."""
-    folder, results, _ = own_study
-    stress = results / "stress/fine/seed2.nc"
+    _, results, _ = quick_study
+    stress = results / "stress/hurst_08/seed1.nc"
     before = stress.stat().st_mtime_ns
     with locked(results):
-        refused = snakemake(folder, *OWN, "--config", f"results={results}", "--force", "--", str(stress))
+        refused = quick_study.snakemake("--force", "--", "../own results/stress/hurst_08/seed1.nc")
     assert refused.returncode != 0
-    assert f"study: {results}: process {os.getpid()} on " in refused.stderr
+    assert f"study: ../own results: process {os.getpid()} on " in refused.stderr
     assert stress.stat().st_mtime_ns == before
 
 
-def test_figures_that_a_killed_job_has_drawn_are_kept(own_study, tmp_path, monkeypatch):
+def test_figures_that_a_killed_job_has_drawn_are_kept(quick_study, tmp_path, monkeypatch):
     """Killed at the second of two, and with a label that the report of Snakemake would take for a command."""
-    monkeypatch.chdir(own_study.folder)
-    config, names = read_study(OWN[1:]), ("peaks_pair", "decay_pair")
-    results = {name: str(own_study.results / f"statistics/{name}.nc") for name in ("fine", "fault")}
+    monkeypatch.chdir(quick_study.folder)
+    config, names = read_study(QUICK[1:]), ("fig09", "fig11")
+    surfaces = config["studies"]["hurst"]
+    results = {name: str(quick_study.results / f"statistics/{name}.nc") for name in surfaces}
     described = {name: figures.figures_of(config)[name] for name in names}
-    labels, drawn, draw = {"fine": "{{1 + 1}}", "fault": "fault"}, [], figures.draw
+    labels, drawn, draw = dict.fromkeys(surfaces, "{{1 + 1}}"), [], figures.draw
 
     def killed_at_the_second(figure, _):
         drawn.append(figure.name)
@@ -82,7 +85,7 @@ def test_figures_that_a_killed_job_has_drawn_are_kept(own_study, tmp_path, monke
         runpy.run_path(script, given)
     assert not list(tmp_path.glob("*.png"))
     runpy.run_path(script, given)
-    assert drawn == ["peaks_pair", "decay_pair", "decay_pair"]
+    assert drawn == ["fig09", "fig11", "fig11"]
     assert {path.stem for path in tmp_path.glob("*.pdf")} == {*names}
-    assert r"{\ {1 + 1}}" in (tmp_path / "peaks_pair.rst").read_text(encoding="utf-8")
+    assert r"{\ {1 + 1}}" in (tmp_path / "fig09.rst").read_text(encoding="utf-8")
     assert not (tmp_path / "drawn").exists()

@@ -9,20 +9,14 @@ from pathlib import Path
 
 import pytest
 import yaml
-from project import OWN, ROOT, copy_project, hide, snakemake
+from project import ROOT, copy_project, hide, plan, snakemake
 
 from asperity.core.errors import InputError
 from asperity.core.packages import NEEDED
 from asperity.settings.sections import contact_of, imposed_load
 from asperity.settings.study import read_study
 
-SURFACE = {
-    "label": "A",
-    "hurst": 0.8,
-    "wavelength_long": 0.5,
-    "wavelength_short": 0.25,
-    "rms_height": 0.001,
-}
+SURFACE = {"label": "A", "hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.25, "rms_height": 0.001}
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 TWO = {"a": SURFACE, "b": {**SURFACE, "hurst": 0.3}}
 OWN_FIGURES = {"spectrum", "heights", "pressure", "load_area", "peaks", "depths", "decay"}
@@ -37,9 +31,8 @@ def project(tmp_path_factory):
 
 def jobs(folder, *options):
     """Rule, outputs and inputs of every job in a dry run."""
-    found = snakemake(folder, "--dry-run", *options)
-    assert found.returncode == 0, found.stdout + found.stderr
-    text = found.stdout + found.stderr
+    text = plan(folder, *options)
+    assert "This was a dry-run" in text, text
     pattern = r"^(?:local)?rule (\w+):\n(?:    input: (.*)\n)?(?:    output: (.*)\n)?"
     found = re.findall(pattern, text, re.M)
     return [(rule, outputs.split(", "), inputs.split(", ")) for rule, inputs, outputs in found]
@@ -60,11 +53,14 @@ def config_in(folder, name, config):
 def test_two_surfaces_make_their_own_jobs(project):
     config = {"seeds": [1, 2, 3, 4], "surfaces": TWO, "studies": {"both": ["a", "b"], "one": ["a"]}}
     config |= {"stress": {"poisson": [0.33, 0.5]}, "validation": {"punch": PAPER["validation"]["punch"]}}
+    config |= {"measured": PAPER["measured"]}
     found = jobs(project, *config_in(project, "mine.yaml", config))
     expected = {f"{name}_{study}.png" for name in OWN_FIGURES for study in ("both", "one")}
     expected |= {"fig12.png", *(f"{name}_one.png" for name in RATIO_FIGURES)}
     assert all(outputs[0].startswith("results/mine/") for rule, outputs, _ in found if rule != "study")
     assert drawn(found) == expected
+    contacts = [outputs[-1] for rule, outputs, _ in found if rule == "contact"]
+    assert [file for file in contacts if "fault" in file] == ["results/mine/contact/fault/seed1.nc"]
 
 
 def test_measured_maps_are_read_before_the_first_job(project):
@@ -168,36 +164,6 @@ def test_file_with_an_unsuitable_name_names_its_folder(tmp_path):
     assert read_study([path], {"results": "~//x/"})["results"].endswith("/x")
 
 
-def test_the_study_is_made_where_the_user_says(own_study):
-    results = own_study.results
-    assert f"study: done; figures in {results}/figures" in own_study.output
-    assert not (own_study.folder / "results").exists()
-    figures = {path.stem for path in (results / "figures").glob("*.png")}
-    assert figures == {f"{name}_pair" for name in OWN_FIGURES}
-    assert {path.name for path in (results / "surface/fault").iterdir()} == {"seed1.nc"}
-    assert not {path.name for path in results.iterdir()} & {"claims.md", "validation"}
-    caption = (results / "figures/peaks_pair.rst").read_text(encoding="utf-8")
-    assert caption.startswith("Distributions of the peaks")
-    assert "fine, σ_VM" in caption
-
-
-def test_a_new_label_redraws_figures_and_computes_nothing(own_study):
-    overlay = {"surfaces": {"fine": {"label": "ground"}}}
-    options = (*OWN, config_in(own_study.folder, "label.yaml", overlay)[1])
-    found = jobs(own_study.folder, *options, "--config", f"results={own_study.results}")
-    assert {rule for rule, _, _ in found} == {"figures_pair", "study"}
-
-
-def test_the_study_has_a_report(own_study):
-    folder, results, _ = own_study
-    path = folder.parent / "report.html"
-    found = snakemake(folder, *OWN, "--config", f"results={results}", "--report", str(path))
-    assert found.returncode == 0, found.stdout + found.stderr
-    text = path.read_text(encoding="utf-8")
-    assert "peaks_pair.png" in text
-    assert "Figures of the paper" not in text
-
-
 # No library outside the project, and no plug-in of Snakemake, which would need pandas.
 ALONE = f"""
 import pkgutil, sys
@@ -224,8 +190,6 @@ def test_snakemake_alone_plans_the_study(project, tmp_path):
         found = subprocess.run(command, cwd=project, env=given, capture_output=True, text=True)
         return found.returncode, found.stdout + found.stderr
 
-    code, said = alone("--lint")
-    assert code == 0, said
     code, said = alone("--profile", "profiles/slurm", "--dry-run")
     assert (code, said.splitlines()[-1].split("; ")[-1]) == (1, 'install with: pip install "asperity[slurm]"')
     code, said = alone("--dry-run", "--configfile", "config/quick.yaml")

@@ -13,7 +13,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from project import QUICK, ROOT, copy_project, run, snakemake
+from project import ROOT, STUDY, copy_project, plan, run, snakemake
+
+
+def jobs_of(plan):
+    """Rules of the jobs that a dry run plans."""
+    listed = [line.split() for line in plan.splitlines()]
+    return {words[0] for words in listed if len(words) == 2 and words[1].isdigit()} - {"total"}
 
 
 def test_manifest_holds_every_result(quick_study):
@@ -24,8 +30,29 @@ def test_manifest_holds_every_result(quick_study):
     assert listed == {name for name in made if not name.startswith(("log", "benchmark", "SHA256SUMS"))}
 
 
+def test_the_study_is_made_where_the_user_says(quick_study):
+    assert "study: done; figures in ../own results/figures" in quick_study.output
+    assert not (quick_study.folder / "results").exists()
+
+
+def test_a_new_label_redraws_figures_and_computes_nothing(quick_study):
+    label = "surfaces: {cutoff_64: {label: ground}}"
+    (quick_study.folder / "label.yaml").write_text(label, encoding="utf-8")
+    planned = jobs_of(plan(quick_study.folder, *STUDY[:2], "label.yaml", *STUDY[2:]))
+    assert planned == {"figures_kurtosis", "figures_skewness_kurtosis", "study"}
+
+
+def test_the_study_has_a_report(quick_study, tmp_path):
+    path = tmp_path / "report.html"
+    found = quick_study.snakemake("--report", str(path))
+    assert found.returncode == 0, found.stdout + found.stderr
+    text = path.read_text(encoding="utf-8")
+    assert all(words in text for words in ("fig09.png", "Figures of the paper", "claims.png"))
+
+
 def test_own_figure_is_drawn_from_results(quick_study, tmp_path, monkeypatch):
-    (tmp_path / "results").symlink_to(quick_study.folder / "results", target_is_directory=True)
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results/quick").symlink_to(quick_study.results, target_is_directory=True)
     monkeypatch.chdir(tmp_path)
     for block in re.findall(
         r"```python\n(.*?)```", (ROOT / "docs/own_figure.md").read_text("utf-8"), re.DOTALL
@@ -68,12 +95,10 @@ def test_changed_code_reruns_the_jobs_that_use_it(quick_study):
     shutil.copytree(original, library)
     with open(library / "asperity/paper/figures/hertz.py", "a", encoding="utf-8") as file:
         file.write("\n")
-    plan = snakemake(quick_study.folder, *QUICK, "--dry-run")
+    planned = quick_study.snakemake("--dry-run")
     shutil.rmtree(library)
     library.symlink_to(original, target_is_directory=True)
-    said = plan.stdout + plan.stderr
-    jobs = {line.split()[0] for line in said.splitlines() if re.fullmatch(r"\w+ +\d+", line)}
-    assert jobs - {"total", "study"} == {"figures_validation"}
+    assert jobs_of(planned.stdout + planned.stderr) == {"figures_validation", "study"}
 
 
 IMPORTED = """
@@ -109,19 +134,19 @@ def test_wrong_configuration_ends_before_any_job(tmp_path):
 
 def test_a_copied_study_is_complete_and_an_edited_file_is_noticed(quick_study, tmp_path):
     """Copied without the times of its files; every result is as new as an adversary would have it."""
-    copy = tmp_path / "copy"
-    shutil.copytree(quick_study.folder, copy, symlinks=True, copy_function=shutil.copyfile)
-    results = sorted(path for path in (copy / "results").rglob("*") if path.is_file())
+    shutil.copytree(
+        quick_study.folder.parent, tmp_path, symlinks=True, copy_function=shutil.copyfile, dirs_exist_ok=True
+    )
+    folder, copied = (tmp_path / path.name for path in (quick_study.folder, quick_study.results))
+    results = sorted(path for path in copied.rglob("*") if path.is_file())
     stages = ("surface", "contact", "stress", "statistics")
     for path in results:  # the earlier the stage, the newer the file
-        stage = path.relative_to(copy / "results/quick").parts[0]
+        stage = path.relative_to(copied).parts[0]
         time = 2e9 - 1e6 * (stages.index(stage) if stage in stages else len(stages))
         os.utime(path, (time, time))
-    plan = snakemake(copy, *QUICK, "--dry-run")
-    assert "Nothing to be done" in plan.stdout + plan.stderr
+    assert "Nothing to be done" in plan(folder, *STUDY)
     edited = next(path for path in results if path.match("contact/*/*.nc"))
     with open(edited, "ab") as file:
         file.write(b"\0")
     os.utime(edited, (2e9, 2e9))
-    plan = snakemake(copy, *QUICK, "--dry-run")
-    assert re.search(r"^stress +1$", plan.stdout + plan.stderr, re.MULTILINE)
+    assert re.search(r"^stress +1$", plan(folder, *STUDY), re.MULTILINE)
