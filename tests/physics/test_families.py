@@ -20,7 +20,7 @@ def solved(case):
 
 
 def test_every_family_is_solved_at_every_setting():
-    found = family_outcomes(every=16)
+    found = family_outcomes(every=32)
     assert found[~found["outcome"].isin(ACCEPTABLE)].empty
     assert found["outcome"].isin(SOLVED).mean() > 0.9
 

@@ -100,14 +100,8 @@ def test_passage_of_rough_faces_sees_place_and_shift(body):
         expected = np.roll(contact.pressure, 0 if body == "lower" else -steps, 1)
         np.testing.assert_allclose(moving.pressures[number], expected, atol=3e-5 * contact.max_pressure)
         line = LineHertz(3.0, 6e-3).stress(place[number], 0.5, 0.3, (0.1 if body == "lower" else -0.1, 0.0))
-        mean = pressure * moving.layer.uniform_stress() + [
-            0,
-            0,
-            0,
-            0,
-            pressure * 0.1 * (1, -1)[body == "upper"],
-            0,
-        ]
+        mean = pressure * moving.layer.uniform_stress()
+        mean[4] += pressure * 0.1 * (1, -1)[body == "upper"]
         np.testing.assert_allclose(moving.background(0.5)[number], line - mean, atol=1e-12)
     assert moving.pressures[0] is None
     assert moving.is_unloaded
@@ -129,10 +123,10 @@ def brute_force(history):
     return np.ptp(history[..., 0, 2], axis=1), stress.max(axis=1), (rest**2).sum(axis=(2, 3)).max(axis=1)
 
 
-@pytest.mark.parametrize(("direction", "step"), [("y", (3, 0)), (45, (3, 3))])
+@pytest.mark.parametrize(("direction", "step"), [("y", (2, 0)), (45, (2, 2))])
 def test_agreement_with_brute_force(direction, step):
-    """24² nodes, 8 shifts: fresh contacts, planes of `stress_planes`, spheres by another method, to 2e-3."""
-    low, high, depth, shifts = face(24, 1), face(24, 2), 0.02, 8
+    """16² nodes, 8 shifts: fresh contacts, planes of `stress_planes`, spheres by another method, to 2e-3."""
+    low, high, depth, shifts = face(16, 1), face(16, 2), 0.02, 8
     settings = {"shifts": shifts, "wavelength_short": 0.5, "sliding_direction": direction}
     moving = asp.engineering.MovingContact(low, high, PAIR, **LOAD, **settings)
     names, indices = ("xx", "yy", "zz", "yz", "xz", "xy"), [[0, 5, 4], [5, 1, 3], [4, 3, 2]]
@@ -152,7 +146,7 @@ def test_agreement_with_brute_force(direction, step):
         else:
             shear = np.ptp((history[..., 0, 2] + history[..., 1, 2]) / np.sqrt(2), axis=1)
         found = asp.stress.stress_cycles(moving.in_body(body), [depth], **LIMITS, tolerance=0)
-        by_row = [each.reshape(24, 24).max(axis=1) for each in (shear, dang_van, squared)]
+        by_row = [each.reshape(16, 16).max(axis=1) for each in (shear, dang_van, squared)]
         np.testing.assert_allclose(found["shear_range"][0], by_row[0], rtol=1e-4)
         np.testing.assert_allclose(found["dang_van"][0], by_row[1] / 0.3, rtol=3e-3)
         np.testing.assert_allclose(found["shakedown_upper"][0], 0.1 / np.sqrt(1.5 * by_row[2]), rtol=2e-3)
@@ -161,11 +155,11 @@ def test_agreement_with_brute_force(direction, step):
 
 def test_error_of_few_shifts_is_estimated():
     """With steps of a quarter wave, against all positions."""
-    low, high = (asp.self_affine((48, 48), 0.8, 0.5, 1 / 6, 1e-3, seed) for seed in (1, 2))
-    depths = asp.stress.depth_grid(asp.Grid((48, 48)))[:10]
+    low, high = (asp.self_affine((32, 32), 0.8, 0.5, 1 / 4, 1e-3, seed) for seed in (1, 2))
+    depths = asp.stress.depth_grid(asp.Grid((32, 32)))[:10]
     cycles = []
-    for shifts in (48, 24):
-        moving = asp.engineering.MovingContact(low, high, PAIR, shifts=shifts, **LOAD, wavelength_short=1 / 6)
+    for shifts in (32, 16):
+        moving = asp.engineering.MovingContact(low, high, PAIR, shifts=shifts, **LOAD, wavelength_short=1 / 4)
         cycles.append(
             asp.stress.stress_cycles(moving.in_body("lower"), depths, **LIMITS, tolerance=1e-4).attrs
         )
@@ -204,18 +198,18 @@ def test_run_moves_two_maps():
     """The faces are those of both maps, the upper one turned over; each body has cycles of its own."""
     edge = 24e-6
     low, high = (
-        asp.self_affine((24, 24), 0.8, edge / 2, edge / 6, 2e-8, seed, length=edge) for seed in (1, 2)
+        asp.self_affine((16, 16), 0.8, edge / 2, edge / 4, 2e-8, seed, length=edge) for seed in (1, 2)
     )
     maps = [
         asp.HeightMap(each, (edge, edge), periodic=True, unit="m", orientation="peaks up")
         for each in (low, high)
     ]
-    surface = {"file": maps[0], "detrend": "none", "wavelength_short": edge / 6}
-    asked = {"cycles": {"shifts": 12}, "sliding": {"direction": "y"}}
+    surface = {"file": maps[0], "detrend": "none", "wavelength_short": edge / 4}
+    asked = {"cycles": {"shifts": 8}, "sliding": {"direction": "y"}}
     answer = asp.run(surface, STEEL, STEEL.replaced(map=maps[1]), mean_pressure=5e8, **asked)
     pair = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(210e9, 0.3))
-    load = {"mean_pressure": 5e8, "shifts": 12, "sliding_direction": "y"}
-    direct = asp.engineering.MovingContact(low, -high[:, ::-1], pair, edge, wavelength_short=edge / 6, **load)
+    load = {"mean_pressure": 5e8, "shifts": 8, "sliding_direction": "y"}
+    direct = asp.engineering.MovingContact(low, -high[:, ::-1], pair, edge, wavelength_short=edge / 4, **load)
     limits = {"fatigue_torsion": 3e8, "fatigue_bending": 4.8e8, "tolerance": 1e-4}
     for body in ("lower", "upper"):
         found = asp.stress.stress_cycles(direct.in_body(body), **limits)
@@ -224,7 +218,7 @@ def test_run_moves_two_maps():
             assert own.attrs[f"worst_{name}"] == pytest.approx(found.attrs[f"worst_{name}"], rel=1e-3)
     groups = {row.group for row in answer.rows if row.name == "largest range of shear stress"}
     assert groups == {
-        f"cycles of the {body} body as the faces move along y, 12 shifts" for body in ("lower", "upper")
+        f"cycles of the {body} body as the faces move along y, 8 shifts" for body in ("lower", "upper")
     }
 
 

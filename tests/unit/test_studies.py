@@ -81,19 +81,19 @@ def test_hertz_peak_of_johnson():
 
 
 def test_tiny_master_curve_study(tmp_path):
-    """Three small surfaces from contact to page; a second run reads the files of the first."""
+    """Two small surfaces from contact to page; a second run reads the files of the first."""
     config = read_study([ROOT / "studies/master_curve/config.yaml"])
     config["results"], config["seeds"] = str(tmp_path), [1, 2]
     surface = config["surfaces"]["hurst_08_ratio_8"] | {"points": 64}
     surface |= {"wavelength_long": 0.5, "wavelength_short": 0.125}
-    config["surfaces"] = {f"s{hurst}": surface | {"hurst": hurst} for hurst in (0.2, 0.5, 0.8)}
+    config["surfaces"] = {f"s{hurst}": surface | {"hurst": hurst} for hurst in (0.2, 0.8)}
     config["contact"] |= {"path_area_fractions": [0.3]}
     config["stress"] |= {"poisson": [0.0, 0.33]}
     rows = master_curve.table(config, master_curve.collect(config))
     files = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
     assert master_curve.table(config, master_curve.collect(config)).equals(rows)
     assert files == {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
-    assert len(rows) == 3 * 2 * 2
+    assert len(rows) == 2 * 2 * 2
     assert (rows.loc[rows["poisson"] == 0, "height_gradient_contact"] > 1).all()
     assert "as on the axis of a Hertzian contact" in master_curve.page(rows)
 

@@ -70,6 +70,6 @@ def quick_study(killed_study):
     folder, results, *_ = killed_study
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MPLBACKEND", "module://backend_of_a_notebook")
-        found = snakemake(folder, "study", "report_page", *STUDY)
+        found = snakemake(folder, "study", "report_page", "../own results/statistics/fault.nc", *STUDY)
     assert found.returncode == 0, found.stdout + found.stderr
     return Study(folder, results, found.stdout + found.stderr)

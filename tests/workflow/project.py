@@ -16,8 +16,9 @@ from snakemake import cli
 from asperity.results import dataset
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "config", "workflow", "profiles", "tests/reference", "tests/workflow/tiny.yaml")
-QUICK = ("--configfile", "config/quick.yaml")
+OVERLAYS = ("tests/workflow/study.yaml", "tests/workflow/tiny.yaml")
+PARTS = ("Snakefile", "config", "workflow", "profiles", "tests/reference", *OVERLAYS)
+QUICK = ("--configfile", "config/quick.yaml", "tests/workflow/study.yaml")
 STUDY = (*QUICK, "--config", "results=../own results")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
 

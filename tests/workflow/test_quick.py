@@ -13,7 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from project import ROOT, STUDY, copy_project, plan, run, snakemake
+from project import QUICK, ROOT, STUDY, copy_project, plan, run, snakemake
 
 
 def jobs_of(plan):
@@ -38,7 +38,7 @@ def test_the_study_is_made_where_the_user_says(quick_study):
 def test_a_new_label_redraws_figures_and_computes_nothing(quick_study):
     label = "surfaces: {cutoff_64: {label: ground}}"
     (quick_study.folder / "label.yaml").write_text(label, encoding="utf-8")
-    planned = jobs_of(plan(quick_study.folder, *STUDY[:2], "label.yaml", *STUDY[2:]))
+    planned = jobs_of(plan(quick_study.folder, *QUICK, "label.yaml", *STUDY[len(QUICK) :]))
     assert planned == {"figures_kurtosis", "figures_skewness_kurtosis", "study"}
 
 

@@ -129,7 +129,7 @@ class Criteria:
 
     def reduced(self, states: Array, unloaded: bool) -> Array:
         """Range of σ_xz, Dang Van stress and squared radii, (5, points), of stresses (6, points, states)."""
-        out = np.empty((5, states.shape[1]))
+        out, states = np.empty((5, states.shape[1])), in_double_precision(states)
         reduce_rows(states, unloaded, self.has_fatigue, self.yield_stress is not None, self.alpha, out)
         return out
 
@@ -250,20 +250,29 @@ class CycleMaps:
         return xr.Dataset(maps | volume, coordinates, worst)
 
 
+def in_double_precision(states: Array) -> Array:
+    """Contiguous stresses in double precision: `reduce_rows` takes ten seconds to compile for each type."""
+    return np.ascontiguousarray(states, dtype=float)
+
+
 @compiled_with_arrays
 def reduce_rows(states: Any, unloaded: bool, fatigue: bool, shakedown: bool, alpha: float, out: Any) -> None:
-    """Fill `out`, (5, rows), from stresses (6, rows, nodes): range of σ_xz, Dang Van, squared radii."""
+    """Fill `out`, (5, rows), from stresses (6, rows, nodes): range of σ_xz, Dang Van, squared radii.
+
+    The stresses are those of `in_double_precision`.
+    """
     nodes = states.shape[2]
     points = np.zeros((DIMENSIONS, nodes + (1 if unloaded else 0)))
     centre = np.empty(DIMENSIONS)
     for row in range(states.shape[1]):
         out[:, row] = 0.0
         out[0, row] = fill_points(states, row, unloaded, points)
+        # Not literals, for each of which numba would compile the sphere once more.
         if shakedown:
-            out[4, row] = smallest_sphere(points, 1, centre)
-            out[3, row] = smallest_sphere(points, 3, centre)
+            out[4, row] = smallest_sphere(points, np.int64(1), centre)
+            out[3, row] = smallest_sphere(points, np.int64(3), centre)
         if shakedown or fatigue:
-            out[2, row] = smallest_sphere(points, 5, centre)
+            out[2, row] = smallest_sphere(points, np.int64(5), centre)
         if fatigue:
             out[1, row] = _dang_van(states, row, points, centre, alpha)
 

@@ -30,7 +30,14 @@ from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid, direction_cosines
 from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import Fourier, Grid, resample, with_mirror_images
-from asperity.stress.cycles.criteria import NUMBERS, Criteria, CycleMaps, fill_points, reduce_rows
+from asperity.stress.cycles.criteria import (
+    NUMBERS,
+    Criteria,
+    CycleMaps,
+    fill_points,
+    in_double_precision,
+    reduce_rows,
+)
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
 from asperity.stress.planes.planes import default_depths
 from asperity.stress.planes.stream import PlaneStream, uniform_part
@@ -218,7 +225,7 @@ class Histories(CycleMaps):
         for turn in range(2):
             at = np.flatnonzero(chosen | large)
             out = np.empty((5, at.size))
-            reduce_rows(states[:, at], unloaded, True, False, alpha, out)
+            reduce_rows(in_double_precision(states[:, at]), unloaded, True, False, alpha, out)
             exact[1:, at] = out[1:3]
             best = exact[1:].reshape(by_row.shape).max(axis=2, keepdims=True)
             unknown = (exact[2] == -np.inf).reshape(chosen.shape)
@@ -249,7 +256,7 @@ def fill_row_radii(states: Any, unloaded: bool, out: Any) -> None:
     points, centre = np.zeros((DIMENSIONS, count + (1 if unloaded else 0))), np.empty(DIMENSIONS)
     for row in range(states.shape[1]):
         fill_points(states, row, unloaded, points)
-        out[row] = smallest_sphere(points, 1, centre)
+        out[row] = smallest_sphere(points, np.int64(1), centre)
 
 
 @compiled_with_arrays
