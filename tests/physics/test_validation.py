@@ -19,6 +19,8 @@ SETTINGS = {
     "punch": {"points": 256, "samples": 5},
     "elliptic_contacts": {"points": 88},
     "wave_asymptotes": {"points": 256},
+    "coating_indentation": {"points": 256},
+    "metal_contacts": {"points": 64},
 }
 """Settings other than the defaults; those of the paper take longer."""
 

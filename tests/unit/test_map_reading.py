@@ -7,6 +7,7 @@ import struct
 import subprocess
 import sys
 import zipfile
+from itertools import product
 from pathlib import Path
 
 import make_maps
@@ -211,17 +212,21 @@ TABLE[3], TABLE[2, 3], TABLE[4, 0], TABLE[5, 8] = np.nan, np.nan, np.nan, np.nan
 def test_a_table_is_read_in_every_dialect(tmp_path, dialect):
     separator, decimal = dialect
     path = tmp_path / "map.csv"
-    for missing in ("nan", "No Data", "---", "#N/A", "1.#QNAN", *([""] if separator != " " else [])):
+    headers = ("", "# made 2 3\n", "Height [um]\n", "sample 7;;\n\n")
+    ends = (("\n", "utf-8-sig"), ("\r\n", "utf-16"), (f"{separator}\n", "latin-1"))
+    words = ("nan", "No Data", "---", "#N/A", "1.#QNAN", *([""] if separator != " " else []))
+    for missing, header, (end, encoding) in [
+        *product(words[:1], headers, ends),
+        *product(words, headers[:1], ends[-1:]),
+    ]:
         rows = [
             separator.join(missing if np.isnan(z) else f"{z:.6f}".replace(".", decimal) for z in row)
             for row in TABLE
         ]
-        for header in ("", "# made 2 3\n", "Height [um]\n", "sample 7;;\n\n"):
-            for end, encoding in (("\n", "utf-8-sig"), ("\r\n", "utf-16"), (f"{separator}\n", "latin-1")):
-                path.write_bytes((header + end.join([*rows, ""])).encode(encoding))
-                unit = {} if "[um]" in header else {"unit": "um"}
-                found = read_map(path, physical_size=("7 um", "9 um"), orientation="peaks up", **unit)
-                np.testing.assert_allclose(found.height, 1e-6 * TABLE, rtol=1e-12)
+        path.write_bytes((header + end.join([*rows, ""])).encode(encoding))
+        unit = {} if "[um]" in header else {"unit": "um"}
+        found = read_map(path, physical_size=("7 um", "9 um"), orientation="peaks up", **unit)
+        np.testing.assert_allclose(found.height, 1e-6 * TABLE, rtol=1e-12)
 
 
 def test_arrays_and_pictures_are_maps_with_a_scale(tmp_path):
