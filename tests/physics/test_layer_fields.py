@@ -77,14 +77,14 @@ def faces_of(grid, place, moved, data):
 
 
 def test_random_data_against_high_precision():
-    """200 data sets, q height from 1e-6 to 1e3: largest error 1.4e-15 here, 2.5e-15 of 15900 others.
+    """100 data sets, q height from 1e-6 to 1e3: largest error 1.4e-15 here, 2.5e-15 of 15900 others.
 
     Errors are relative to the sum of what the six data would give alone, which is what rounding of them
     changes, in the plane, or in the layer times e^(−q distance to the nearer face) if that is larger; and to
     1 + q distance, whose rounding enters the exponential.
     """
     rng, errors = np.random.default_rng(43), []
-    for _ in range(40):
+    for _ in range(20):
         layer, grid, place, q = random_mode(rng)
         depths = np.array([0.0, rng.uniform(0, 1), 1.0]) * layer.height
         decay = q * np.minimum(depths, layer.height - depths)
@@ -103,7 +103,7 @@ def test_random_data_against_high_precision():
                     scale = np.array([np.abs(true).max(axis=0).sum() for true in exact], float)
                     scale = np.maximum(scale, scale.max() * np.exp(-decay)) * (1 + decay)
                     errors.append(np.abs(off).max(axis=1).astype(float) / scale)
-    assert len(errors) == 400
+    assert len(errors) == 200
     assert np.median(errors) < 3e-16
     assert np.max(errors) < ROUNDING
 
