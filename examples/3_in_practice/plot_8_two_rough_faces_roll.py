@@ -12,7 +12,7 @@ import numpy as np
 
 import asperity as asp
 
-length, nodes = 40e-6, 64
+length, nodes = 40e-6, 32
 faces = []
 for seed, rms in ((1, 6e-8), (2, 3e-8)):
     relief = asp.self_affine((nodes, nodes), 0.8, 20e-6, 5e-6, rms_height=rms, seed=seed, length=length)
