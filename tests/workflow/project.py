@@ -74,7 +74,10 @@ def snakemake(folder, *arguments, cores=2):
 
 
 def plan(folder, *options):
-    """What a dry run of the workflow in a folder prints, in this process: Python takes longest to start."""
+    """What a dry run of the workflow prints in a folder without results, in this process.
+
+    A process of its own takes three times as long.
+    """
     said = io.StringIO()
     with (
         contextlib.chdir(folder),

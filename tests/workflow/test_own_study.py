@@ -51,7 +51,7 @@ def config_in(folder, name, config):
 
 
 def test_two_surfaces_make_their_own_jobs(project):
-    config = {"seeds": [1, 2, 3, 4], "surfaces": TWO, "studies": {"both": ["a", "b"], "one": ["a"]}}
+    config = {"seeds": [1, 2, 3, 4], "surfaces": TWO, "studies": {"both": ["a", "b", "fault"], "one": ["a"]}}
     config |= {"stress": {"poisson": [0.33, 0.5]}, "validation": {"punch": PAPER["validation"]["punch"]}}
     config |= {"measured": PAPER["measured"]}
     found = jobs(project, *config_in(project, "mine.yaml", config))
