@@ -1,5 +1,7 @@
 """Load curves of answers, the load where yield begins, conductances, and answers with a hardness."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from samples import refuses
@@ -10,11 +12,18 @@ from asperity import Body, Case, run
 from asperity.engineering.questions.load_curve import yield_load
 
 STEEL = Body(young=210e9, poisson=0.3)
+LOAD = {"mean_pressure": 100e6}
+
+
+@cache
+def answer_of(**constants):
+    """The answer of a rough map on steel with other constants."""
+    return run(a_rough_map(), STEEL.replaced(**constants), **LOAD)
 
 
 def test_answer_is_that_of_the_last_load():
     curve = run(a_rough_map(), STEEL, mean_pressure=100e6, load_curve={"loads": [1e6, 10e6]})
-    alone = run(a_rough_map(), STEEL, mean_pressure=100e6)
+    alone = answer_of()
     np.testing.assert_array_equal(curve.contact.pressure, alone.contact.pressure)
     assert "load_curve" not in alone.found
     table = curve.found["load_curve"].frame()
@@ -75,7 +84,8 @@ def test_steps_are_in_equal_ratios():
 
 
 @pytest.mark.parametrize("nodes", [63, 64])  # the mean mode of rounding errors is 0 on even grids alone
-def test_full_contact_is_infinitely_stiff(nodes, tmp_path):
+def test_full_contact_is_infinitely_stiff(nodes, tmp_path, monkeypatch):
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     height = asp.self_affine((nodes, nodes), 0.8, 5e-4, 2.5e-4, rms_height=1e-6, seed=1, length=1e-3)
     contact = asp.solve_contact(height, asp.Solid(200e9, 0.3), 1e-3, mean_pressure=10e9)
     assert contact.area_fraction == 1
@@ -97,16 +107,12 @@ def test_full_contact_is_infinitely_stiff(nodes, tmp_path):
     assert "<td>infinite</td>" in (tmp_path / "out" / "report.html").read_text()
 
 
-SOFT = STEEL.replaced(hardness=4e9)
-LOAD = {"mean_pressure": 100e6}
-
-
 def rows(answer):
     return {row.name: row.value for row in answer.rows if row.group.startswith("plastic contact")}
 
 
 def test_hardness_limits_the_pressure():
-    answer = run(a_rough_map(), SOFT, **LOAD)
+    answer = answer_of(hardness=4e9)
     contact, found = answer.contact, rows(answer)
     assert answer.numbers.largest_pressure == pytest.approx(4e9)
     assert found["area at the hardness"] == contact.plastic_area > 0
@@ -119,23 +125,21 @@ def test_hardness_limits_the_pressure():
 
 
 def test_smaller_hardness_counts():
-    hard = STEEL.replaced(hardness=8e9)
-    contacts = [run(a_rough_map(), *bodies, **LOAD).contact for bodies in ((SOFT, hard), (hard, SOFT))]
+    bodies = [STEEL.replaced(hardness=hardness) for hardness in (4e9, 8e9)]
+    contacts = [run(a_rough_map(), *pair, **LOAD).contact for pair in (bodies, bodies[::-1])]
     for contact in contacts:
         assert contact.hardness == pytest.approx(4e9)
 
 
 def test_yield_stress_suggests_a_hardness():
     """The answer is that of the elastic contact, with the plastic one beside it."""
-    elastic = run(a_rough_map(), STEEL, **LOAD)
-    answer = run(a_rough_map(), STEEL.replaced(yield_stress=4e9 / 3), **LOAD)
+    elastic, answer = answer_of(), answer_of(yield_stress=4e9 / 3)
     np.testing.assert_array_equal(answer.contact.pressure, elastic.contact.pressure)
     assert rows(elastic) == {}
-    plastic, found = run(a_rough_map(), SOFT, **LOAD), rows(answer)
+    plastic, found = answer_of(hardness=4e9), rows(answer)
     assert found["plastic real contact"] == plastic.numbers.area_fraction > elastic.numbers.area_fraction
     assert found["load at the hardness"] == pytest.approx(rows(plastic)["load at the hardness"])
-    strong = run(a_rough_map(), STEEL.replaced(yield_stress=100e9), **LOAD)
-    assert rows(strong) == {}
+    assert rows(answer_of(yield_stress=100e9)) == {}
 
 
 test_wrong_hardness_is_refused = refuses(

@@ -87,11 +87,10 @@ def test_changed_code_and_labels_rerun_what_uses_them(quick_study):
     planned = snakemake(folder, "--dry-run", *QUICK, "label.yaml", *STUDY[len(QUICK) :])
     shutil.rmtree(library)
     library.symlink_to(original, target_is_directory=True)
-    found = {
-        re.split(r" +", line)[0] for line in planned.stdout.splitlines() if re.fullmatch(r"\w+ +\d+", line)
-    }
+    text = planned.stdout + planned.stderr
+    found = {line.split()[0] for line in text.splitlines() if re.fullmatch(r"\w+ +\d+", line)}
     figures = {"figures_validation", "figures_kurtosis", "figures_skewness_kurtosis"}
-    assert found - {"total"} == figures | {"study"}, planned.stderr
+    assert found - {"total"} == figures | {"study"}, text
 
 
 IMPORTED = """
