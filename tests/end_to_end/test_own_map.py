@@ -165,7 +165,8 @@ def test_every_case_of_the_pages_runs(name, answers, tmp_path):
     if name == "leak" and absent(["pyamg"]):
         pytest.skip("needs pyamg")
     effect = EFFECTS[name]
-    smaller = ["--points", "20"] if name in ("fatigue", "moving_faces") else []  # all positions of a cycle
+    moves = name in ("fatigue", "moving_faces")  # computed for all positions of a cycle
+    smaller = ["--set", "map.points=20"] if moves else []
     assert main(["run", f"{name}.yaml", *smaller, *([] if effect else ["--check"])]) == 0
     assert effect is None or effect(answers[-1])
 
