@@ -51,13 +51,15 @@ def test_a_study_does_not_write_beside_another(quick_study):
 
 
 def test_figures_that_a_killed_job_has_drawn_are_kept(quick_study, tmp_path, monkeypatch):
-    """Killed at the second of two, and with a label that the report of Snakemake would take for a command."""
+    """Killed at the second of three, and with a label that the report of Snakemake would take for a command."""
     monkeypatch.chdir(quick_study.folder)
-    config, names = read_study(QUICK[1:]), ("fig09", "fig11")
-    surfaces = config["studies"]["hurst"]
-    results = {name: str(quick_study.results / f"statistics/{name}.nc") for name in surfaces}
+    config = read_study(QUICK[1:]) | {"figures": "own"}
+    surfaces, names = config["studies"]["hurst"], ["spectrum_hurst", "heights_hurst", "peaks_hurst"]
     described = {name: figures.figures_of(config)[name] for name in names}
     labels, drawn, draw = dict.fromkeys(surfaces, "{{1 + 1}}"), [], figures.draw
+
+    def path(stage, surface):
+        return str(quick_study.results / stage / f"{surface}{'' if stage == 'statistics' else '/seed1'}.nc")
 
     def killed_at_the_second(figure, _):
         drawn.append(figure.name)
@@ -68,7 +70,11 @@ def test_figures_that_a_killed_job_has_drawn_are_kept(quick_study, tmp_path, mon
     monkeypatch.setattr(figures, "draw", killed_at_the_second)
     monkeypatch.setattr(progress_and_log, "job", lambda _: nullcontext(lambda *_: None))
     entries = {
-        name: {"description": asdict(figure), "labels": labels, "results": {"statistics": results}}
+        name: {
+            "description": asdict(figure),
+            "labels": labels,
+            "results": figure.results(config["studies"], path),
+        }
         for name, figure in described.items()
     }
     output = {
@@ -76,7 +82,7 @@ def test_figures_that_a_killed_job_has_drawn_are_kept(quick_study, tmp_path, mon
         for key, suffix in {"png": ".png", "pdf": ".pdf", "caption": ".rst"}.items()
     }
     given = SimpleNamespace(
-        input=[*results.values()],
+        input=[path("statistics", surface) for surface in surfaces],
         params=SimpleNamespace(figures=entries, drawn=str(tmp_path / "drawn")),
         output=SimpleNamespace(**output),
     )
@@ -85,7 +91,9 @@ def test_figures_that_a_killed_job_has_drawn_are_kept(quick_study, tmp_path, mon
         runpy.run_path(script, given)
     assert not list(tmp_path.glob("*.png"))
     runpy.run_path(script, given)
-    assert drawn == ["fig09", "fig11", "fig11"]
+    assert drawn == [names[0], names[1], *names[1:]]
     assert {path.stem for path in tmp_path.glob("*.pdf")} == {*names}
-    assert r"{\ {1 + 1}}" in (tmp_path / "fig09.rst").read_text(encoding="utf-8")
+    caption = (tmp_path / "peaks_hurst.rst").read_text(encoding="utf-8")
+    assert caption.startswith("Distributions of the peaks")
+    assert r"{\ {1 + 1}}, σ_VM" in caption
     assert not (tmp_path / "drawn").exists()

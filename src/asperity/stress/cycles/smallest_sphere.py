@@ -26,7 +26,7 @@ MAX_EXCHANGES = 1000
 
 
 @compiled_with_arrays
-def smallest_sphere(points: Any, free: int, centre: Any) -> float:
+def smallest_sphere(points: Any, free: Any, centre: Any) -> float:
     """Squared radius of the smallest sphere around points, exact to rounding.
 
     Parameters
