@@ -51,7 +51,7 @@ def test_a_study_does_not_write_beside_another(quick_study):
 
 
 def test_figures_that_a_killed_job_has_drawn_are_kept(quick_study, tmp_path, monkeypatch):
-    """Killed at the second of three, and with a label that the report of Snakemake would take for a command."""
+    """Killed at the second of three, and with a label that Snakemake's report would take for a command."""
     monkeypatch.chdir(quick_study.folder)
     config = read_study(QUICK[1:]) | {"figures": "own"}
     surfaces, names = config["studies"]["hurst"], ["spectrum_hurst", "heights_hurst", "peaks_hurst"]
