@@ -40,6 +40,20 @@ return { shape: image.shape, values: [...image], ...words, ...frame };
 """
 """The values of a picture, as the page draws them."""
 
+POINT = """
+const [name, column, row, number] = arguments;
+const root = Bokeh.documents[0].roots().find((each) => each.name === name);
+const view = Bokeh.index.find_one(root);
+view.el.scrollIntoView({ block: "center" });
+const data = root.renderers.find((each) => each.glyph.type === "Scatter").data_source.data;
+const edge = view.el.getBoundingClientRect();
+const [x, y] = [view.frame.x_scale.v_compute(data[column]), view.frame.y_scale.v_compute(data[row])];
+const away = (other) => Math.hypot(x[other] - x[number], y[other] - y[number]);
+const near = Math.min(...[...x.keys()].filter((other) => other !== number).map(away));
+return [edge.left + x[number], edge.top + y[number], near];
+"""
+"""Where a peak is drawn in the window, and the distance of the nearest other one, in pixels."""
+
 TALLEST = 1500
 
 TITLE = "Bokeh.documents[0].roots().find((each) => each.name === 'plane').title.text"
@@ -110,7 +124,11 @@ class Page:
         """Save a part of the page as it looks in a window of some width; at most `TALLEST` pixels of it."""
         size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": width < 500}
         self.chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        time.sleep(1)  # pictures follow the window
+        self.chromium.execute_async_script(  # pictures follow the window
+            "const wait = (done, left) => left ? requestAnimationFrame(() => wait(done, left - 1)) : done();"
+            "wait(arguments[0], 10)"
+        )
+        self.until("Bokeh.documents[0].is_idle")
         box = self.run(
             "const box = document.querySelector(arguments[0]).getBoundingClientRect();"
             "const { width, height } = box;"
@@ -124,6 +142,32 @@ class Page:
         (folder / f"{name}.png").write_bytes(base64.b64decode(found["data"]))
         self.chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         assert wide <= width, f"the page is {wide} pixels wide in a window of {width}"
+
+    def keys(self, *keys):
+        """Press keys where the focus is."""
+        self.chromium.switch_to.active_element.send_keys(*keys)
+
+    def tab_to(self, selector):
+        """Press the tabulator key until an element has the focus, which must be seen."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        from selenium.webdriver.common.keys import Keys
+
+        for _ in range(150):
+            if self.run("return document.activeElement.matches(arguments[0])", selector):
+                return
+            ActionChains(self.chromium).send_keys(Keys.TAB).perform()
+            outline = "getComputedStyle(document.activeElement.closest('.button') ?? document.activeElement)"
+            seen = f"document.activeElement === document.body || {outline}.outlineStyle !== 'none'"
+            assert self.run(f"return {seen}"), self.run("return document.activeElement.outerHTML")
+        raise AssertionError(f"{selector}: not reached by the tabulator key")
+
+    def press(self, x, y):
+        """Click at a place of the window."""
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
+
+        actions = ActionBuilder(self.chromium)
+        actions.pointer_action.move_to_location(round(x), round(y)).click()
+        actions.perform()
 
 
 def newest_answer(app):
@@ -283,6 +327,57 @@ def test_command_and_case_file_give_the_same_numbers(example, app, tmp_path, mon
     example.until("document.querySelector('#peaks tr.marked')")
     example.picture("app_answer", 1280, "#pictures")
     example.picture("app_phone_answer", 390, "#answer-step", for_docs=False)
+
+
+@pytest.mark.parametrize(
+    ("picture", "column", "row"), [("plane", "x", "y"), ("scatter", "value", "depth"), ("contact", "x", "y")]
+)
+def test_a_peak_clicked_in_a_picture_is_marked_everywhere(page, picture, column, row):
+    places = [page.run(POINT, picture, column, row, number) for number in range(12)]
+    number = max(range(12), key=lambda each: places[each][2])
+    x, y, _ = page.run(POINT, picture, column, row, number)
+    page.press(x, y)
+    page.until(f"document.querySelector('#peaks tr.marked input')?.value === '{number}'")
+    selected = (
+        "Bokeh.documents[0].roots().filter((each) => ['plane', 'scatter', 'contact'].includes(each.name))"
+        ".map((each) => each.renderers.find((one) => one.glyph.type === 'Scatter').data_source"
+        ".selected.indices.join())"
+    )
+    page.until(f"{selected}.every((each) => each === '{number}')")
+    depth = page.run("return document.querySelector('#peaks tr.marked').cells[2].textContent").split()[0]
+    page.until(f"Math.abs({TITLE}.split(' ').at(-2) / {depth} - 1) < 0.005")
+
+
+def test_everything_by_the_keyboard_alone(page, app):
+    from selenium.webdriver.common.keys import Keys
+
+    page.open(app.address)
+    page.tab_to("[data-do=example]")
+    page.keys(Keys.ENTER)
+    page.until("document.getElementById('body.material').value === '100Cr6'")
+    page.tab_to("[data-line=profile]")
+    page.keys("0 um, 0 um, 20 um, 30 um", Keys.ENTER)
+    line = "Bokeh.documents[0].roots().find((each) => each.name === 'map_profile').renderers[0].data_source"
+    page.until(f"Math.abs({line}.data.x.at(-1) - Math.hypot(20, 30)) < 0.1")
+    page.tab_to("[id='load.mean_pressure']")
+    page.keys(Keys.CONTROL, "a")
+    page.keys("40 MPa")
+    known = page.answers()
+    page.until("document.getElementById('command').textContent.includes('40 MPa')")
+    page.until("!document.getElementById('start').disabled")
+    page.tab_to("#start")
+    page.keys(Keys.ENTER)
+    page.until(f"document.querySelectorAll('[data-do=show] option').length > {known}")
+    page.until(f"{TITLE}.includes('at depth')")
+    page.tab_to("#depth")
+    title = page.run(f"return {TITLE}")
+    page.keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
+    page.until(f"{TITLE} !== {title!r}")
+    page.tab_to("#peaks input")
+    page.keys(Keys.SPACE)
+    page.until("document.querySelector('#peaks tr.marked')")
+    page.keys(Keys.ARROW_DOWN)
+    page.until("document.querySelector('#peaks tr.marked input')?.value === '1'")
 
 
 def test_download_and_open_later(page):

@@ -175,7 +175,7 @@ def values_of(content: Mapping[str, Any]) -> dict[str, str]:
     return values
 
 
-def command_of(content: Mapping[str, Any], flags: Mapping[str, str], name: str | None = None) -> str:
+def command_of(content: Mapping[str, Any], flags: Mapping[str, str]) -> str:
     """The command line that answers a case.
 
     Parameters
@@ -184,11 +184,9 @@ def command_of(content: Mapping[str, Any], flags: Mapping[str, str], name: str |
         Groups of the case.
     flags : mapping
         Dotted key → flag of ``asperity run``; all other settings are given by ``--set``.
-    name : str, optional
-        Name of the map in place of its path, for a map that was uploaded.
     """
     files = at(content, ("map", "file")) or "MAP"
-    files = files if isinstance(files, list) else [name or files]
+    files = files if isinstance(files, list) else [files]
     words = ["asperity", "run", *files]
     for key, value in _leaves(content):
         if key == "map.file":

@@ -97,10 +97,10 @@ function show(found) {
     enable();
   }
   if (found.progress) {
-    const { running, done, passed } = found.progress;
+    const { running, done, passed, stage } = found.progress;
     const left = passed * (1 / done - 1);
     const words = done > 0.02 ? `${(100 * done).toFixed(0)} %, about ${left < 90 ? `${left.toFixed(0)} s` : `${(left / 60).toFixed(0)} min`} left` : "starting";
-    const text = running ? words : found.progress.text;
+    const text = running ? `${stage ? `${stage}: ` : ""}${words}` : found.progress.text;
     byId("stop").hidden = byId("progress").hidden = !running;
     byId("progress").value = done || 0;
     byId("progress-text").textContent = text || "";
@@ -133,7 +133,7 @@ document.addEventListener("change", (event) => {
   const input = event.target;
   if (input.id === "depth") delete input.dataset.moving;
   else if (input.dataset.upload) upload(input.files, input.dataset.upload);
-  else if (input.dataset.do && input.tagName !== "BUTTON") act(input.dataset.do, input.value);
+  else if (input.dataset.do && input.tagName !== "BUTTON") act(input.dataset.do, input.dataset.line ? `${input.dataset.line}=${input.value}` : input.value);
 });
 document.addEventListener("click", (event) => {
   const button = event.target.closest("button");

@@ -40,8 +40,9 @@ class Units:
         self.length, self.stress = length, stress
 
     def of(self, values: Any, unit: str) -> tuple[float, str]:
-        """Factor and symbol of the unit in which values in m or Pa are shown."""
-        chosen, dimension = {"m": (self.length, "length"), "Pa": (self.stress, "pressure")}[unit]
+        """Factor and symbol of the unit in which values in an SI unit are shown."""
+        chosen = {"m": self.length, "Pa": self.stress}.get(unit, "")
+        dimension = "length" if unit == "m" else "pressure"
         return (to_si(f"1 {chosen}", dimension), chosen) if chosen else scaled_unit(values, unit)
 
 
@@ -228,23 +229,23 @@ class MapPictures:
         return {f"map_{name}": each for name, each in ({"image": self.image.figure} | curves).items()}
 
     def show(self, found: Mapping[str, Any], units: Units) -> None:
-        """Draw the heights of a map, and their distribution and spectrum."""
-        if "picture" in found:
-            self.image.show(found["picture"], units)
-            density, edges = found["histogram"]
-            factor, symbol = units.of(edges, "m")
-            steps = np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * factor
-            _draw_curve(self.histogram, *steps, (symbol, f"1/{symbol}"))
-        if "spectrum" in found:
-            wavelength, power = found["spectrum"]
-            factor, symbol = units.of(wavelength, "m")
-            _draw_curve(self.spectrum, wavelength / factor, power * 1e24, (symbol, "µm⁴"))
+        """Draw the heights of a map, and their distribution."""
+        self.image.show(found["picture"], units)
+        density, edges = found["histogram"]
+        factor, symbol = units.of(edges, "m")
+        steps = np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * factor
+        _draw_curve(self.histogram, *steps, (symbol, f"1/{symbol}"))
 
-    def show_profile(self, found: Mapping[str, Any], ends: Ends, units: Units) -> None:
+    def show_spectrum(self, wavelength: Array, power: Array, units: Units) -> None:
+        """Draw the power spectrum of a map."""
+        factor, symbol = units.of(wavelength, "m")
+        _draw_curve(self.spectrum, wavelength / factor, power * 1e24, (symbol, "µm⁴"))
+
+    def show_profile(self, distance: Array, values: Array, ends: Ends, units: Units) -> None:
         """Draw the heights along a line."""
         self.image.draw_line(ends)
-        (factor, symbol), (high, unit) = units.of(found["distance"], "m"), units.of(found["values"], "m")
-        _draw_curve(self.profile, found["distance"] / factor, found["values"] / high, (symbol, unit))
+        (factor, symbol), (high, unit) = units.of(distance, "m"), units.of(values, "m")
+        _draw_curve(self.profile, distance / factor, values / high, (symbol, unit))
 
 
 class AnswerPictures:

@@ -23,6 +23,7 @@ from tornado.websocket import WebSocketHandler
 
 from asperity.app import form
 from asperity.app.session import TEMPLATES, Session
+from asperity.app.worker import Worker
 from asperity.engineering.folder import MANIFEST, names_in
 from asperity.settings.materials import table
 
@@ -165,6 +166,7 @@ def files_of(folder: Path) -> dict[str, Path]:
 def serve(
     path: str | None,
     flags: Mapping[str, str],
+    reader: Worker,
     *,
     port: int = 0,
     out: str | None = None,
@@ -180,6 +182,8 @@ def serve(
         A map, a case file, or the folder of an answer, with which the page opens.
     flags : mapping
         Dotted key of a setting → flag of ``asperity run``.
+    reader : Worker
+        The process that checks cases and reads maps.
     port : int
         0 for one that is free.
     out : str, optional
@@ -201,7 +205,7 @@ def serve(
     token = secrets.token_urlsafe(24)
     with TemporaryDirectory(prefix="asperity-app-", ignore_cleanup_errors=True) as temporary:
         loop = IOLoop.current()
-        session = Session(loop, flags, Path(out or temporary).absolute(), memory)
+        session = Session(loop, reader, flags, Path(out or temporary).absolute(), memory)
         template = TEMPLATES.get_template("page.html.j2")
 
         def fill(document: Any) -> None:

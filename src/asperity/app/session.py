@@ -20,10 +20,9 @@ from asperity.app import form
 from asperity.app.pictures import AnswerPictures, Ends, MapPictures, Units
 from asperity.app.worker import Worker
 from asperity.core.errors import InputError
-from asperity.core.markup import with_error
-from asperity.core.units import shown_si
+from asperity.core.units import shown_si, to_si
 from asperity.engineering.case_file import MAP_FILES, at, load_case, names_of_maps
-from asperity.engineering.question import IN_PER_CENT
+from asperity.engineering.question import Row
 
 LONGEST_TEXT = 4000
 """Characters of a field of the form."""
@@ -31,19 +30,10 @@ LONGEST_TEXT = 4000
 DRAWN, LISTED, LEAST = 200, 12, 0.05
 """Most peaks in pictures and in the table, and the least value of a peak over the largest."""
 
-TILES = {
-    "real contact": "real contact",
-    "largest pressure": "largest pressure",
-    "largest von Mises stress": "largest von Mises stress",
-    "at depth": "its depth",
-    "volume above yield": "volume above yield",
-    "largest Dang Van stress over limit": "Dang Van stress over limit",
-    "shakedown factor, at least": "shakedown factor, at least",
-}
-"""Number at the top of an answer → its name there."""
-
 UNITS = {"length": ("", "nm", "µm", "mm"), "stress": ("", "kPa", "MPa", "GPa")}
 """Units that can be chosen; an empty one suits the values."""
+
+KILLED = "was killed, perhaps for lack of memory. Inputs are kept."
 
 TEMPLATES = Environment(
     loader=PackageLoader("asperity.app", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
@@ -57,9 +47,10 @@ class Slot:
 
     name: str
     folder: Path
+    state: str
     worker: Any = None
-    state: str = "running"
     done: float = 0.0
+    stage: str = ""
     since: float = field(default_factory=time.monotonic)
     summary: dict[str, Any] = field(default_factory=dict)
     plane: dict[str, Any] | None = None
@@ -73,7 +64,10 @@ class Tab:
     def __init__(self, document: Any, session: Session) -> None:
         self.document = document
         self.map = MapPictures(session.drag_profile)
-        self.answers = [AnswerPictures(end, session.drag_section, session.mark) for end in ("", "_beside")]
+        self.answers = [
+            AnswerPictures(end, session.drag_section, lambda number: session.do_peak(str(number)))
+            for end in ("", "_beside")
+        ]
         for pictures in (self.map, *self.answers):
             for name, root in pictures.roots().items():  # type: ignore[attr-defined]
                 root.name = name
@@ -87,6 +81,8 @@ class Session:
     ----------
     loop : IOLoop
         Of the server, which handles the replies of workers.
+    reader : Worker
+        The process that checks cases and reads maps.
     flags : mapping
         Dotted key of a setting → flag of ``asperity run``, for messages and the command line.
     folder : Path
@@ -95,7 +91,9 @@ class Session:
         Bytes that a computation may use.
     """
 
-    def __init__(self, loop: Any, flags: Mapping[str, str], folder: Path, memory: float) -> None:
+    def __init__(
+        self, loop: Any, reader: Worker, flags: Mapping[str, str], folder: Path, memory: float
+    ) -> None:
         self.loop, self.flags, self.folder, self.memory = loop, flags, folder, memory
         self.values: dict[str, str] = {}
         self.check: dict[str, Any] = {"problems": [("map.file", ": a map is needed")]}
@@ -108,14 +106,16 @@ class Session:
         self.sockets: set[Any] = set()
         self.tabs: set[Tab] = set()
         self.last_seen = time.monotonic()
-        self._profile: tuple[Ends, dict[str, Any]] | None = None
-        self._ends: Ends = (0.0, 0.0, 0.0, 0.0)
+        self._heights: dict[str, Any] | None = None
+        self._profile: Any = None
+        self._lines: dict[str, Ends] = {}
         self._number, self._starts = 0, False
         self._file: str | None = None
-        self._map = self._worker("map", self._of_map)
+        self._map = self._listen(reader, self._of_map)
 
-    def _worker(self, kind: str, handler: Callable[..., None], *arguments: Any) -> Worker:
-        return Worker(kind, lambda name, found: self.loop.add_callback(handler, *arguments, name, found))
+    def _listen(self, worker: Worker, handler: Callable[..., None]) -> Worker:
+        worker.listen(lambda name, found: self.loop.add_callback(handler, name, found))
+        return worker
 
     # What the page asks for
 
@@ -143,15 +143,12 @@ class Session:
         """Take a map, a case file, or the folder of an answer."""
         self._say("")
         if os.path.isdir(path):
-            slot = self._add(Path(path).resolve().name, Path(path), "opening")
-            slot.worker.send("open", folder=path)
+            self._add(Path(path).resolve().name, Path(path), "opening").worker.send("open", folder=path)
         elif path.endswith((".yaml", ".yml")):
             try:
-                content = load_case(path)
+                self.set(dict.fromkeys(self.values, "") | form.values_of(load_case(path)))
             except (InputError, OSError) as error:
                 self._say(str(error))
-                return
-            self.set(dict.fromkeys(self.values, "") | form.values_of(content))
         else:
             self.set({"map.file": path})
 
@@ -186,18 +183,17 @@ class Session:
 
     def do_show(self, number: str) -> None:
         """Show an answer, with the plane of its largest peak and the section through it."""
-        slot = self._chosen(number)
-        if slot is None:
-            return
-        self.shown[0], self.peak = slot, -1
-        for name, known in (("body", slot.summary["bodies"]), ("field", slot.summary["fields"])):
-            self.view[name] = self.view[name] if self.view[name] in known else known[0]
-        self._look_at(slot, 0)
+        if (slot := self._chosen(number)) is not None:
+            self.shown[0], self.peak = slot, -1
+            self.view["body"], self.view["field"] = self._looked_at(slot)
+            self._look_at(slot, 0)
+            self._draw("contact", "planes")
 
     def do_beside(self, number: str) -> None:
         """Show an answer beside the other; none for an empty number."""
         self.shown[1] = self._chosen(number)
         self._ask(True)
+        self._draw("contact", "planes")
 
     def do_view(self, value: str) -> None:
         """Show another field, body, or picture of the contact, or other units: ``name=value``."""
@@ -209,77 +205,93 @@ class Session:
             return
         if name in UNITS:
             setattr(self.units, name, chosen)
-            self._draw(self._draw_map)
+            self._draw("heights", "curves", "contact", "planes")
+            self._tell_answer()
+        elif name == "contact":
+            self.view[name] = chosen
+            self._draw("contact")
         else:
             self.view[name], self.peak = chosen, -1
-        self._ask(True)
+            self._draw("contact")  # its peaks
+            self._ask(True)
 
     def do_depth(self, number: str) -> None:
         """Show the plane at a depth of the slider."""
         depths = self._depths()
         if number.isdecimal() and int(number) < len(depths):
-            self.depth, self.peak = depths[int(number)], -1
+            is_marked, self.depth, self.peak = self.peak >= 0, depths[int(number)], -1
             self._ask(False)
-            self._draw(lambda tab: tab.answers[0].mark(-1))
+            if is_marked:
+                self._tell_answer()
 
     def do_peak(self, number: str) -> None:
-        """Mark a peak of the first answer in all pictures."""
+        """Mark a peak of the first answer in the table and in all pictures."""
         slot = self.shown[0]
         if slot is not None and number.isdecimal() and int(number) < len(self._peaks(slot)["depth"]):
             self.peak = int(number)
             self._look_at(slot, self.peak)
 
-    def mark(self, number: int) -> None:
-        """Mark a peak that was clicked in a picture."""
-        self.do_peak(str(number))
+    def do_line(self, value: str) -> None:
+        """Place the line of the profile or section: ``name=x, y, x, y`` with units."""
+        name, _, text = value.partition("=")
+        try:
+            x, y, to_x, to_y = (to_si(each, "length", "line") for each in text.split(","))
+        except ValueError as error:
+            self._say(f"{error}: x, y, x, y of its ends are needed, such as 0 um, 9 um, 50 um, 9 um")
+            return
+        (self.drag_profile if name == "profile" else self.drag_section)((x, y, to_x, to_y))
 
     def drag_profile(self, ends: Ends) -> None:
         """Ask for the heights along a line."""
-        self._profile = (ends, {})
-        self._map.send("profile", ends=ends)
+        if self._heights is not None:
+            self._lines["profile"] = ends
+            self._map.send("profile", ends=ends)
 
     def drag_section(self, ends: Ends) -> None:
         """Ask for the section along a line, of all answers that are shown."""
-        self._ends = ends
+        self._lines["section"] = ends
         self._ask(True)
 
     # What workers reply
 
     def _of_map(self, name: str, found: Any) -> None:
         """Take the heights of a map, the result of a check, or a profile."""
-        if name == "profile" and self._profile is not None:
-            self._profile = (self._profile[0], found)
-        elif name in ("heights", "check") and found["number"] == self._number:
-            self.check = self.check | found if name == "heights" else found
-            if name == "heights":
-                frame, ends = found["picture"], self._profile and self._profile[0]
-                if self._file != self.values.get("map.file") or ends is None:
-                    self._file = self.values.get("map.file")
-                    y = frame["y"] + frame["dh"] / 2
-                    ends = (frame["x"], y, frame["x"] + frame["dw"], y)
-                self.drag_profile(ends)
+        if name == "profile":
+            self._profile = found
+            self._draw("curves")
+        elif name == "heights" and found["number"] == self._number:
+            self._heights, frame = found, found["picture"]
+            ends = self._lines.get("profile")
+            if self._file != self.values.get("map.file") or ends is None:
+                self._file = self.values.get("map.file")
+                y = frame["y"] + frame["dh"] / 2
+                ends = (frame["x"], y, frame["x"] + frame["dw"], y)
+            self._draw("heights")
+            self.drag_profile(ends)
+        elif name == "check" and found["number"] == self._number:
+            self.check = found
+            self._draw("curves")
+            self.tell(self._state_of_form())
+            if self._starts:
+                self.do_start("")
         elif name == "refused":
             self._say(" ".join(found[1]))
         elif name == "ended" and not self._map.stopped:
-            self._say("The process that reads maps was killed, perhaps for lack of memory. Inputs are kept.")
-            self._map = self._worker("map", self._of_map)
-        self._draw(self._draw_map)
-        if name == "check":
-            self.tell(self._state_of_form())
-            if self._starts and found["number"] == self._number:
-                self.do_start("")
+            self._say(f"The process that reads maps {KILLED}")
+            self._map = self._listen(Worker("map"), self._of_map)
 
     def _of_answer(self, slot: Slot, name: str, found: Any) -> None:
         """Take progress, an answer, or a picture of it."""
         if name == "progress":
             slot.done = found
+        elif name == "stage":
+            slot.stage = found
         elif name in ("run", "open"):
             slot.state, slot.summary = "shown", found
             self.do_show(str(self.slots.index(slot)))
         elif name in ("plane", "section"):
             setattr(slot, name, found)
-            self._draw(self._draw_planes)
-            self.tell({"plane": self._slider()})
+            self._draw("planes")
             return
         elif name == "refused" and slot.state == "shown":
             self._say(" ".join(found[1]))
@@ -290,14 +302,10 @@ class Session:
             if slot.state == "running":  # an unfinished folder, which the page has made
                 shutil.rmtree(slot.folder, ignore_errors=True)
             slot.state = "ended"
-            killed = f"The computation was killed (exit code {found}), perhaps for lack of memory."
-            slot.message = slot.message or (
-                "Stopped." if slot.worker.stopped else f"{killed} Inputs are kept."
-            )
+            killed = f"The computation (exit code {found}) {KILLED}"
+            slot.message = slot.message or ("Stopped." if slot.worker.stopped else killed)
         elif name == "ended" and not slot.worker.stopped:
-            self._say(
-                f"The process that draws {slot.name} was killed. Choose the answer again for its planes."
-            )
+            self._say(f"The process that draws {slot.name} {KILLED} Choose the answer again for its planes.")
         self.tell({"progress": self._progress()})
 
     # What the page shows
@@ -319,8 +327,7 @@ class Session:
         tab = Tab(document, self)
         self.tabs.add(tab)
         document.on_session_destroyed(lambda _: self.tabs.discard(tab))
-        for change in (self._draw_map, self._draw_contact, self._draw_planes):
-            change(tab)
+        self._fill(tab, "heights", "curves", "contact", "planes")
 
     def watch(self) -> None:
         """Report progress, and end a computation that uses too much memory."""
@@ -348,14 +355,14 @@ class Session:
         self.tell({"html": {"notice": self._part("notice")}})
 
     def _add(self, name: str, folder: Path, state: str) -> Slot:
-        slot = Slot(name, folder, state=state)
+        slot = Slot(name, folder, state)
         self._wake(slot)
         self.slots.append(slot)
         self.tell({"progress": self._progress()})
         return slot
 
     def _wake(self, slot: Slot) -> None:
-        slot.worker = self._worker("answer", self._of_answer, slot)
+        slot.worker = self._listen(Worker("answer"), partial(self._of_answer, slot))
 
     def _running(self) -> Slot | None:
         return next((slot for slot in self.slots if slot.state in ("running", "opening")), None)
@@ -378,10 +385,9 @@ class Session:
         imposed = f"load.{form.LOADS[form.chosen('choose.load', self.values)][0]}"
         for key, text in self.check["problems"]:
             first = imposed if key.startswith("load.") and "," in key else key.split(",")[0]
-            message = f"{self.flags.get(key, key)}{text}"
-            listed.append(message)
+            listed.append(f"{self.flags.get(key, key)}{text}")
             if self.values.get(first):
-                at_fields[first] = message
+                at_fields[first] = listed[-1]
         return {
             "html": {name: self._part(name, listed=listed) for name in ("info", "hertz", "ready")},
             "problems": at_fields,
@@ -394,26 +400,24 @@ class Session:
     def _repeat(self) -> str:
         """The command line and the case file that give the answer; of uploaded maps they have the names."""
         content = form.content_of(self.values)
-        maps = [group for keys in MAP_FILES if (group := at(content, keys[:-1])) and "file" in group]
-        for group in maps:
-            group["file"] = self._names(group["file"], str)
-        command = form.command_of(content, self.flags)
-        for group in maps:
-            group["file"] = self._names(group["file"], _absolute)
+        for keys in MAP_FILES:
+            if (group := at(content, keys[:-1])) and "file" in group:
+                files = group["file"]
+                group["file"] = [*map(self._path, files)] if isinstance(files, list) else self._path(files)
         text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
-        return self._part("repeat", command=command, case=text)
+        return self._part("repeat", command=form.command_of(content, self.flags), case=text)
 
-    def _names(self, files: Any, shown: Callable[[str], str]) -> Any:
-        """The name of a file or of several, of those in the folder of the page without that folder."""
-        if isinstance(files, list):
-            return [self._names(each, shown) for each in files]
-        return Path(files).name if Path(files).is_relative_to(self.folder) else shown(files)
+    def _path(self, path: str) -> str:
+        """The whole path of a map, or the name of one that was uploaded."""
+        is_uploaded = Path(path).is_relative_to(self.folder)
+        return Path(path).name if is_uploaded else os.path.abspath(path) if os.path.exists(path) else path
 
     def _progress(self) -> dict[str, Any]:
         slot = self._running()
         if slot is None:
             return {"running": False, "text": self.slots[-1].message if self.slots else ""}
-        return {"running": True, "done": slot.done, "passed": time.monotonic() - slot.since}
+        passed = time.monotonic() - slot.since
+        return {"running": True, "done": slot.done, "passed": passed, "stage": slot.stage}
 
     def _looked_at(self, slot: Slot) -> tuple[str, str]:
         """Body and field that are looked at, as far as an answer has them."""
@@ -427,27 +431,27 @@ class Session:
         has_peak = number < len(peaks["depth"])
         self.depth = float(peaks["depth"][number]) if has_peak else 0.0
         y = float(peaks["y"][number]) if has_peak else frame["y"] + frame["dh"] / 2
-        self._ends = (frame["x"], y, frame["x"] + frame["dw"], y)
+        self._lines["section"] = (frame["x"], y, frame["x"] + frame["dw"], y)
         self._ask(True)
 
     def _ask(self, with_section: bool) -> None:
-        """Ask for the plane, and the section, of the answers that are shown; draw what is known."""
+        """Ask for the plane, and the section, of the answers that are shown."""
         for slot in filter(None, self.shown):
             body, name = self._looked_at(slot)
             slot.worker.send("plane", body=body, field=name, depth=self.depth)
-            if with_section:
-                slot.section = None
-                slot.worker.send("section", body=body, field=name, ends=self._ends)
+            if with_section and "section" in self._lines:
+                slot.worker.send("section", body=body, field=name, ends=self._lines["section"])
+        self._draw("mark")
         if with_section:
-            self._draw(self._draw_contact)
-            self.tell({"html": self._parts_of_answer(), "beside": self.shown[1] is not None})
-        self._draw(self._draw_planes)
+            self._tell_answer()
         self.tell({"plane": self._slider()})
+
+    def _tell_answer(self) -> None:
+        self.tell({"html": self._parts_of_answer(), "beside": self.shown[1] is not None})
 
     def _peaks(self, slot: Slot) -> dict[str, Any]:
         """Peaks of the field and body that are looked at, the largest first; in m and Pa."""
-        known = {name: np.array(values) for name, values in slot.summary["peaks"].items()}
-        body, name = self._looked_at(slot)
+        known, (body, name) = slot.summary["peaks"], self._looked_at(slot)
         size = np.abs(known["value_Pa"])
         own = np.flatnonzero((known["body"] == body) & (known["quantity"] == name))
         own = own[size[own] >= LEAST * size[own].max(initial=0.0)][:DRAWN]
@@ -464,75 +468,66 @@ class Session:
         nearest = int(np.abs(np.subtract(depths, self.depth)).argmin())
         return {"last": len(depths) - 1, "at": nearest, "text": shown_si(self.depth, "m", 3)}
 
-    def words(self, row: Mapping[str, Any]) -> dict[str, str]:
-        """A number of an answer as text in the chosen units, its error, and what this is the error of."""
-        value, unit, error = row["value"], row["unit"], row["error"]
-        factor, symbol = (0.01, "%") if row["name"] in IN_PER_CENT else (1.0, "" if unit == "1" else unit)
-        if unit in ("m", "Pa"):
-            factor, symbol = self.units.of(value, unit)
-        is_scaled = factor != 1.0 or unit in ("1", "m", "Pa")
-        text = f"{value / factor:.4g} {symbol}" if is_scaled else shown_si(value, unit)
-        found = {"name": row["name"], "text": text, "error": "", "meaning": ""}
-        if error > 0 and is_scaled:
-            found["error"] = f"{with_error(row['estimate'] / factor, error / factor)} {symbol}"
-            found["meaning"] = "for vanishing pixels" if row["of_limit"] else f"by {row['error_of']}"
-        return found
+    def words(self, values: Mapping[str, Any]) -> tuple[str, list[str]]:
+        """A number of an answer in the chosen units, and its errors, each with what it is the error of."""
+        row = Row(**values, shown="")
+        return row.in_unit(*self.units.of(row.value, row.unit))
 
     def _parts_of_answer(self) -> dict[str, str]:
         """Tiles, warnings, numbers, peaks and files of the answers that are shown."""
         answers = list(filter(None, self.shown))
         known = self._peaks(answers[0]) if answers else {"value": ()}
-        units = {name: "Pa" if name == "value" else "m" for name in known}
         peaks = [
-            {name: self.in_words(values[number], units[name]) for name, values in known.items()}
+            {name: self.in_words(values[number], name) for name, values in known.items()}
             for number in range(min(LISTED, len(known["value"])))
         ]
         names = ("answer", "peaks", "choices")
-        return {
-            each: self._part(each, answers=answers, peaks=peaks, tiles=TILES, units=UNITS) for each in names
-        }
+        return {each: self._part(each, answers=answers, peaks=peaks, units=UNITS) for each in names}
 
-    def in_words(self, value: float, unit: str) -> str:
-        """A length or stress in the chosen unit."""
-        factor, symbol = self.units.of(value, unit)
+    def in_words(self, value: float, name: str) -> str:
+        """A length, or the value of a peak, in the chosen unit."""
+        factor, symbol = self.units.of(value, "Pa" if name == "value" else "m")
         return f"{value / factor:.4g} {symbol}"
 
-    def _draw(self, change: Callable[[Tab], Any]) -> None:
-        """Change the pictures of all tabs when their documents are free."""
+    def _draw(self, *parts: str) -> None:
+        """Draw parts of the pictures of all tabs when their documents are free."""
         for tab in self.tabs:
-            tab.document.add_next_tick_callback(partial(change, tab))
+            tab.document.add_next_tick_callback(partial(self._fill, tab, *parts))
 
-    def _draw_map(self, tab: Tab) -> None:
-        tab.map.show(self.check, self.units)
-        if self._profile is not None and self._profile[1]:
-            tab.map.show_profile(self._profile[1], self._profile[0], self.units)
-
-    def _draw_contact(self, tab: Tab) -> None:
-        """Draw contact and peaks of the answers, in common colours."""
-        which = self.view["contact"]
-        highest = [float(slot.summary[which]["values"].max()) for slot in filter(None, self.shown)]
-        for slot, pictures in zip(self.shown, tab.answers, strict=True):
-            if slot is not None:
-                pictures.show_contact(slot.summary[which], which, self.units, (0.0, max(highest)))
-                pictures.show_peaks(self._peaks(slot), self.units, slot.summary["pressure"])
+    def _fill(self, tab: Tab, *parts: str) -> None:
+        """Draw heights, curves, contact, planes, or the mark of a peak in a tab, as far as they are known."""
+        answers = [(slot, own) for slot, own in zip(self.shown, tab.answers, strict=True) if slot is not None]
+        if "heights" in parts and self._heights is not None:
+            tab.map.show(self._heights, self.units)
+        if "curves" in parts:
+            if "spectrum" in self.check:
+                wavelength, power = self.check["spectrum"]
+                tab.map.show_spectrum(wavelength, power, self.units)
+            if self._profile is not None:
+                distance, height = self._profile
+                tab.map.show_profile(distance, height, self._lines["profile"], self.units)
+        if "contact" in parts:
+            which = self.view["contact"]
+            highest = max((float(slot.summary[which]["values"].max()) for slot, _ in answers), default=0.0)
+            for slot, own in answers:
+                own.show_contact(slot.summary[which], which, self.units, (0.0, highest))
+                own.show_peaks(self._peaks(slot), self.units, slot.summary["pressure"])
+        if "planes" in parts:
+            self._draw_planes([(slot, own) for slot, own in answers if slot.plane is not None])
         tab.answers[0].mark(self.peak)
 
-    def _draw_planes(self, tab: Tab) -> None:
+    def _draw_planes(self, answers: list[tuple[Slot, AnswerPictures]]) -> None:
         """Draw planes and sections of the answers, in the colours of the largest stress."""
-        slots = [slot for slot in self.shown if slot is not None and slot.plane is not None]
-        values = [each["picture"]["values"] for slot in slots for each in (slot.plane, slot.section) if each]
-        peaks = [self._peaks(slot)["value"] for slot in slots]
-        low = min([0.0, *(float(each.min()) for each in (*values, *peaks) if each.size)])
-        high = max([0.0, *(float(each.max()) for each in (*values, *peaks) if each.size)])
-        for slot, pictures in zip(self.shown, tab.answers, strict=True):
-            if slot is not None and slot.plane is not None:
-                body, name = self._looked_at(slot)
-                level = slot.summary["yield"].get(body) if name == "von_mises" else None
-                title = f"{name.replace('_', ' ')} at depth {shown_si(slot.plane['depth'], 'm', 3)}"
-                found = (slot.plane, slot.section, self._ends)
-                pictures.show_planes(*found, self.units, title, level, (low, high))
-
-
-def _absolute(path: str) -> str:
-    """The whole path of a file; a name that is none stays as it is."""
-    return os.path.abspath(path) if os.path.exists(path) else path
+        values = [self._peaks(slot)["value"] for slot, _ in answers]
+        values += [
+            each["picture"]["values"] for slot, _ in answers for each in (slot.plane, slot.section) if each
+        ]
+        low = min([0.0, *(float(each.min()) for each in values if each.size)])
+        high = max([0.0, *(float(each.max()) for each in values if each.size)])
+        for slot, pictures in answers:
+            plane: Any = slot.plane
+            body, name = self._looked_at(slot)
+            level = slot.summary["yield"].get(body) if name == "von_mises" else None
+            title = f"{name.replace('_', ' ')} at depth {shown_si(plane['depth'], 'm', 3)}"
+            found = (plane, slot.section, self._lines["section"])
+            pictures.show_planes(*found, self.units, title, level, (low, high))

@@ -30,19 +30,22 @@ class Worker:
     ----------
     kind : str
         ``"map"`` checks cases, ``"answer"`` computes one answer and shows it.
-    reply : callable
-        Called in another thread with the name and content of each reply, and with ``"ended"`` and the exit
-        code when the process has ended.
     """
 
-    def __init__(self, kind: str, reply: Reply) -> None:
+    def __init__(self, kind: str) -> None:
         context = get_context("spawn")
         self._pipe, theirs = context.Pipe()
-        self._reply, self.stopped = reply, False
+        self.stopped = False
         self.process = context.Process(target=_work, args=(theirs, kind), daemon=True)
         self.process.start()
         theirs.close()
-        threading.Thread(target=self._listen, daemon=True).start()
+
+    def listen(self, reply: Reply) -> None:
+        """Call a function in another thread with the name and content of each reply.
+
+        When the process has ended, these are ``"ended"`` and its exit code.
+        """
+        threading.Thread(target=self._listen, args=(reply,), daemon=True).start()
 
     def send(self, request: str, **given: Any) -> None:
         """Ask for something; the reply comes later."""
@@ -63,13 +66,13 @@ class Worker:
         except psutil.Error:
             return 0
 
-    def _listen(self) -> None:
+    def _listen(self, reply: Reply) -> None:
         try:
             while True:
-                self._reply(*self._pipe.recv())
+                reply(*self._pipe.recv())
         except (EOFError, OSError):
             self.process.join()
-            self._reply("ended", self.process.exitcode)
+            reply("ended", self.process.exitcode)
 
 
 def _work(pipe: Connection, kind: str) -> None:
@@ -84,10 +87,14 @@ def _work(pipe: Connection, kind: str) -> None:
         with lock:
             pipe.send((name, content))
 
-    from asperity.app.jobs import AnswerJob, MapJob
     from asperity.core.errors import InputError
 
-    job: Any = (MapJob if kind == "map" else AnswerJob)(reply)
+    if kind == "map":
+        from asperity.app.map_job import MapJob as Job
+    else:
+        from asperity.app.answer_job import AnswerJob as Job  # type: ignore[assignment]
+
+    job: Any = Job(reply)
     waiting: list[tuple[str, dict[str, Any]]] = []
     is_idle = True
     while True:

@@ -64,7 +64,7 @@ import numpy as np
 from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
 from asperity.core.errors import shown
 from asperity.core.markup import table
-from asperity.core.types import Array, ArrayLike
+from asperity.core.types import FIELDS, Array, ArrayLike
 from asperity.elasticity.coating import Materials, fill_coated_compliance, fill_coated_kernels
 from asperity.elasticity.kernels import (
     BONDED,
@@ -76,7 +76,7 @@ from asperity.elasticity.kernels import (
     green_elements,
 )
 
-COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+COMPONENTS = FIELDS[:6]
 LATERALS = ("confined", "free")
 
 _KINDS = {"bonded": BONDED, "frictionless": FRICTIONLESS, "free": FREE}

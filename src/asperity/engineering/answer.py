@@ -246,8 +246,9 @@ class Answer:
         return found.assign(error_of=found["error_of"].replace("", None))
 
     def advice_table(self) -> pd.DataFrame:
-        """Warnings and notes: level, subject, text."""
-        found = [(each.level, each.subject, each.text) for each in self.advice]
+        """Verdicts, warnings and notes: level, subject, text."""
+        found = [("verdict", "", text) for text in self.verdicts]
+        found += [(each.level, each.subject, each.text) for each in self.advice]
         return pd.DataFrame(found, columns=["level", "subject", "text"])
 
     def gaps(self) -> pd.DataFrame:

@@ -1,26 +1,23 @@
 """A case: the map, the bodies, the load, and the questions that are asked; what follows from them.
 
 A group of settings is a class; a case has a field for each. To add a question, add its file in `questions`
-and its field here.
+and its field here. The physics is imported where it is needed: forms, help and schemas are made without it.
 """
+
+from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from asperity.contact import Contact
+from asperity.core.types import FIELDS
 from asperity.core.units import shown_si
-from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
-from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
-from asperity.elasticity.solid import Solid
-from asperity.elasticity.two_bodies import TwoBodies
-from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Question
 from asperity.engineering.questions.conduction import Conduction
 from asperity.engineering.questions.cycles import Cycles
@@ -38,8 +35,14 @@ from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import own_materials
 from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, optional, setting
-from asperity.stress.cycles.hertz_contact import HertzContact
-from asperity.stress.planes.fields import FIELDS
+
+if TYPE_CHECKING:
+    from asperity.contact import Contact
+    from asperity.elasticity.loaded_solid import LoadedSolid
+    from asperity.elasticity.solid import Solid
+    from asperity.elasticity.two_bodies import TwoBodies
+    from asperity.engineering.face import RoughFace
+    from asperity.stress.cycles.hertz_contact import HertzContact
 
 PRESSED = ("young", "poisson", "hardness", "coating", "layer", "map")
 """Settings of a body on which its contact depends."""
@@ -159,7 +162,9 @@ class Case(Settings):
 
     def problems_of_pressure(self, mean_pressure: float) -> Iterator[tuple[str, str]]:
         """A mean pressure on the map that is too large, or not below the hardness."""
-        most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST_PRESSURE)
+        from asperity.elasticity.loaded_solid import LARGEST
+
+        most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST)
         given = shown_si(self.load.value, UNITS[self.load.kind])
         if not mean_pressure < most:
             needed = f"a mean pressure of less than {shown_si(most, 'Pa')} is needed"
@@ -240,6 +245,8 @@ class Case(Settings):
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
+        from asperity.elasticity.loaded_solid import traction_direction
+
         direction = traction_direction(self.sliding_direction, body)
         return {"friction": self.friction, "sliding_direction": direction}
 
@@ -254,6 +261,8 @@ class Case(Settings):
         """The solid, or the two bodies, that the solver presses."""
         if (counter := self.elastic_counter_body) is None:
             return solid_of(self.body)
+        from asperity.elasticity.two_bodies import TwoBodies
+
         return TwoBodies(solid_of(self.body), solid_of(counter))
 
     @property
@@ -329,6 +338,8 @@ class Case(Settings):
 
 def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float) -> HertzContact:
     """The Hertz contact under a kind of load; a `mean_pressure` is the pressure at the place of the map."""
+    from asperity.stress.cycles.hertz_contact import HertzContact
+
     given = {"force": load} if kind == "force" else {"largest_pressure": load}
     if kind == "mean_pressure":
         given["largest_pressure"] /= place.share
@@ -337,6 +348,8 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
 
 def solid_of(body: Body) -> Solid:
     """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
+    from asperity.elasticity.solid import Solid
+
     if body.layer is not None:
         return Solid(body.young, body.poisson, body.layer.height, body.layer.bottom)
     base = Solid(body.young, body.poisson)

@@ -63,7 +63,8 @@ class Row(NamedTuple):
     """One line of the answer: group, name, value in SI, its unit, and all numbers for a reader.
 
     The estimate for vanishing pixels and its error are NaN where there is none. ``error_of`` says what causes
-    the error, and ``error_of_places`` is half of the 95 % interval from place to place.
+    the error, ``error_of_places`` is half of the 95 % interval from place to place, and
+    ``error_of_inputs`` the error by the tolerances of the inputs.
     """
 
     group: str
@@ -75,6 +76,7 @@ class Row(NamedTuple):
     error: float = float("nan")
     error_of: str = ""
     error_of_places: float = float("nan")
+    error_of_inputs: float = float("nan")
 
     @property
     def with_error(self) -> str:
@@ -95,6 +97,34 @@ class Row(NamedTuple):
         shown = self._shown_with(self.value, self.error_of_places)
         return f"{shown[shown.index('±') :]} from place to place"
 
+    def in_unit(self, factor: float, symbol: str) -> tuple[str, list[str]]:
+        """The number in a unit, and its errors as text, each with what it is the error of.
+
+        Shares are shown in per cent, and numbers without a unit as they are.
+        """
+        if self.name in IN_PER_CENT:
+            factor, symbol = 0.01, "%"
+        elif self.unit == "1":
+            factor, symbol = 1.0, ""
+
+        def text(error: float) -> str:
+            shown = with_error(self.value / factor, error / factor)
+            return f"{shown[shown.index('±') :]} {symbol}".strip()
+
+        errors = []
+        if self.error > 0 and self.estimate != self.value:
+            shown = with_error(self.estimate / factor, self.error / factor)
+            errors.append(f"{shown} {symbol} for vanishing pixels")
+        elif self.error > 0:
+            errors.append(f"{text(self.error)} by {self.error_of}")
+        if self.error_of_places > 0:
+            errors.append(f"{text(self.error_of_places)} from place to place")
+        elif self.between_places:
+            errors.append(self.between_places)
+        if self.error_of_inputs > 0:
+            errors.append(f"{text(self.error_of_inputs)} by the inputs")
+        return f"{self.value / factor:.4g} {symbol}".strip(), errors
+
     def _shown_with(self, value: float, error: float) -> str:
         """A number and its error in the unit of the row."""
         factor, symbol = (1.0, "") if self.unit == "1" else scaled_unit(max(abs(value), error), self.unit)
@@ -113,8 +143,9 @@ class Row(NamedTuple):
         """The row with its relative error by the tolerances of the inputs, if there are any."""
         if not relative > 0:
             return self
-        shown = self._shown_with(self.value, relative * abs(self.value))
-        return self._replace(shown=f"{self.shown}; {shown[shown.index('±') :]} by the inputs")
+        row = self._replace(error_of_inputs=relative * abs(self.value))
+        shown = self._shown_with(self.value, row.error_of_inputs)
+        return row._replace(shown=f"{self.shown}; {shown[shown.index('±') :]} by the inputs")
 
     def of_places(self, relative: float) -> Row:
         """The row with its relative error from place to place, if that is known."""

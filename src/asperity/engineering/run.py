@@ -1,6 +1,6 @@
 """All stages from a map to an answer: read, press, stress, and what the questions of the case add in each."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -99,7 +99,12 @@ def _with_heights(map: Any, length: Any) -> Any:
     return group
 
 
-def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | None = None) -> Answer:
+def answer_of(
+    case: Case,
+    rough: RoughFace | None = None,
+    progress: Progress | None = None,
+    on_stage: Callable[[str], None] | None = None,
+) -> Answer:
     """The answer of a case.
 
     Parameters
@@ -109,6 +114,8 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         The result of `read_face` for it; by default it is read here.
     progress : callable, optional
         Called as progress(done, total).
+    on_stage : callable, optional
+        Called with the name of each stage, a key of `work_of`, when it begins.
 
     Raises
     ------
@@ -120,7 +127,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     if wrong := problems_on_map(case, rough):
         raise SettingsError("", wrong)
     asked, found = case, {}
-    part = _Parts(progress, work_of(case, rough.face.grid.mirrored))
+    part = _Parts(progress, work_of(case, rough.face.grid.mirrored), on_stage)
     for name, question in case.questions.items():
         case, rough, found[name] = question.before_contact(case, rough, part.next(f"before {name}"))
     face = rough.face
@@ -192,12 +199,20 @@ def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
 class _Parts:
     """Progress of stages one after the other, each a share of the whole by its work."""
 
-    def __init__(self, progress: Progress | None, work: Mapping[str, float]) -> None:
+    def __init__(
+        self,
+        progress: Progress | None,
+        work: Mapping[str, float],
+        on_stage: Callable[[str], None] | None = None,
+    ) -> None:
         self._progress, self._work, self._done = progress, work, 0.0
+        self._on_stage = on_stage
         self._total = sum(work.values())
 
     def next(self, name: str) -> Progress:
         """Progress of the next stage, which begins; those before it are done."""
+        if self._on_stage is not None:
+            self._on_stage(name)
         work = self._work.get(name, 0.0)  # film and run-in may change what the other questions are
         report = _part(self._progress, self._done / self._total, (self._done + work) / self._total)
         self._done += work

@@ -23,7 +23,7 @@ from asperity.engineering.difference import differences, group_of, verdict
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
 from asperity.engineering.sample import ONE_MAP, Sample, warnings_by_kind
-from asperity.engineering.values import values_of
+from asperity.engineering.values import in_one_scale, slider_of, values_in, values_of
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
 
@@ -72,6 +72,7 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
         pictures=[
             (each.caption, png(each.figure), values_of(each.figure)) for each in compared_pictures(answers)
         ],
+        sliders=in_one_scale({name: slider_of(answer, "lower") for name, answer in answers.items()}),
         names=list(answers),
     )
     values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
@@ -179,6 +180,10 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
     predicted = [largest_in_words(row) for row in of_area if row.body == "lower" or not repeats]
     size = sample.areas.sum() if area is None else area
     predicted += [survival_in_words(row) for row in sample.survival(size).itertuples()]
+    shown = {
+        name: values_in((folder / name / "report.html").read_text(encoding="utf-8"))
+        for name in sample.names[:SHOWN_MAPS]
+    }
     page = rendered(
         "asperity.engineering",
         "sample.html.j2",
@@ -190,10 +195,11 @@ def write_sample(sample: Sample, folder: Path, cases: Sequence[tuple[Case, Seque
         one_map=ONE_MAP,
         repeats=repeats,
         pictures=[
-            [f"{name}/{picture}.png" for name in sample.names[:SHOWN_MAPS]]
+            [(f"{name}/{picture}.png", values.get(picture)) for name, values in shown.items()]
             for picture in POOLED_PICTURES
             if (folder / sample.names[0] / f"{picture}.png").exists()
         ],
+        sliders=in_one_scale({name: each["depths"] for name, each in shown.items() if "depths" in each}),
         case_file=(case := pool_text(cases, folder)),
     )
     with locked(folder), replacing(folder, kept=set()) as unfinished:

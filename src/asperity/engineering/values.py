@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import base64
+import json
+import re
 import zlib
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -155,6 +158,24 @@ class DepthPlanes:
         last = int(np.flatnonzero(sizes >= FADED * sizes.max())[-1])
         evenly = np.linspace(0, last, PLANES).round().astype(int).tolist()
         return [self._found[number] for number in sorted({*evenly, int(sizes.argmax())})]
+
+
+_NAMED = re.compile(r'<script type="application/json" data-name="(\w+)">(.*?)</script>')
+
+
+def values_in(report: str) -> dict[str, Any]:
+    """Values in a report: name of a picture → its panels, and ``depths`` → the planes of the slider."""
+    found = _NAMED.findall(report)
+    return {name: json.loads(text) for name, text in reversed(found)}  # of several bodies the first
+
+
+def in_one_scale(sliders: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Sliders with the ends of all of them, as far as they have the same unit."""
+    units: dict[str, list[float]] = {}
+    for each in sliders.values():
+        units.setdefault(each["labels"][2], []).extend(each["ends"])
+    ends = {unit: [min(values), max(values)] for unit, values in units.items()}
+    return {name: {**each, "ends": ends[each["labels"][2]]} for name, each in sliders.items()}
 
 
 def slider_of(answer: Answer, body: str) -> dict[str, Any]:

@@ -23,6 +23,9 @@ def run(options: argparse.Namespace) -> None:
         sys.exit(fail(f"{options.open}: no such file or folder", WRONG_USAGE))
     import psutil
 
+    from asperity.app.worker import Worker
+
+    reader = Worker("map")  # it imports what it needs while this process imports the server
     from asperity.app.server import serve
 
     memory = MEMORY_SHARE * psutil.virtual_memory().total
@@ -30,6 +33,7 @@ def run(options: argparse.Namespace) -> None:
         serve(
             options.open,
             FLAGS,
+            reader,
             port=options.port,
             out=options.out,
             stop_after=None if options.stop_after is None else _seconds(options.stop_after),

@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
-from asperity.contact import Contact
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
-from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row, per_cent
 from asperity.engineering.questions.leak import SEALING_ERROR, WIDE
 from asperity.settings.load import UNITS
@@ -25,6 +23,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from asperity.contact import Contact
+    from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.engineering.question import Answer, Case
     from asperity.engineering.questions.leak import Sealing
 
@@ -265,7 +265,7 @@ def load_curve(
     contacts: Iterable[Contact],
     bodies: Sequence[str] = (),
     resistivities: Mapping[str, float] | None = None,
-    loaded: Callable[[Contact, str], LoadedSolid] = Contact.in_body,
+    loaded: Callable[[Contact, str], LoadedSolid] | None = None,
     more: Callable[[Contact], Mapping[str, float]] | None = None,
     **sliding: Any,
 ) -> xr.Dataset:
@@ -319,7 +319,8 @@ def load_curve(
             row["plastic_area"] = contact.plastic_area
         row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
         rows.append(row | dict(more(contact) if more else {}))
-        stresses.append([largest_von_mises(loaded(contact, body), body, **sliding) for body in bodies])
+        solids = {body: loaded(contact, body) if loaded else contact.in_body(body) for body in bodies}
+        stresses.append([largest_von_mises(solid, body, **sliding) for body, solid in solids.items()])
     if not rows:
         raise ValueError("contacts: at least one is needed")
     found = xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
@@ -333,6 +334,7 @@ def largest_von_mises(
     loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
     """Largest von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
+    from asperity.elasticity.loaded_solid import traction_direction
     from asperity.engineering.body_stress import STRESS_TOLERANCE, largest_von_mises_between
     from asperity.stress.analysis import analyse_stress
 

@@ -27,6 +27,7 @@ import numpy as np
 
 from asperity.core.compiled import compiled, inlined
 from asperity.core.parallel import in_parts
+from asperity.core.types import FIELDS as FIELDS
 from asperity.core.types import Array
 from asperity.elasticity.solid import COMPONENTS
 from asperity.fourier.grid import EVEN, Grid
@@ -34,10 +35,8 @@ from asperity.fourier.grid import EVEN, Grid
 MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""
 
-FIELDS = (*COMPONENTS, *MEASURES, "hydrostatic")
-"""Names of the fields of the stress; their places are their numbers in the compiled functions."""
-
-# Places in `FIELDS`; those of the components are also places in `BASIS`, of their fields A.
+# Places in `FIELDS`, which are their numbers in the compiled functions; those of the components are also
+# places in `BASIS`, of their fields A.
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 _VON_MISES, _LARGEST_SHEAR, _PRINCIPAL_1, _PRINCIPAL_2, _PRINCIPAL_3, _HYDROSTATIC = range(6, 12)
 

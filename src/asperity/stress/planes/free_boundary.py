@@ -64,7 +64,6 @@ class FreePlanes:
     def __init__(
         self,
         solid: LoadedSolid,
-        depths: Array,
         tolerance: float,
         envelope: Callable[[float], float],
         traction: tuple[float, float],
@@ -79,13 +78,17 @@ class FreePlanes:
             self._loads = [((1.0, 0.0, 0.0), solid.pressure), ((0.0, *traction), solid.sliding_pressure)]
         coarse = [other for other in coarser_grids(grid)[1:] if _saves_work(other, grid)]
         if tolerance == 0 or not coarse:
-            self.plan = [PlaneGrid(grid, 0.0, 0.0, 0) for _ in depths]
+            self.choose: Callable[[float], PlaneGrid] = lambda _: PlaneGrid(grid, 0.0, 0.0, 0)
             return
         own = {_repeated(each): each for each in (grid, *coarse)}
         modes, sliding = self._repeated_modes[0], self._repeated_modes[-1]
         truncation = Truncation(modes, list(own), solid.layer, tolerance, envelope, ALIASES, sliding)
-        chosen = [truncation.choose(depth, all_columns=True) for depth in depths]
-        self.plan = [PlaneGrid(own[each.grid], each.bound, 0.0, 0) for each in chosen]
+
+        def choose(depth: float) -> PlaneGrid:
+            found = truncation.choose(depth, all_columns=True)
+            return PlaneGrid(own[found.grid], found.bound, 0.0, 0)
+
+        self.choose = choose
 
     @cached_property
     def _repeated_modes(self) -> list[Array]:

@@ -41,7 +41,6 @@ class PeriodicPlanes:
     Parameters
     ----------
     solid : LoadedSolid
-    depths : (planes,) array
     tolerance : float
         Of the planes on coarser grids, see `asperity.stress_planes`.
     envelope : callable
@@ -55,8 +54,8 @@ class PeriodicPlanes:
 
     Attributes
     ----------
-    plan : list of PlaneGrid
-        Of each plane.
+    choose : callable
+        Depth → the `PlaneGrid` of that plane.
     mean_pressure : float
     dtype : dtype
     """
@@ -64,7 +63,6 @@ class PeriodicPlanes:
     def __init__(
         self,
         solid: LoadedSolid,
-        depths: Array,
         tolerance: float,
         envelope: Callable[[float], float],
         traction: tuple[float, float],
@@ -79,8 +77,7 @@ class PeriodicPlanes:
         if solid.sticking_pressure is not None and any(traction):
             sliding = fourier.forward(solid.sliding_pressure)
         grids = coarser_grids(solid.grid)
-        truncation = Truncation(modes, grids, solid.layer, tolerance, envelope, sliding=sliding)
-        self.plan = [truncation.choose(depth) for depth in depths]
+        self.choose = Truncation(modes, grids, solid.layer, tolerance, envelope, sliding=sliding).choose
         self.mean_pressure, self._mean_sliding = float(modes[0, 0].real), float(sliding[0, 0].real)
         self.dtype = np.dtype(dtype)
         self._pressure, self._kept = solid.pressure, KeptArrays()

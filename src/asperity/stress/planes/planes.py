@@ -140,11 +140,14 @@ def stress_planes(
     stream = PlaneStream(
         contact, depths, poisson, fields, tolerance, threads, work, friction, sliding_direction
     )
-    return _named_fields(stream, progress)
+    return named_fields(stream, progress)
 
 
-def _named_fields(stream: PlaneStream, progress: Progress | None) -> Iterator[StressPlane]:
-    for plane in stream.planes(progress):
+def named_fields(
+    stream: PlaneStream, progress: Progress | None = None, at: Sequence[float] | None = None
+) -> Iterator[StressPlane]:
+    """The fields of a stream of planes, or of planes at some other depths under the same pressure."""
+    for plane in stream.planes(progress, at=at):
         fields, grid = plane.named_fields(stream.names, stream.ratios), plane.grid
         if stream.map_grid.mirrored and not grid.mirrored:
             grid = Grid((grid.shape[0] // 2, grid.shape[1] // 2), stream.map_grid.length)

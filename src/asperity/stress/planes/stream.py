@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as dataclass_field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -235,19 +235,21 @@ class PlaneStream:
         progress: Progress | None = None,
         count: int | None = None,
         watch: Callable[[LinearPlane], Visit] | None = None,
+        at: Sequence[float] | None = None,
     ) -> Iterator[LinearPlane]:
-        """The planes one after the other, or the first `count` of them.
+        """The planes one after the other, or the first `count` of them, or those at some other depths.
 
         `watch` is called with every plane before it is computed, and returns a function that is called when
         some of its rows are computed. The basis fields of a plane stay in memory while the next plane is
         computed, those of planes beyond `KEPT_BYTES` do not; `LinearPlane.refresh` computes them again.
         """
-        depths, (basis_fields, indices) = self.depths[:count], self._basis_fields()
-        source = self._source(depths)
-        done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
-        sizes = [len(basis_fields) * own.grid.shape[0] * source.row_length(own.grid) for own in source.plan]
+        depths = self.depths[:count] if at is None else _checked_depths(at, self.solid)
+        source, (basis_fields, indices) = self._source, self._basis_fields()
+        plan = [source.choose(depth) for depth in depths]
+        done = np.cumsum([each.grid.size for each in plan], dtype=float)
+        sizes = [len(basis_fields) * own.grid.shape[0] * source.row_length(own.grid) for own in plan]
         memory = _Memory(sizes, source.dtype)
-        for index, (depth, own) in enumerate(zip(depths, source.plan, strict=True)):
+        for index, (depth, own) in enumerate(zip(depths, plan, strict=True)):
             shape = len(basis_fields), own.grid.shape[0], source.row_length(own.grid)
             values = memory.array(index, shape)
             if (layer := self.solid.layer).base is not None and depth > layer.height:
@@ -269,11 +271,12 @@ class PlaneStream:
             if progress is not None:
                 progress(float(done[index] / done[-1]), 1.0)
 
-    def _source(self, depths: Array) -> PeriodicPlanes | FreePlanes:
-        """Where the basis fields come from."""
+    @cached_property
+    def _source(self) -> PeriodicPlanes | FreePlanes:
+        """Where the basis fields come from; it keeps the modes of the pressure."""
         solid, tolerance = self.solid, self._tolerance
         envelope = partial(envelope_of, solid.layer, min(self.ratios), float(np.hypot(*self._traction)))
-        arguments = solid, depths, tolerance, envelope, self._traction, self.threads, self.work
+        arguments = solid, tolerance, envelope, self._traction, self.threads, self.work
         if solid.boundary == "free":
             return FreePlanes(*arguments)
         return PeriodicPlanes(*arguments, self.dtype.name)

@@ -175,30 +175,27 @@ def subtract_trend(
     to all points that have data (are not NaN); points that were filled would bend it.
     """
     y, x = (
-        [np.ones_like(line), line, np.square(line) - np.mean(np.square(line))]
+        np.array([np.ones_like(line), line, np.square(line) - np.mean(np.square(line))])
         for line in (np.linspace(-1.0, 1.0, n) for n in height.shape)
     )
     known = np.isfinite(height) if fitted is None else fitted
-    weight, values = known.astype(float), np.where(known, height, 0.0)
-    orders = [
-        order
-        for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-        if sum(order) <= get_args(Detrend).index(detrend)
-    ]
-    products = [[(y[i] * y[k]) @ weight @ (x[j] * x[m]) for k, m in orders] for i, j in orders]
+    values = np.where(known, height, 0.0)
+    degree = get_args(Detrend).index(detrend)
+    orders = [order for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)) if sum(order) <= degree]
+    moments = np.einsum("iy,ky,yx,jx,mx->ikjm", y, y, known.astype(float), x, x, optimize=True)
+    products = [[moments[i, k, j, m] for k, m in orders] for i, j in orders]
+    sums = y @ values @ x.T
     # Of the solutions for points on few lines the smallest one.
-    coefficients = np.linalg.lstsq(products, [y[i] @ values @ x[j] for i, j in orders])[0]
-    left, slopes, curved = height.astype(float), {(1, 0): 0.0, (0, 1): 0.0}, np.zeros(height.shape)
-    for order, coefficient in zip(orders, coefficients, strict=True):
-        subtracted = np.outer(coefficient * y[order[0]], x[order[1]])
-        left -= subtracted
-        if sum(order) == 2:
-            curved += subtracted
-        elif sum(order) == 1:
-            slopes[order] = float(coefficient)
+    found = np.linalg.lstsq(products, [sums[order] for order in orders])[0]
+    linear, curved = np.zeros((2, 3, 3))
+    for order, coefficient in zip(orders, found, strict=True):
+        (curved if sum(order) == 2 else linear)[order] = coefficient
+    left, bow = height - y.T @ (linear + curved) @ x, 0.0
+    if curved.any():
+        bow = float(np.ptp(y.T @ curved @ x))
     # The terms of degree one run from -1 to 1 over the distance between the first and the last point.
     half = [edge * (1 - 1 / n) / 2 for edge, n in zip(length, height.shape, strict=True)]
-    return left, (slopes[1, 0] / half[0], slopes[0, 1] / half[1]), float(np.ptp(curved))
+    return left, (float(linear[1, 0] / half[0]), float(linear[0, 1] / half[1])), bow
 
 
 def tukey_window(shape: tuple[int, ...]) -> Array:
