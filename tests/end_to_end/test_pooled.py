@@ -54,6 +54,8 @@ def test_the_folder_holds_means_of_all_maps(folder):
     page = (folder / "sample.html").read_text(encoding="utf-8")
     assert page.index("±") < page.index("<h2>Numbers</h2>")
     assert "95 % between" in page
+    assert page.count('data-name="depths"') == 3
+    assert page.count("<img ") < page.count('<script type="application/json"')  # values of all pictures
     shown = (folder / "ring_1/report.html").read_text(encoding="utf-8")
     assert shown.count("largest shear stress (Tresca)") == 1  # of two bodies of the same material
     assert shown.count("times the yield stress of 2 GPa") == 1

@@ -290,6 +290,7 @@ def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):
     assert heights["rough"] == pytest.approx(2 * heights["steel"], rel=1e-4)
     page = (tmp_path / "both/comparison.html").read_text(encoding="utf-8")
     assert page.count("<img ") == 3
+    assert page.count('data-name="depths"') == 2
     request.getfixturevalue("without_pictures")
     assert main(command) == 0  # its own files are replaced
     (tmp_path / "mine").mkdir()
