@@ -117,7 +117,7 @@ class Page:
         """Compute, and wait until the answer is shown with its plane."""
         known = self.answers()
         self.start()
-        self.until(f"document.querySelectorAll('[data-do=show] option').length > {known}")
+        self.until(f"document.querySelectorAll('[data-do=show] option').length > {known}", seconds=200)
         self.until(f"{TITLE}.includes('at depth')")
 
     def picture(self, name, width, part, for_docs=True):
@@ -369,7 +369,7 @@ def test_everything_by_the_keyboard_alone(page, app):
     page.until("!document.getElementById('start').disabled")
     page.tab_to("#start")
     page.keys(Keys.ENTER)
-    page.until(f"document.querySelectorAll('[data-do=show] option').length > {known}")
+    page.until(f"document.querySelectorAll('[data-do=show] option').length > {known}", seconds=200)
     page.until(f"{TITLE}.includes('at depth')")
     page.tab_to("#depth")
     title = page.run(f"return {TITLE}")

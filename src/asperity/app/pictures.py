@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, PanEnd, PanStart
-from bokeh.models import ColumnDataSource, CustomJS, HoverTool, LinearColorMapper
+from bokeh.models import ColumnDataSource, CustomJS, FixedTicker, HoverTool, LinearColorMapper
 from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256, RdBu11, Viridis256, interp_palette
 from bokeh.plotting import figure
@@ -166,7 +166,7 @@ class MapFigure:
         self.bar.title = symbol
         frame = {name: [shown[name] / self._factor] for name in ("x", "y", "dw", "dh")}
         self.image.data = {"image": [values / np.float32(factor)], **frame}
-        self.figure.xaxis.axis_label = f"x ({length})"
+        self.figure.xaxis.axis_label = f"{'along the line' if self._is_section else 'x'} ({length})"
         self.figure.yaxis.axis_label = f"{'depth' if self._is_section else 'y'} ({length})"
         self.hover.tooltips = [
             (self.quantity, f"@image{{0.000}} {symbol}"),
@@ -222,6 +222,8 @@ class MapPictures:
         self.profile = _curve("Profile along the line", "distance", "height")
         self.histogram = _curve("Distribution of heights", "height", "density")
         self.spectrum = _curve("Spectrum", "wavelength", "C(q)", x_axis_type="log", y_axis_type="log")
+        decades = np.outer(10.0 ** np.arange(-6, 7), [1, 3]).ravel().tolist()
+        self.spectrum.xaxis.ticker = FixedTicker(ticks=decades)
 
     def roots(self) -> dict[str, Any]:
         """Name in the page → figure."""
@@ -233,8 +235,8 @@ class MapPictures:
         self.image.show(found["picture"], units)
         density, edges = found["histogram"]
         factor, symbol = units.of(edges, "m")
-        steps = np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * factor
-        _draw_curve(self.histogram, *steps, (symbol, f"1/{symbol}"))
+        steps = np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * 1e-6
+        _draw_curve(self.histogram, *steps, (symbol, "1/µm"))
 
     def show_spectrum(self, wavelength: Array, power: Array, units: Units) -> None:
         """Draw the power spectrum of a map."""
