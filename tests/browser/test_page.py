@@ -424,7 +424,7 @@ def test_tabs_and_reload_show_the_same_work(example, app):
 def test_looks(example, app):
     (app.folder / "ground_1.x3p").write_bytes(MAP.read_bytes())
     example.type("map.file", "ground_1.x3p")
-    example.until("document.getElementById('info').textContent.includes('ground_1.x3p')")
+    example.until("document.querySelector('#info td').textContent === 'ground_1.x3p'")
     example.until("Bokeh.documents[0].is_idle")
     example.picture("app_map", 1280, "#map-step")
     example.picture("app_phone", 390, "#map-step")
