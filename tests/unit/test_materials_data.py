@@ -38,7 +38,7 @@ def sources_of(entry):
     return {entry["source"], *([of_range] if isinstance(of_range, str) else of_range)}
 
 
-@pytest.mark.parametrize("quantity", UNITS)
+@pytest.mark.parametrize("quantity", sorted(UNITS))
 def test_values_have_unit_source_place_and_range(quantity):
     for place, entry in VALUES.items():
         if place[1] != quantity:
