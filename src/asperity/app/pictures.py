@@ -265,6 +265,7 @@ class AnswerPictures:
 
     def __init__(self, place: str, on_line: Callable[[Ends], None], on_peak: Callable[[int], None]) -> None:
         self._place, self._on_peak, self._is_marking = place, on_peak, False
+        self.prefix = ""  # of the titles: the number of the answer, where two are shown
         self.peaks = ColumnDataSource({name: [] for name in ("x", "y", "depth", "value")})
         self.peaks.selected.on_change("indices", self._selected)
         self.contact = MapFigure("Contact pressure", "pressure", "Pa", Viridis256, peaks=self.peaks)
@@ -292,7 +293,7 @@ class AnswerPictures:
         self.contact.unit, self.contact.quantity = ("m", "gap") if which == "gap" else ("Pa", "pressure")
         values = shown["values"] if which == "gap" else np.where(shown["values"] > 0, shown["values"], np.nan)
         title = "Gap" if which == "gap" else "Contact pressure"
-        self.contact.show({**shown, "values": values}, units, title, limits=limits)
+        self.contact.show({**shown, "values": values}, units, self.prefix + title, limits=limits)
 
     def show_peaks(self, peaks: Mapping[str, Array], units: Units, frame: Mapping[str, Any]) -> None:
         """Draw peaks with columns x, y, depth in m and value in Pa over a frame."""
@@ -300,6 +301,7 @@ class AnswerPictures:
         (deep, length), (factor, symbol) = units.of(peaks["depth"], "m"), units.of(peaks["value"], "Pa")
         factors = {"x": place, "y": place, "depth": deep, "value": factor}
         self.peaks.data = {name: peaks[name] / each for name, each in factors.items()}
+        self.scatter.title.text = f"{self.prefix}Peaks over depth"
         self.scatter.xaxis.axis_label, self.scatter.yaxis.axis_label = f"peak ({symbol})", f"depth ({length})"
         self._tip.tooltips = [("peak", f"@value{{0.000}} {symbol}"), ("depth", f"@depth{{0.00}} {length}")]
 
@@ -322,7 +324,7 @@ class AnswerPictures:
         """Draw a plane and a section in common colours, with the line of the yield stress."""
         for each in (self.plane, self.section):
             each.mapper.palette = SIGNED if limits[0] < 0 else Viridis256
-        self.plane.show(plane["picture"], units, title, level, limits)
+        self.plane.show(plane["picture"], units, self.prefix + title, level, limits)
         self.plane.draw_line(ends)
         if section is not None:
-            self.section.show(section["picture"], units, "", level, limits)
+            self.section.show(section["picture"], units, self.prefix + self.section.title, level, limits)

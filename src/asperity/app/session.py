@@ -497,6 +497,8 @@ class Session:
     def _fill(self, tab: Tab, *parts: str) -> None:
         """Draw heights, curves, contact, planes, or the mark of a peak in a tab, as far as they are known."""
         answers = [(slot, own) for slot, own in zip(self.shown, tab.answers, strict=True) if slot is not None]
+        for slot, own in answers:
+            own.prefix = f"{self.slots.index(slot) + 1}: " if len(answers) > 1 else ""
         if "heights" in parts and self._heights is not None:
             tab.map.show(self._heights, self.units)
         if "curves" in parts:
@@ -528,6 +530,7 @@ class Session:
             plane: Any = slot.plane
             body, name = self._looked_at(slot)
             level = slot.summary["yield"].get(body) if name == "von_mises" else None
-            title = f"{name.replace('_', ' ')} at depth {shown_si(plane['depth'], 'm', 3)}"
+            words = name.replace("von_mises", "von Mises").replace("_", " ")
+            title = f"{words} at depth {shown_si(plane['depth'], 'm', 3)}"
             found = (plane, slot.section, self._lines["section"])
             pictures.show_planes(*found, self.units, title, level, (low, high))
