@@ -343,13 +343,13 @@ def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
     exponent = "" if math.isnan(hurst) else f", slope as for a Hurst exponent of {hurst:.2f}"
     step = edge_step(level)
     stated = "says" if surface.periodic else "does not say"
-    verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
+    verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": not one period"
     return {
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",
         "waves": f"half of the mean square height is in waves longer than {length(long_waves)}, half of the "
         f"mean square gradient in waves shorter than {length(short_waves)}{exponent}",
-        "resolution": f"{100 * unresolved:.2g} % of the mean square gradient in waves shorter than "
-        f"{SHORT_WAVE_PIXELS} pixels",
+        "resolution": f"{100 * unresolved:.3g} % of the mean square gradient in waves shorter than "
+        f"{SHORT_WAVE_PIXELS} pixels, which they do not resolve",
         "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times that between "
         f"neighbouring points{verdict}",
     }
