@@ -451,7 +451,7 @@ class ActiveSet:
         return rounded or stagnation.steps > MAX_STEPS_WITHOUT_PROGRESS
 
     def _next(self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation) -> Iterate:
-        """The iterate after a step at the same load; it takes the memory of the one before.
+        """The iterate after a step at the same load, in the arrays of the previous iterate.
 
         It has the least energy along the step. If the energy hardly falls, exact steps follow, which need
         not lower it. When they no longer help, shorter steps are tried, and finally the step along the

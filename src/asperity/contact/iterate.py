@@ -481,8 +481,8 @@ def _error(
     of a node per unit of its own pressure. The estimate is at least as large as two lower bounds:
 
     - In a layer that is much stiffer than the half-space a residual corresponds to a much larger pressure
-      than M gives, which is made for the half-space. There the norm of the pressure is used with which the
-      whole layer, all nodes in contact, would remove the residual.
+      than M gives, because M is made for the half-space. The norm of the pressure with which the whole
+      layer, all nodes in contact, would remove the residual is used instead.
     - The gap is known only to its rounding error, which corresponds to a pressure.
     """
     problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads

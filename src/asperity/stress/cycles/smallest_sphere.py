@@ -81,7 +81,7 @@ def smallest_sphere(points: Any, free: Any, centre: Any) -> float:
 
 @compiled_with_arrays
 def _wanted_weights(points: Any, free: int, support: Any, count: int, wanted: Any) -> bool:
-    """Weights of the points in the centre equally far from all; False if they are affinely dependent.
+    """Weights with which the points add up to the point equally far from all; False if affinely dependent.
 
     `wanted` is then the direction in which the weight of the last point rises while the centre stays.
     """

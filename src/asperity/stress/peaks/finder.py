@@ -99,7 +99,7 @@ NO_PEAKS = Peaks(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.empty(0, b
 class SearchedPlane(NamedTuple):
     """Fields of a plane, of which the peaks are sought; `refresh` brings their basis fields into memory.
 
-    `first_node` is its position y, x.
+    `first_node` is the position y, x of the first node.
     """
 
     depth: float

@@ -238,7 +238,7 @@ def _rows_of(field: Array, first: int, last: int) -> Array:
 
 @compiled
 def _pack(values: Any, margin: int, per_step: Any, which: Any, first: int, out: Any, sums: Any) -> None:
-    """Fill rows of `out` from `first` on with fields in whole numbers of steps; add the numbers to `sums`."""
+    """Round fields to whole numbers of steps, into rows of `out` from `first` on, and add them to `sums`."""
     for n in range(which.size):
         factor = per_step[n]
         for j in range(values.shape[1]):

@@ -1,7 +1,7 @@
 """One map in metres from the contents of a file and the options of the caller.
 
-Whatever a file says, or is taken from its heading, an option overrides, and the map notes it; only the
-orientation of a result of asperity is certain. Everything that is wrong or missing is reported at once.
+An option overrides what the file or its heading states, and the map notes it; only the orientation of a
+result of asperity cannot be overridden. Everything that is wrong or missing is reported at once.
 """
 
 import math
