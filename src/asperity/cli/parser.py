@@ -190,7 +190,8 @@ def _placeholder(entry: Mapping[str, Any]) -> str:
     """Placeholder of a value in the usage."""
     if "enum" in entry:
         return f"{{{','.join(entry['enum'])}}}"
-    kind = entry.get("anyOf", [entry])[-1]
+    kinds = entry.get("anyOf", [entry])
+    kind = kinds[0] if kinds[0] == {"type": "string"} else kinds[-1]  # a name or a number is a text
     types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
     return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
 
