@@ -9,6 +9,7 @@ from asperity.app import form
 from asperity.cli.commands.run import FLAGS
 from asperity.engineering.case import Case
 from asperity.engineering.templates import template, templates
+from asperity.settings.model import SettingsError
 
 
 @pytest.mark.parametrize("name", [*templates()])
@@ -56,3 +57,8 @@ def test_the_command_line_is_quoted_for_a_shell():
     words = shlex.split(form.command_of(content, FLAGS))
     assert words[:4] == ["asperity", "run", name, "--despike"]
     assert words[5:] == ["--set", "body.coating.thickness=2 um", "--set", "leak={}"]
+
+
+def test_a_group_of_a_case_file_that_is_none_is_named():
+    with pytest.raises(SettingsError, match=r"load = 5: a group of keys is needed[\s\S]*leak = \[1\]"):
+        form.values_of({"map": {"file": "a.x3p"}, "load": 5, "leak": [1]})

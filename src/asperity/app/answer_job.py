@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 import pandas as pd
@@ -22,6 +22,7 @@ from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, OUT, load_case
 from asperity.engineering.face import read_face
 from asperity.engineering.folder import CASE_FILE, names_in
+from asperity.engineering.question import Row
 from asperity.engineering.run import answer_of
 from asperity.fourier.grid import Grid, grid_of
 from asperity.results.dataset import settings_of
@@ -41,6 +42,12 @@ ROWS = 160
 
 FADED = 0.05
 """A section ends where the stress is below this share of its largest value."""
+
+ADVICE = ["level", "subject", "text"]
+"""Columns of the advice that are shown."""
+
+PEAKS = {"body": str, "quantity": str} | dict.fromkeys(("value_Pa", "depth_m", "y_m", "x_m"), float)
+"""Columns of the peaks that are shown, with their types."""
 
 
 class AnswerJob:
@@ -102,14 +109,17 @@ class AnswerJob:
         case = self._case = Case.read(content)
         self._contact = xr.load_dataset(self.folder / "contact.nc")
         bodies = list(case.different_bodies)
-        advice, rows, peaks = (
-            pd.read_csv(self.folder / f"{name}.csv", keep_default_na=name != "advice")
-            for name in ("advice", "answer", "peaks")
-        )
+        try:
+            rows = _rows_in(self.folder)
+            advice = pd.read_csv(self.folder / "advice.csv", usecols=ADVICE, keep_default_na=False)
+            peaks = pd.read_csv(self.folder / "peaks.csv", usecols=[*PEAKS], dtype=PEAKS)
+        except (OSError, ValueError, KeyError) as error:
+            needed = f"a complete answer of this version of asperity is needed ({error}); compute it again"
+            raise InputError(str(self.folder), [needed]) from None
         return {
             "title": settings_of(self._contact)["name"],
             "case": case_in_words(case),
-            "rows": rows.fillna({"error_of": ""}).to_dict("records"),
+            "rows": rows,
             "tiles": tile_names(case),
             "advice": advice.to_dict("records"),
             **{
@@ -190,3 +200,12 @@ class AnswerJob:
         section: Array = np.array([np.interp(even, depths, column) for column in values.T]).T
         frame = {"x": 0.0, "y": 0.0, "dw": float(distance[-1]), "dh": bottom}
         return {"picture": {"values": section.astype(np.float32), **frame}}
+
+
+def _rows_in(folder: Path) -> list[dict[str, Any]]:
+    """Numbers of an answer without columns of later versions; those that earlier ones lack are left out."""
+    known = get_type_hints(Row)
+    del known["shown"]
+    rows = pd.read_csv(folder / "answer.csv", usecols=lambda name: name in known, dtype=known)
+    _ = rows[["group", "name", "value", "unit"]]  # without them there is no number
+    return rows.fillna({"error_of": "", "unit": ""}).to_dict("records")

@@ -3,13 +3,24 @@
 import shlex
 from collections.abc import Iterator, Mapping
 from functools import cache
+from types import NoneType
 from typing import Any, NamedTuple
 
 import yaml
 
+from asperity.core.errors import shown
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import at, put
-from asperity.settings.model import Entry, accepted, described, entries, item_of, scalar
+from asperity.settings.model import (
+    Entry,
+    Problem,
+    SettingsError,
+    accepted,
+    described,
+    entries,
+    item_of,
+    scalar,
+)
 
 LOADS = {
     "mean_pressure": ("mean_pressure",),
@@ -153,7 +164,21 @@ def content_of(values: Mapping[str, str]) -> dict[str, Any]:
 
 
 def values_of(content: Mapping[str, Any]) -> dict[str, str]:
-    """Texts of the form from the groups of a case: the reverse of `content_of`."""
+    """Texts of the form from the groups of a case: the reverse of `content_of`.
+
+    Raises
+    ------
+    SettingsError
+        If a group is none.
+    """
+    groups = {key.partition(".")[0] for key in settings() if "." in key}
+    wrong = [
+        Problem(key, f" = {shown(value)}: a group of keys is needed")
+        for key, value in content.items()
+        if key in groups and not isinstance(value, Mapping | NoneType)
+    ]
+    if wrong:
+        raise SettingsError("", wrong)
     values: dict[str, str] = {}
     for key in settings():
         value = at(content, key.split("."))

@@ -8,6 +8,7 @@ import secrets
 import time
 import zipfile
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import IO, Any
@@ -19,7 +20,7 @@ from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPServerRequest
 from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.web import ErrorHandler, OutputTransform, RequestHandler
-from tornado.websocket import WebSocketHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from asperity.app import form
 from asperity.app.session import TEMPLATES, Session
@@ -81,8 +82,13 @@ class _Events(_OfSession, WebSocketHandler):
     """Messages between a tab and the session."""
 
     def open(self, *_: str, **__: str) -> None:
+        self.tell(self.session.state())
         self.session.sockets.add(self)
-        self.write_message(self.session.state())
+
+    def tell(self, message: Mapping[str, Any]) -> None:
+        """Send a message, unless the tab is being closed."""
+        with suppress(WebSocketClosedError):
+            self.write_message(dict(message))
 
     def on_close(self) -> None:
         self.session.sockets.discard(self)

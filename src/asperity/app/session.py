@@ -313,7 +313,7 @@ class Session:
     def tell(self, message: Mapping[str, Any], without: Any = None) -> None:
         """Send a message to all tabs."""
         for socket in self.sockets - {without}:
-            socket.write_message(message)
+            socket.tell(message)
 
     def state(self) -> dict[str, Any]:
         """Everything that a new tab shows besides its pictures."""
@@ -438,7 +438,8 @@ class Session:
         """Ask for the plane, and the section, of the answers that are shown."""
         for slot in filter(None, self.shown):
             body, name = self._looked_at(slot)
-            slot.worker.send("plane", body=body, field=name, depth=self.depth)
+            deepest = slot.summary["depths"][body][-1]
+            slot.worker.send("plane", body=body, field=name, depth=min(self.depth, deepest))
             if with_section and "section" in self._lines:
                 slot.worker.send("section", body=body, field=name, ends=self._lines["section"])
         self._draw("mark")
