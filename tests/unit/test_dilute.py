@@ -161,3 +161,13 @@ def test_dilute_contact_takes_five_pairs():
         contact = asp.solve_contact(height, HALF_SPACE, mean_pressure=load)
         assert 1e-4 < contact.area_fraction < 0.01
         assert contact.certificate.pairs < 5
+
+
+def test_an_area_that_a_flat_cannot_have_is_sought_on_the_whole_grid(small_grids):
+    """Candidates take ten times as many steps to the nearest area, that of the flat."""
+    height = np.ones((256, 256))
+    height[:4, :6] = 0
+    grid = asp.Grid(height.shape, (256.0, 256.0), mirrored=True)
+    contact = asp.solve_contact(height, HALF_SPACE, grid, area_fraction=48 / height.size, rtol=1e-3)
+    assert np.count_nonzero(contact.pressure) == 24
+    assert contact.certificate.pairs < 25

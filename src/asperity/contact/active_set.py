@@ -210,7 +210,9 @@ def _start_from_coarse_grids(problem: Problem, control: Control) -> tuple[Pressu
         loop = ActiveSet([problems.pop()], control, COARSE_RULE)
         iterate, system, _ = loop.run(pressure)
         iterations += loop.iterations
-        pressure = iterate.refined(system.approach, problems[-1], first_margin(iterate, problems[-1]))
+        # An area that a flat cannot have is sought for on the whole grid: candidates take many more steps.
+        margin = 0.0 if loop.misses_area(iterate) else first_margin(iterate, problems[-1])
+        pressure = iterate.refined(system.approach, problems[-1], margin)
     return pressure, iterations
 
 
@@ -319,7 +321,7 @@ class ActiveSet:
             within = system.error <= self._rule.tolerance
             within |= self._rule.rounding_suffices and system.error <= system.rounding
             converged = len(self._problems) == 1 and within and np.isfinite(system.approach)
-            if converged and not (self._area and self._area.misses(iterate.nodes.size)):
+            if converged and not self.misses_area(iterate):
                 balance = self._balance(iterate, system)
                 if balance is None:
                     return iterate, system, True
@@ -354,6 +356,10 @@ class ActiveSet:
                 iterate = self._next(iterate, system, step, stagnation)
                 del system, step
         raise AssertionError  # the loop returns
+
+    def misses_area(self, iterate: Iterate) -> bool:
+        """True if an iterate does not have the imposed area."""
+        return self._area is not None and self._area.misses(iterate.nodes.size)
 
     def _corrected(
         self,
