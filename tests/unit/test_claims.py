@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from scipy.stats import ks_2samp
+from scipy.stats import ks_2samp, t
 from small_study import CONTACT, LAYER, STRESS
 
 from asperity.paper.claims import report
@@ -223,6 +223,31 @@ def test_untestable_claims_can_hold_but_not_fail():
     # the same verdict in both tables
     assert report.frame([refuted])["verdict"].item() == UNTESTABLE
     assert report.frame_of_interpretations([refuted])["verdict"].item() == UNTESTABLE
+
+
+@pytest.mark.parametrize("grid_error", [0.0, 0.03])
+def test_open_statements_name_the_seeds_that_decide(grid_error):
+    """0.08 from the edge, scatter of 0.4: the interval ends before it."""
+    reason = report.why_open(
+        Judgement({}, 1.0, math.inf, 1.08, 1.08, 0.1, grid_error, 0.8, 1.4, 16, UNDECIDED)
+    )
+    seeds = int(reason.split()[-4])
+    widths = [np.hypot(t.ppf(0.975, n - 1) * 0.4 / math.sqrt(n), grid_error) for n in (seeds - 1, seeds)]
+    assert widths[0] > 0.08 > widths[1]
+
+
+def test_no_number_of_seeds_removes_the_error_of_the_grid():
+    one = Judgement({}, 1.0, math.inf, 1.08, 1.08, 0.1, 0.09, 0.8, 1.4, 16, UNDECIDED)
+    assert "no number of seeds" in report.why_open(one)
+
+
+def test_undecided_statements_stand_beside_a_larger_study():
+    few, many = (
+        decide([claim(values), claim([1.2, 1.3, 1.25, 1.22])], EMPTY) for values in ([0.8, 1.3], [1.2] * 8)
+    )
+    table = report.beside(few[:1], many[:1])
+    assert table["verdict"].tolist() == [HOLDS]
+    assert report.beside(few[1:], many[1:]).empty
 
 
 INTERPRETATIONS = {

@@ -19,7 +19,9 @@ from asperity.settings.study import read_study
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 
 
-@pytest.mark.parametrize("name", ["config.yaml", "mine.yaml", "quick.yaml", "../.test/config/config.yaml"])
+@pytest.mark.parametrize(
+    "name", ["config.yaml", "decide.yaml", "mine.yaml", "quick.yaml", "../.test/config/config.yaml"]
+)
 def test_the_configurations_of_the_repository_are_accepted(name, monkeypatch):
     monkeypatch.chdir(ROOT)
     read_study([ROOT / "config" / name], {"results": "any"})

@@ -1,30 +1,37 @@
 """Write the pages of the documentation that describe the results of the paper's study.
 
-    python -m asperity.paper [RESULTS]
+    python -m asperity.paper [RESULTS [LARGER_STUDY]]
 
 With the folder of its results, the table of all interpretations of the statements replaces docs/claims.csv.
-The verdicts in docs/claims.md and their counts in README.md are written from the table.
+With the folder of the study of config/decide.yaml, its table replaces docs/decided.csv. The verdicts in
+docs/claims.md and their counts in README.md are written from the two tables.
 """
 
 import re
 import sys
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from asperity.paper.claims.report import counted, findings_of, markdown
-from asperity.paper.claims.verdicts import CLAIMS
+from asperity.core import markup
+from asperity.paper.claims.report import beside, counted, findings_of, markdown
+from asperity.paper.claims.verdicts import CLAIMS, UNDECIDED, Finding
 
 TABLE = Path("docs/claims.csv")
+LARGER = Path("docs/decided.csv")
 
 
-def main(results: Path | None = None) -> None:
+def main(results: Path | None = None, larger_study: Path | None = None) -> None:
     """Write the pages, from new results if there are such."""
+    if larger_study is not None:
+        LARGER.write_bytes((larger_study / "interpretations.csv").read_bytes())
     if results is not None:
         TABLE.write_bytes((results / "interpretations.csv").read_bytes())
     findings = findings_of(pd.read_csv(TABLE), CLAIMS)
-    replace(Path("docs/claims.md"), markdown(findings))
+    larger = findings_of(pd.read_csv(LARGER), CLAIMS)
+    replace(Path("docs/claims.md"), f"{markdown(findings)}\n{with_more_seeds(findings, larger)}")
     surfaces = max(finding.own.seeds for finding in findings)
     said = (
         f"`make study` presses {surfaces} random surfaces of every kind, corrects the numbers for the error "
@@ -35,6 +42,18 @@ def main(results: Path | None = None) -> None:
     replace(Path("README.md"), textwrap.fill(said, 118, break_on_hyphens=False) + "\n")
 
 
+def with_more_seeds(findings: Sequence[Finding], larger: Sequence[Finding]) -> str:
+    """The statements that the study leaves undecided, in a section with the verdicts of a larger one."""
+    table = beside(findings, larger)
+    still = table["verdict"].str.contains(UNDECIDED).sum()
+    text = (
+        f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided "
+        "with more seeds and twice the nodes: `make study CONFIG=config/decide.yaml`. "
+        "[`decided.csv`](decided.csv) has all statements of that study under every interpretation."
+    )
+    return f"## With more seeds and a finer grid\n\n{text}\n\n{markup.markdown(table)}\n"
+
+
 def replace(path: Path, text: str) -> None:
     """Replace the text between the marks of generated text in a page."""
     marks = re.compile(r"(<!-- (?:make pages|python [^>]*) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -43,4 +62,4 @@ def replace(path: Path, text: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:2]))
+    main(*map(Path, sys.argv[1:3]))

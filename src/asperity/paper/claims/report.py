@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.special import stdtrit
 
 from asperity.core import markup
 from asperity.paper.claims import verdicts
@@ -85,6 +86,46 @@ def markdown(findings: Sequence[Finding]) -> str:
     for heading, table in tables(findings).items():
         parts += [f"## {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
+
+
+def beside(findings: Sequence[Finding], larger: Sequence[Finding]) -> pd.DataFrame:
+    """Statements that a study leaves undecided, and what a larger study finds of them, a row each."""
+    undecided = {f.claim.identifier: f for f in findings if f.verdict == verdicts.UNDECIDED}
+    rows = []
+    for f in larger:
+        if (before := undecided.get(f.claim.identifier)) is None:
+            continue
+        verdict = f.verdict.removesuffix(" on the interpretation")
+        if f.verdict == verdicts.UNDECIDED:
+            verdict += f": {why_open(next(one for one in f.judgements if one.verdict == verdict))}"
+        rows.append(
+            {
+                "the paper says": f.claim.sentence,
+                "wanted": str(f.own.region),
+                f"{before.own.seeds} seeds": found_in_words(before),
+                f"{f.own.seeds} seeds, finer grid": found_in_words(f),
+                "verdict": verdict,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def why_open(one: Judgement) -> str:
+    """Why a judgement is not decided: the error of the grid, or too few seeds, with a number that suffices."""
+    distance = min(abs(one.value - one.region_low), abs(one.value - one.region_high))
+    if one.grid_error >= distance:
+        return (
+            f"{distance:.2g} from the edge of the region, within the error of the grid of "
+            f"{one.grid_error:.2g}, so that no number of seeds decides"
+        )
+    scatter = one.standard_error * np.sqrt(one.seeds)
+    seeds = np.arange(one.seeds, 10_000)
+    half = np.hypot(
+        stdtrit(seeds - 1, 0.5 + verdicts.CONFIDENCE / 2) * scatter / np.sqrt(seeds), one.grid_error
+    )
+    enough = seeds[half < distance]
+    needed = f"{enough[0]} seeds" if enough.size else f"more than {seeds[-1]} seeds"
+    return f"{distance:.2g} from the edge of the region, for which {needed} are needed"
 
 
 def found_in_words(finding: Finding) -> str:
