@@ -111,7 +111,7 @@ def beside(findings: Sequence[Finding], larger: Sequence[Finding]) -> pd.DataFra
 
 
 def why_open(one: Judgement) -> str:
-    """Why a judgement is not decided: the error of the grid, or too few seeds, with a number that suffices."""
+    """Why a judgement is not decided: the error of the grid, or too few seeds, and how many are enough."""
     distance = min(abs(one.value - one.region_low), abs(one.value - one.region_high))
     if one.grid_error >= distance:
         return (
