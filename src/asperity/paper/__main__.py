@@ -47,11 +47,12 @@ def with_more_seeds(findings: Sequence[Finding], larger: Sequence[Finding]) -> s
     table = beside(findings, larger)
     still = table["verdict"].str.contains(UNDECIDED).sum()
     text = (
-        f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided "
-        "with more seeds and twice the nodes: `make study CONFIG=config/decide.yaml`. "
-        "[`decided.csv`](decided.csv) has all statements of that study under every interpretation."
+        f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided by "
+        f"{larger[0].own.seeds or larger[-1].own.seeds} seeds, and {still} are not: `make study "
+        "CONFIG=config/decide.yaml`, of which "
+        "[`decided.csv`](decided.csv) holds every interpretation."
     )
-    return f"## With more seeds and a finer grid\n\n{text}\n\n{markup.markdown(table)}\n"
+    return f"## With more seeds\n\n{text}\n\n{markup.markdown(table)}\n"
 
 
 def replace(path: Path, text: str) -> None:

@@ -103,7 +103,7 @@ def beside(findings: Sequence[Finding], larger: Sequence[Finding]) -> pd.DataFra
                 "the paper says": f.claim.sentence,
                 "wanted": str(f.own.region),
                 f"{before.own.seeds} seeds": found_in_words(before),
-                f"{f.own.seeds} seeds, finer grid": found_in_words(f),
+                f"{f.own.seeds} seeds": found_in_words(f),
                 "verdict": verdict,
             }
         )
