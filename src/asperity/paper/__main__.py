@@ -46,10 +46,10 @@ def with_more_seeds(findings: Sequence[Finding], larger: Sequence[Finding]) -> s
     """The statements that the study leaves undecided, in a section with the verdicts of a larger one."""
     table = beside(findings, larger)
     still = table["verdict"].str.contains(UNDECIDED).sum()
+    seeds = max(finding.own.seeds for finding in larger)
     text = (
-        f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided by "
-        f"{larger[0].own.seeds or larger[-1].own.seeds} seeds, and {still} are not: `make study "
-        "CONFIG=config/decide.yaml`, of which "
+        f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided "
+        f"by {seeds} seeds, and {still} are not: `make study CONFIG=config/decide.yaml`, of which "
         "[`decided.csv`](decided.csv) holds every interpretation."
     )
     return f"## With more seeds\n\n{text}\n\n{markup.markdown(table)}\n"
