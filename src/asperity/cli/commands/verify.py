@@ -100,7 +100,11 @@ def _of_answer(folder: Path) -> Iterator[Check]:
     case = load(path) if path.is_file() else {}
     maps = dict(zip(("map", "counter_map"), MAP_FILES, strict=True))
     for key, checksum in case.get(CHECKSUMS, {}).items():  # the maps since they were read
-        file = Path(os.path.normpath(folder / at(case, maps[key])))
+        named = at(case, maps[key])
+        if not isinstance(named, str):
+            yield Check(f"{path}: {'.'.join(maps[key])} names no file; run again", False)
+            continue
+        file = Path(os.path.normpath(folder / named))
         if not file.is_file():
             yield Check(f"{file}: no such file; the map of {path} is needed to compare it", False)
         elif sha256_of(file) != checksum:
