@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, PanEnd, PanStart
-from bokeh.models import ColumnDataSource, CustomJS, FixedTicker, HoverTool, LinearColorMapper
+from bokeh.models import ColumnDataSource, CustomJS, FixedTicker, HoverTool, LinearColorMapper, TapTool
 from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256, RdBu11, Viridis256, interp_palette
 from bokeh.plotting import figure
@@ -126,7 +126,7 @@ class MapFigure:
                 selection_line_color="#d55e00", selection_line_width=3, selection_line_alpha=1,
                 selection_fill_alpha=0, nonselection_line_alpha=0.3, nonselection_fill_alpha=0,
             )  # fmt: skip
-            self.figure.add_tools("tap")
+            self.figure.add_tools(TapTool(mode="replace"))
         if on_line is not None:
             drag = CustomJS(args={"source": self.line}, code=DRAG)
             for event in (PanStart, Pan):
@@ -277,7 +277,7 @@ class AnswerPictures:
         drawn = self.scatter.scatter("value", "depth", source=self.peaks, **look, **marked)
         self.scatter.y_range.flipped = True
         self._tip = HoverTool(renderers=[drawn], tooltips=None)
-        self.scatter.add_tools(self._tip, "tap")
+        self.scatter.add_tools(self._tip, TapTool(mode="replace"))
 
     def roots(self) -> dict[str, Any]:
         """Name in the page → figure."""
