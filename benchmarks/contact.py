@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,7 @@ RUNS: dict[str, tuple[tuple[float, ...], int, int]] = {
 
 KEY = ["points", "hurst", "load", "boundary", "threads", "solver", "tolerance"]
 COLUMNS = [
-    *(*KEY, "program", "error", "iterations", "pairs", "seconds", "wall"),
+    *(*KEY, "program", "area", "error", "iterations", "pairs", "seconds", "wall"),
     *("memory_GB", "bytes_per_node", "load_average", "date"),
 ]
 
@@ -87,18 +88,19 @@ def solve(
 def run_once(options: argparse.Namespace) -> None:
     """Solve for the heights in a file, write the pressure beside it, and print the cost as JSON."""
     height, (solver,), (tolerance,) = np.load(options.run), options.solver, options.tolerance
-    load, spent, cost = load_on(height, options.fraction), 0.0, {"seconds": np.inf}
+    (boundary,), (fraction,) = options.boundary, options.fraction
+    load, spent, cost = load_on(height, fraction), 0.0, {"seconds": np.inf}
     is_peer = solver in peers.SOLVERS
     if not is_peer:
         for hurst in (0.2, 0.8):
-            solve(solver, rough(COMPILED_POINTS, hurst), 5e-3, tolerance, options.boundary)
+            solve(solver, rough(COMPILED_POINTS, hurst), 5e-3, tolerance, boundary)
     for number in range(REPEATS):
         if number and spent * (number + 1) / number > SECONDS_TO_REPEAT:
             break
         before = psutil.Process().memory_info().rss
         reset_peak_memory()
         wall, processor = time.perf_counter(), time.process_time()
-        pressure, iterations, pairs = solve(solver, height, load, tolerance, options.boundary)
+        pressure, iterations, pairs = solve(solver, height, load, tolerance, boundary)
         processor, wall = time.process_time() - processor, time.perf_counter() - wall
         spent += processor
         if not number:  # later runs reuse memory that this one has freed
@@ -111,30 +113,33 @@ def run_once(options: argparse.Namespace) -> None:
     print(json.dumps(cost | memory | {"program": program, "load_average": os.getloadavg()[0]}))
 
 
-def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    """Run the solvers on one surface, each at its tolerances, in processes of their own."""
+def measure(
+    points: int, hurst: float, boundary: str, fraction: float, options: argparse.Namespace
+) -> Iterator[dict[str, Any]]:
+    """Run the solvers on one contact, each at its tolerances, in processes of their own."""
     height, truth = rough(points, hurst), None
-    load = load_on(height, options.fraction)
+    load = load_on(height, fraction)
     if points <= options.largest_reference:
-        truth, _, _ = solve("active_set float64", height, load, REFERENCE_TOLERANCE, options.boundary)
+        truth, _, _ = solve("active_set float64", height, load, REFERENCE_TOLERANCE, boundary)
     with tempfile.TemporaryDirectory() as folder:
         heights = Path(folder) / "heights.npy"
         np.save(heights, height)
         for solver in options.solver:
             tolerances, largest_of_all, largest = RUNS[solver]
             is_absent = solver in peers.SOLVERS and not peers.is_installed(solver)
-            other_boundary = {"gfmd float64": "periodic", "aspher h2": "free"}.get(solver, options.boundary)
-            if points > largest or is_absent or other_boundary != options.boundary:
+            other_boundary = {"gfmd float64": "periodic", "aspher h2": "free"}.get(solver, boundary)
+            if points > largest or is_absent or other_boundary != boundary:
                 continue
             few = tolerances if points <= largest_of_all else tolerances[-1:]
             for tolerance in options.tolerance or few:
                 command = [sys.executable, __file__, "--run", str(heights), "--solver", solver]
-                command += ["--tolerance", str(tolerance), "--boundary", options.boundary]
-                command += ["--fraction", str(options.fraction)]
+                command += ["--tolerance", str(tolerance), "--boundary", boundary]
+                command += ["--fraction", str(fraction)]
                 run = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
-                key = points, hurst, options.fraction, options.boundary, 1, solver, tolerance
+                key = points, hurst, fraction, boundary, 1, solver, tolerance
                 row = dict(zip(KEY, key, strict=True)) | json.loads(run.stdout.splitlines()[-1])
                 if truth is not None:
+                    row["area"] = np.count_nonzero(truth) / truth.size
                     row["error"] = relative_error(np.load(heights.with_name("pressure.npy")), truth)
                 yield row | {"date": time.strftime("%Y-%m-%d")}
 
@@ -174,9 +179,9 @@ def main() -> None:
     )
     parser.add_argument("--points", type=int, nargs="+", default=[256, 1024], help="nodes on an edge")
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
-    parser.add_argument("--boundary", default="periodic", choices=["periodic", "free"])
+    parser.add_argument("--boundary", nargs="+", default=["periodic"], choices=["periodic", "free"])
     parser.add_argument(
-        "--fraction", type=float, default=FRACTION, help="mean pressure over E* × rms gradient"
+        "--fraction", type=float, nargs="+", default=[FRACTION], help="mean pressure over E* × rms gradient"
     )
     parser.add_argument("--solver", nargs="+", default=list(RUNS), choices=RUNS)
     parser.add_argument("--tolerance", type=float, nargs="+", help="instead of those listed in the script")
@@ -195,13 +200,12 @@ def main() -> None:
         print(table.to_string(index=False))
         table.to_csv(options.out / "threads.csv", index=False, float_format="%.4g", lineterminator="\n")
         return
-    for points in options.points:
-        for hurst in options.hurst:
-            for row in measure(points, hurst, options):
-                keep(row, options.out / "contact.csv")
-                shown = ("seconds", "memory_GB", "pairs", "error")
-                numbers = ", ".join(f"{name} {row[name]:.3g}" for name in shown if name in row)
-                print(f"{points}², H = {hurst}, {row['solver']}, {row['tolerance']:g}: {numbers}", flush=True)
+    for case in product(options.points, options.hurst, options.boundary, options.fraction):
+        for row in measure(*case, options):
+            keep(row, options.out / "contact.csv")
+            shown = ("area", "seconds", "memory_GB", "pairs", "error")
+            numbers = ", ".join(f"{name} {row[name]:.3g}" for name in shown if name in row)
+            print(*case, f"{row['solver']}, {row['tolerance']:g}: {numbers}", flush=True)
 
 
 if __name__ == "__main__":

@@ -23,11 +23,15 @@ from contact import FRACTION
 
 from asperity.core.markup import markdown
 from asperity.study.small_studies import rendered
+from asperity.views.style import panels, save, style
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs/performance"
 GRIDS = [512, 1024, 2048, 4096, 8192]
 FAST = "active_set float64"
+LOADS = "5e-5 5e-4 5e-3 0.05 0.15 0.4"
+"""Mean pressures over E* ḡ at which contacts of 0.01 to about 55 % of the area are compared."""
+
 TARGET = 1e-6
 """True error at which solvers are compared."""
 
@@ -41,6 +45,10 @@ SOLVERS = {
 }
 
 
+AREA_MARKERS = {FAST: "o-", "aspher": "s--", "aspher h2": "^:"}
+"""Solver → marker and line of its times against the area."""
+
+
 def commands(grids: list[int]) -> dict[str, str]:
     """Part of the page → the command that measures it, on grids no larger than the largest one given."""
     some = " ".join(str(points) for points in (1024, 2048, 4096) if points <= max(grids)) or str(max(grids))
@@ -48,6 +56,8 @@ def commands(grids: list[int]) -> dict[str, str]:
     return {
         "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
         "free": f"python benchmarks/contact.py --boundary free --points {min(1024, max(grids))} {out}",
+        "areas": f"python benchmarks/contact.py --points {min(1024, max(grids))} --hurst 0.8 "
+        f"--boundary periodic free --fraction {LOADS} --solver '{FAST}' aspher 'aspher h2' {out}",
         "threads": f"python benchmarks/contact.py --threads --points {min(4096, max(grids))} {out}",
         "stress": f"python benchmarks/stress.py --points {some} --threads 1 2 {out}",
         "options": f"python benchmarks/options.py --grid {min(1024, max(grids))} {out}/options.csv",
@@ -120,6 +130,24 @@ def equal(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def draw_areas(path: Path) -> None:
+    """Time to the compared true error against the area, for both boundaries."""
+    table = read("contact")
+    table = table[(table["hurst"] == 0.8) & table["load"].isin([float(load) for load in LOADS.split()])]
+    table = table[table["points"] == table.loc[table["load"] != FRACTION, "points"].max()]
+    with style():
+        figure, axes = panels(2, 1)
+        for boundary, axis in zip(("periodic", "free"), axes, strict=True):
+            for solver, some in table[table["boundary"] == boundary].groupby("solver"):
+                if solver in AREA_MARKERS:
+                    times = some.groupby("load").apply(lambda runs: time_at_error(runs)[0])
+                    areas = 100 * some.groupby("load")["area"].first()
+                    axis.loglog(areas, times, AREA_MARKERS[solver], label=SOLVERS[solver])
+            axis.set(title=f"{boundary} boundary", xlabel="contact area, %", ylabel="time on one thread, s")
+            axis.legend()
+        save(figure, path)
+
+
 def shown(table: pd.DataFrame, **columns: str) -> str:
     """Some columns of a table of measurements, under other names, in Markdown."""
     if "points" in table:
@@ -142,6 +170,7 @@ def main() -> None:
     periodic = contacts("periodic")
     fast = periodic[(periodic["solver"] == FAST) & (periodic["tolerance"] == TARGET)]
     others = periodic[~periodic["solver"].str.contains("float")]["program"].unique()
+    draw_areas(ROOT / "docs/performance_area.png")
     page = rendered(
         Path(__file__).with_name("page.md.j2"),
         read=read,
