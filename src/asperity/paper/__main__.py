@@ -49,7 +49,7 @@ def with_more_seeds(findings: Sequence[Finding], larger: Sequence[Finding]) -> s
     seeds = max(finding.own.seeds for finding in larger)
     text = (
         f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided "
-        f"by {seeds} seeds, and {still} are not: `make study CONFIG=config/decide.yaml`, of which "
+        f"by {seeds} seeds (`config/decide.yaml`), and {still} are not. "
         "[`decided.csv`](decided.csv) holds every interpretation."
     )
     return f"## With more seeds\n\n{text}\n\n{markup.markdown(table)}\n"
