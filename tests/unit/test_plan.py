@@ -126,3 +126,12 @@ def test_loads_count_where_a_figure_shows_the_contact():
     whole = read([text, contact])
     found, _ = planned_contacts(whole, surfaces_with_load_area(whole))
     assert {name: contact.loads for name, contact in found.items()} == {"ground": 3, "lapped": 3}
+
+
+def test_surfaces_are_planned_on_their_own_grids(capsys):
+    """The paper's surfaces have eight nodes on the shortest wavelength, one has four."""
+    assert main(["plan", str(ROOT / "config/config.yaml")]) == 0
+    keys = yaml.safe_load(capsys.readouterr().out.split("configuration:\n")[1])
+    for name, planned in keys["surfaces"].items():
+        surface = PAPER["surfaces"][name]
+        assert planned["points"] == surface.get("points", 8 / surface["wavelength_short"])

@@ -1,6 +1,7 @@
 """``asperity plan``: cost and error of a calculation before it is made, and settings that reach a target."""
 
 import argparse
+from dataclasses import replace
 
 from asperity.cli.parser import section
 from asperity.paper.figures import surfaces_with_load_area
@@ -19,5 +20,6 @@ def run(options: argparse.Namespace) -> None:
         found = assess(list(surfaces.values()), accuracy, options.one_surface)
     else:
         target = Target(outputs, options.error, options.seconds, memory, options.one_surface)
+        surfaces = {name: replace(each, points_per_wavelength=None) for name, each in surfaces.items()}
         found = propose(list(surfaces.values()), target)
     print(report(found, surfaces, outputs, options.one_surface))

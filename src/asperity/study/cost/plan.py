@@ -46,6 +46,8 @@ class PlannedContact:
         Contact area over the area of the cell at the load whose stress is analysed.
     loads, ratios : int
         Number of loads at which the contact is solved, and of Poisson's ratios of its stress.
+    points_per_wavelength : float, optional
+        Of this surface, in place of that of the settings of accuracy for all.
     """
 
     hurst: float
@@ -54,6 +56,12 @@ class PlannedContact:
     area_fraction: float
     loads: int = 1
     ratios: int = 1
+    points_per_wavelength: float | None = None
+
+    def settings(self, accuracy: AccuracySettings) -> AccuracySettings:
+        """Settings of accuracy of this surface."""
+        points = self.points_per_wavelength or accuracy.points_per_wavelength
+        return replace(accuracy, points_per_wavelength=points)
 
 
 UNPLANNED = {"label": "surface", "rms_height": 1e-3}
@@ -108,9 +116,8 @@ def planned_contacts(
 ) -> tuple[dict[str, PlannedContact], AccuracySettings]:
     """Planned contacts of a complete configuration, and settings of accuracy.
 
-    They belong to the random surfaces of all studies, or to all surfaces if no study names any. The
-    settings are those of the surface with the fewest nodes per wavelength. A figure shows the load-area
-    curves of the surfaces in `load_area`.
+    They belong to the random surfaces of all studies, or to all surfaces if no study names any. A
+    figure shows the load-area curves of the surfaces in `load_area`.
 
     Raises
     ------
@@ -133,9 +140,9 @@ def planned_contacts(
             area_fraction=area,
             loads=len({*contact["path_area_fractions"], area}) if name in load_area else 1,
             ratios=len(config["stress"]["poisson"]),
+            points_per_wavelength=accuracy_of(config, name).points_per_wavelength,
         )
-    settings = min((accuracy_of(config, name) for name in names), key=lambda each: each.points_per_wavelength)
-    return found, settings
+    return found, accuracy_of(config, names[0])
 
 
 PEAK_OUTPUTS = ("pressure_p90", "pressure_p99", "von_mises_p90", "von_mises_p99")
@@ -253,7 +260,7 @@ def contact_cost(contact: PlannedContact, accuracy: AccuracySettings) -> tuple[f
 
     The stages run one after the other, each in a process of its own, whose start is counted.
     """
-    nodes = accuracy.points(contact.wavelength_short) ** 2
+    nodes = contact.settings(accuracy).points(contact.wavelength_short) ** 2
     job = "contact" if contact.loads == 1 else "load-area curve"
     stress = job_cost("stress", nodes, contact.ratios, accuracy.depth_spacing)
     costs = [job_cost(job, nodes, contact.loads), stress]
@@ -294,6 +301,7 @@ def error_bounds(
     The errors at the largest measured area that is not above that of the contact hold: they grow as the area
     falls.
     """
+    accuracy = contact.settings(accuracy)
     table = measured()
     areas = table["area_fraction"][table["area_fraction"] <= contact.area_fraction * (1 + 1e-9)]
     if areas.empty:
@@ -403,12 +411,13 @@ def report(
         If an output is unknown.
     """
     accuracy = proposal.accuracy
-    largest = max(accuracy.points(contact.wavelength_short) for contact in contacts.values())
+    points = {name: each.settings(accuracy).points(each.wavelength_short) for name, each in contacts.items()}
+    largest = max(points.values())
     subject = "this very surface" if one_surface else "the mean of its kind, to 95 %"
     bounds = proposal.of(outputs)
     bounds = bounds.drop(columns="seeds") if one_surface else bounds
     bounds["together"] = bounds.sum(axis=1)
-    keys = overlay(accuracy, {name: contact.wavelength_short for name, contact in contacts.items()})
+    keys = overlay(accuracy, points)
     warnings = {
         name: f"# {name} = {getattr(contact, name):g} is outside what was measured, {low:g} to {high:g}"
         for contact in contacts.values()
