@@ -48,7 +48,7 @@ pages: study theories ## Write README's sentences, docs and the kept table again
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	cd "$(FOLDER)" && sha256sum --quiet --check SHA256SUMS
 
-test: lint ## Run lint and all tests, among them the quick study from nothing (nine minutes on two cores)
+test: lint ## Run lint and all tests, among them the quick study from nothing (seven minutes on two cores)
 	pytest --numprocesses logical
 
 lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go downwards only
