@@ -221,7 +221,9 @@ class MapPictures:
         self.image = MapFigure("Height, peaks upward", "height", "m", Cividis256, on_line)
         self.profile = _curve("Profile along the line", "distance", "height")
         self.histogram = _curve("Distribution of heights", "height", "density")
-        self.spectrum = _curve("Spectrum", "wavelength", "C(q)", x_axis_type="log", y_axis_type="log")
+        self.spectrum = _curve(
+            "Power spectrum", "wavelength", "density", x_axis_type="log", y_axis_type="log"
+        )
         decades = np.outer(10.0 ** np.arange(-6, 7), [1, 3]).ravel().tolist()
         self.spectrum.xaxis.ticker = FixedTicker(ticks=decades)
 
@@ -295,10 +297,15 @@ class AnswerPictures:
         title = "Gap" if which == "gap" else "Contact pressure"
         self.contact.show({**shown, "values": values}, units, self.prefix + title, limits=limits)
 
-    def show_peaks(self, peaks: Mapping[str, Array], units: Units, frame: Mapping[str, Any]) -> None:
-        """Draw peaks with columns x, y, depth in m and value in Pa over a frame."""
+    def show_peaks(
+        self, peaks: Mapping[str, Array], units: Units, frame: Mapping[str, Any], limits: Limits
+    ) -> None:
+        """Draw peaks with columns x, y, depth in m and value in Pa over a frame.
+
+        The limits are the largest depth and value of all answers, which have their units and axes in common.
+        """
         place = units.of(max(frame["dw"], frame["dh"]), "m")[0]
-        (deep, length), (factor, symbol) = units.of(peaks["depth"], "m"), units.of(peaks["value"], "Pa")
+        (deep, length), (factor, symbol) = units.of(limits[0], "m"), units.of(limits[1], "Pa")
         factors = {"x": place, "y": place, "depth": deep, "value": factor}
         self.peaks.data = {name: peaks[name] / each for name, each in factors.items()}
         self.scatter.title.text = f"{self.prefix}Peaks over depth"

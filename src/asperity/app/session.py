@@ -68,6 +68,8 @@ class Tab:
             AnswerPictures(end, session.drag_section, lambda number: session.do_peak(str(number)))
             for end in ("", "_beside")
         ]
+        first, second = (pictures.scatter for pictures in self.answers)
+        second.x_range, second.y_range = first.x_range, first.y_range
         for pictures in (self.map, *self.answers):
             for name, root in pictures.roots().items():  # type: ignore[attr-defined]
                 root.name = name
@@ -512,9 +514,14 @@ class Session:
         if "contact" in parts:
             which = self.view["contact"]
             highest = max((float(slot.summary[which]["values"].max()) for slot, _ in answers), default=0.0)
-            for slot, own in answers:
+            peaks = [self._peaks(slot) for slot, _ in answers]
+            deepest, largest = (
+                max((float(np.abs(each[name]).max(initial=0)) for each in peaks), default=0.0)
+                for name in ("depth", "value")
+            )
+            for (slot, own), found in zip(answers, peaks, strict=True):
                 own.show_contact(slot.summary[which], which, self.units, (0.0, highest))
-                own.show_peaks(self._peaks(slot), self.units, slot.summary["pressure"])
+                own.show_peaks(found, self.units, slot.summary["pressure"], (deepest, largest))
         if "planes" in parts:
             self._draw_planes([(slot, own) for slot, own in answers if slot.plane is not None])
         tab.answers[0].mark(self.peak)
