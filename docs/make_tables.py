@@ -23,29 +23,23 @@ def settings() -> str:
 
 
 def materials() -> str:
-    """The materials: constants, their ranges, and the numbered sources."""
+    """The materials: their constants, and the numbered sources."""
     texts = list(packaged_yaml("asperity.settings", "materials.yaml")["sources"].values())
-    head = ["material", "also", "kind", *(UNITS.get(name, name) for name in CONSTANTS)]
-    values, places, used = [], [], []
+    listed = [name for name in CONSTANTS if any(name in each.constants for each in table().values())]
+    rows, used = [], []
     for each in table().values():
-        found = each.constants
-        kind = ", ".join(filter(None, [each.group, str(each.state)]))
-        shown = [str(found[name].value) if name in found else "" for name in CONSTANTS]
-        values.append([each.name, ", ".join(each.also), kind, *shown])
-        of_place: dict[str, list[str]] = {}
-        for name, constant in found.items():
+        numbers = []
+        for constant in each.constants.values():
             source = max((text for text in texts if constant.source.startswith(text)), key=len)
             used += [source] if source not in used else []
-            place = f"[{used.index(source) + 1}]"
-            span = "" if constant.range is None else f" ({' to '.join(map(str, constant.range))})"
-            of_place.setdefault(place, []).append(f"{name}{span}")
-        cited = (f"{', '.join(names)} {place}" for place, names in of_place.items())
-        places.append([each.name, "; ".join(cited)])
+            numbers.append(used.index(source) + 1)
+        kind = ", ".join(filter(None, [each.group, str(each.state)]))
+        shown = [str(each.constants[name].value) if name in each.constants else "" for name in listed]
+        cited = ", ".join(map(str, sorted(set(numbers))))
+        rows.append([each.name, ", ".join(each.also), kind, *shown, cited])
+    head = ["material", "also", "kind", *(UNITS.get(name, name) for name in listed), "sources"]
     numbered = "\n".join(f"{number}. {source}" for number, source in enumerate(used, 1))
-    return (
-        f"{_table(head, values)}\n\n## Ranges and sources of the constants\n\n"
-        f"{_table(['material', 'constant (range) [source]'], places)}\n\n## Sources\n\n{numbered}\n"
-    )
+    return f"{_table(head, rows)}\n\n## Sources\n\n{numbered}\n"
 
 
 def _table(head: list[str], rows: list[list[str]]) -> str:
