@@ -77,9 +77,9 @@ class FileOptions(Settings):
     format: str | None = optional(
         "recognised from the file", pattern="^[a-z0-9]{1,20}\\Z", accepts="the name of a format"
     )
-    """Format of the file, for a file whose format cannot be recognised by its first bytes, or that has the
-    extension of another format. `profile` reads a line scan as a map with the same heights for all y.
-    `asperity info --help` lists the formats."""
+    """Format of a file that is not recognised by its first bytes, or has the extension of another format.
+    `profile` reads a line scan as a map with the same heights for all y. `asperity info --help` lists the
+    formats."""
     max_memory: Number = setting(2.0, unit="GiB", gt=0)
     """Largest size that the file may have when unpacked."""
     scan_lines: Literal["median", "matched"] | None = optional("offsets are kept")

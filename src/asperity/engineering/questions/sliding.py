@@ -54,8 +54,7 @@ class Sliding(Question):
     direction: Direction | None = optional(
         "with friction the axis nearest to the lay of the map; x without a lay"
     )
-    """Direction in which the counter body moves over the body: x, y or an angle in degrees from x towards
-    y. The traction on the body has this direction."""
+    """Direction in which the counter body moves over the body; the traction on the body has it, too."""
     _chosen: str = PrivateAttr("")
 
     def along_lay(self, face: TreatedMap) -> Sliding:
