@@ -8,14 +8,14 @@ from typing import Any
 
 from asperity.core.version import __version__ as __version__
 
-# Without lazy_loader there are no public names; the command line and the study can still report that.
+# Without lazy_loader the public names are missing; the command line and the study can still report that.
 if find_spec("lazy_loader"):
     import lazy_loader
 
     _attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
     def __getattr__(name: str) -> Any:
-        """A public name; without the packages that it needs, an error that names what to install."""
+        """Return a public name, or raise an error that says which package to install."""
         try:
             found = _attribute(name)
             import asperity.views.accessor  # noqa: F401  makes ``dataset.asperity`` known to xarray

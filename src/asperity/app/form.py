@@ -124,7 +124,7 @@ def _joined(value: Any) -> str:
 
 
 def is_used(key: str, values: Mapping[str, str]) -> bool:
-    """True if a setting belongs to the case under the check boxes and choices of the page."""
+    """True if a setting is part of the case, given the check boxes and choices of the page."""
     for switch, group in SWITCHES.items():
         if key.startswith(f"{group}.") and not values.get(switch):
             return False

@@ -19,7 +19,7 @@ SIGNED = tuple(interp_palette(RdBu11[::-1], 255))
 """Colours of a field with a sign; all palettes are safe for the colour-blind."""
 
 Ends = tuple[float, float, float, float]
-"""Places x, y, x, y of the ends of a line, in m."""
+"""Coordinates x, y of the first end of a line and x, y of the second one, in m."""
 
 Limits = tuple[float, float]
 """Smallest and largest value of the colours."""

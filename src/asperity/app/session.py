@@ -400,7 +400,7 @@ class Session:
         }
 
     def _repeat(self) -> str:
-        """The command line and the case file that give the answer; of uploaded maps they have the names."""
+        """The command line and the case file of the answer; they name uploaded maps without a folder."""
         content = form.content_of(self.values)
         for keys in MAP_FILES:
             if (group := at(content, keys[:-1])) and "file" in group:

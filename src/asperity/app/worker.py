@@ -110,7 +110,7 @@ def _work(pipe: Connection, kind: str) -> None:
         name, given = waiting.pop(0)
         if name in REPLACED and any(name == later for later, _ in waiting):
             continue
-        if name == "section" and job.work_ahead():  # it needs all planes; others are answered meanwhile
+        if name == "section" and job.work_ahead():  # a section needs all planes: answer other requests first
             waiting.append((name, given))
             continue
         try:
@@ -122,7 +122,7 @@ def _work(pipe: Connection, kind: str) -> None:
 
 
 def _receive(pipe: Connection, requests: SimpleQueue[Any]) -> None:
-    """Put requests into a queue; end the process with the pipe, also in the middle of a computation."""
+    """Put requests into a queue, and end the process when the pipe closes, even while it computes."""
     try:
         while True:
             requests.put(pipe.recv())

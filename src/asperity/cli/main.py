@@ -30,8 +30,8 @@ OWN_FAULT = (
 )
 
 RARELY = 100_000
-"""Allocations between two garbage collections. Imports allocate many objects that stay: with Python's 700,
-`asperity run` on 512² points takes a tenth longer."""
+"""Allocations between two garbage collections. Imports allocate many objects that stay: with Python's default
+of 700, `asperity run` on 512² points takes a tenth longer."""
 
 
 class Interrupted(KeyboardInterrupt):

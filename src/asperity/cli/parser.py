@@ -243,7 +243,7 @@ def _of_setting(key: str, default_text: str | None, words: str | None, as_text: 
 
 
 def _default_of_study(key: str) -> Any:
-    from asperity.settings.check import default  # takes time; a map does not need it
+    from asperity.settings.check import default  # a slow import that options of a map do not need
 
     return default(key)
 
@@ -251,7 +251,7 @@ def _default_of_study(key: str) -> Any:
 def _place_of(key: str) -> tuple[Any, str]:
     """Class that holds a setting of the study, and the key of the setting in it.
 
-    Options of the file of a map have a class of their own, which is imported in a third of the time.
+    Options that say how a map is read are in `FileOptions`, which is imported in a third of the time.
     """
     from asperity.settings.map import FileOptions
 

@@ -34,7 +34,8 @@ RESIDUAL_DROP = 0.05
 MAX_ITERATIONS = 9
 
 # A layer uses its own stiffness in the error estimate if it is more than so many times stiffer than the
-# half-space in some mode. Below, the estimate by the preconditioner is too small by at most this factor.
+# half-space in some mode. For a softer layer the preconditioner underestimates the error by at most this
+# factor.
 STIFF_LAYER = 2.0
 
 

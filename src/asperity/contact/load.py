@@ -309,7 +309,7 @@ def _approximate_tangent(
 ) -> Correction:
     """Change of the contact per change of the approach, in units of the nodal compliance.
 
-    Its approach is 1, or 0 in full contact of a solid without uniform displacement.
+    The change of the approach is 1, or 0 in full contact of a solid without uniform displacement.
     """
     nodes = system.linear.operators.nodes
     if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:

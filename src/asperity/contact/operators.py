@@ -98,15 +98,15 @@ CELL_NODES_UNDER_COATING = 4
 COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_UNDER_COATING = 0.03, 0.005
 MAX_COARSE_ITERATIONS = 50
 
-# One over the compliance of a coated solid is used as a stencil if its positive weights beside the middle
-# one sum up to at most this fraction of that one: 0.1 on a half-space, up to 0.3 under most coatings, and
-# above 1 under thin incompressible ones, where solutions fail with it.
+# The inverse compliance of a coated solid is used as a stencil if the sum of its positive weights outside the
+# middle is at most this fraction of the weight in the middle. The fraction is 0.1 on a half-space, up to 0.3
+# under most coatings, and above 1 under thin incompressible coatings, where solutions fail with the stencil.
 MAX_OUTWARD = 0.5
 
-# Where it is not used, the compliance on the coarse grid is at most so many times that of the half-space of
-# the stencil: where it is larger, two terms of M cancel to less than the error of the coarse system. Found
-# by trial on 64² nodes, with ratios of moduli of 1e2 to 1e6: inner solves with 3 take up to 1.5 times the
-# iterations, with 30 as many, and with 100 some of them fail.
+# Where this stencil is not used, the compliance on the coarse grid is limited to so many times that of the
+# half-space of the stencil: beyond it, two terms of M cancel to less than the error of the coarse system.
+# Found by trial on 64² nodes, with ratios of moduli of 1e2 to 1e6: inner solves with 3 take up to 1.5 times
+# the iterations, with 30 as many, and with 100 some of them fail.
 MAX_SOFTNESS = 10.0
 
 
@@ -322,9 +322,10 @@ def near_stencil(kind: type[Response], solid: Solids, spacing: tuple[float, floa
 
 
 def _spacing_of_stencils(response: Response) -> tuple[float, float]:
-    """Spacing of a grid, or a multiple of it for which the stencils of the solid have the same numbers.
+    """Spacing for which the stencils are made: the spacing of the grid, or a multiple with the same stencils.
 
-    A half-space has no length of its own, and a power of two rounds nothing.
+    A half-space has no length of its own, so that the spacing may be multiplied by a power of two, which
+    causes no rounding.
     """
     dy, dx = response.grid.spacing
     if response.solid.height is not None or response.solid.interface is not None:

@@ -34,7 +34,7 @@ _helpers = ThreadPoolExecutor(max_workers=256, thread_name_prefix="asperity")
 
 
 class KeptArrays(threading.local):
-    """Reused arrays of each thread: the system clears new memory, which takes time."""
+    """Arrays that each thread reuses, because the system takes time to clear new memory."""
 
     def __init__(self) -> None:
         self._kept: dict[str, Any] = {}

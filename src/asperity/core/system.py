@@ -80,7 +80,7 @@ def flush(path: Path) -> None:
 
 
 def available_memory() -> float:
-    """Memory that this process may use, in MB: that of the machine or of its control group, if less."""
+    """Memory that this process may use, in MB: all of the machine, or the limit of its control group."""
     import psutil
 
     limits = [path.read_text(encoding="ascii").strip() for path in map(Path, GROUP_LIMITS) if path.is_file()]
@@ -94,7 +94,7 @@ def is_compiled(*caches: str | os.PathLike[str]) -> bool:
     Parameters
     ----------
     *caches : path
-        Other folders of machine code than those of the modules, where numba keeps it if it can.
+        Further folders with machine code, besides the folders of the modules, where numba keeps it if it can.
     """
     package = Path(__file__).parents[1]
     code, modules = (

@@ -114,7 +114,7 @@ def misread(value: Any, dimension: str = "") -> str:
 
 
 def _from_rockwell(number: float) -> str:
-    """The pressure of a hardness after Rockwell C in words."""
+    """A Rockwell C hardness as a pressure, in words for a message."""
     import numpy as np
 
     known = [*ROCKWELL_TO_VICKERS]

@@ -41,7 +41,7 @@ from asperity.elasticity.kernels import (
 )
 
 Materials = tuple[float, float, float, float]
-"""Poisson's ratios of coating and base, and their shares in the sum of their shear moduli."""
+"""Poisson's ratio of the coating and of the base; shear modulus of each over the sum of both."""
 
 State = tuple[float, float, float, float, float]
 """U_l, U_z, S_l, S_z and σ_ll of a mode, see `asperity.elasticity.layer_fields`."""
@@ -205,7 +205,7 @@ def fill_coated_kernels(
 ) -> None:
     """As `asperity.elasticity.kernels.fill_kernels`, for a coated half-space.
 
-    A depth equal to the height counts to the coating. V and W are in units of (1 + ν)/(E q) of the material
+    A depth equal to the height belongs to the coating. V and W are in units of (1 + ν)/(E q) of the material
     at their depth.
     """
     many = depth.size > 1

@@ -323,7 +323,7 @@ def fill_surface_compliance(
 
 
 NOTHING_LEFT = 750.0
-"""Scaled distance at which e^(−distance) is 0 in double precision; larger ones count as this."""
+"""Scaled distance at which e^(−distance) is 0 in double precision; a larger one is replaced by this."""
 
 
 def green_elements(scaled: Array, poisson: float) -> Array:

@@ -76,9 +76,9 @@ def rectangle_slope_x(
 def rectangle_moments(y: ArrayLike, x: ArrayLike, edges: tuple[float, float]) -> Array:
     """∫∫ of η²/ρ³, ξ²/ρ³ and η ξ/ρ³ over a rectangle, at points of the surface.
 
-    ρ = (η, ξ) is the vector from a point of the rectangle to that of the surface. The first two add up to
-    the integral of 1/ρ in the compliance; all three make up the displacement by a shear traction (V. Cerruti;
-    K. L. Johnson, Contact Mechanics, 1985, section 3.6).
+    ρ = (η, ξ) is the vector from a point of the rectangle to the point of the surface. The first two add up
+    to the integral of 1/ρ in the compliance; all three make up the displacement by a shear traction
+    (V. Cerruti; K. L. Johnson, Contact Mechanics, 1985, section 3.6).
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
 
 
 def shear_modes(grid: Grid, bodies: Sequence[Solid], degrees: float) -> tuple[Array, Array]:
-    """Factors that turn padded coefficients of a shear traction into those of the displacement by it.
+    """Factors that turn padded coefficients of a shear traction into coefficients of its displacement.
 
     Parameters
     ----------

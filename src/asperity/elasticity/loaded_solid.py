@@ -203,7 +203,7 @@ class LoadedSolid:
 
 
 def layer_from(settings: Mapping[str, Any]) -> Solid:
-    """A layer from its constants, as in the settings of a result."""
+    """Make a solid from the constants that the settings of a result hold."""
     known = {item.name: settings[item.name] for item in fields(Solid) if item.name in settings}
     return Solid(**known | {"base": layer_from(base) if (base := settings.get("base")) else None})
 

@@ -259,9 +259,9 @@ class Solid:
         Returns
         -------
         compliance : array
-            In length per pressure, of the shape and type of q. For the half-space 2/(E* q), with that of the
-            base for long waves on a coated one and that of the coating for short ones. At q = 0 the
-            value of `uniform_compliance`.
+            In length per pressure, of the shape and type of q: 2/(E* q) for the half-space. On a coated
+            half-space E* is the modulus of the base for long waves, and of the coating for short waves. At
+            q = 0 it is the value of `uniform_compliance`.
 
         Raises
         ------
@@ -559,8 +559,8 @@ def simplest_solid(layer: Solid, q_min: float, tolerance: float) -> SolidChoice:
 
     A half-space is cheaper to compute than a layer and serves every Poisson's ratio at once. The field of a
     pressure mode decays as e^(−q depth), so a layer that is tall against the longest wave differs little from
-    the half-space. The difference comes from the bottom: that of the stress is about e^(−q height) times a
-    polynomial of q height, that of the surface compliance the square of it, and both fall with q once
+    the half-space. The difference comes from the bottom. For the stress it is about e^(−q height) times a
+    polynomial of q height, for the surface compliance the square of this, and both fall with q once
     q height is above 2. Lower layers differ by more than any tolerance allows. The mean (q = 0) mode is left
     out: its stress is the same in both solids, and its displacement only shifts the approach.
 

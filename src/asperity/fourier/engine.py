@@ -89,7 +89,7 @@ def fft_engine(name: str) -> "Iterator[Engine]":
 
 
 def current_engine() -> "Engine":
-    """The engine in use: that of the block, else that of the environment variable, else the default."""
+    """The engine in use: chosen by the block, else by the environment variable, else the default."""
     return _chosen.get() or _engine(VARIABLE, os.environ.get(VARIABLE) or DEFAULT)
 
 
@@ -189,7 +189,7 @@ class Ducc0Engine:
     ) -> None:
         """Transform along an axis of a mirrored field, (ny, nx), to coefficients of cosines, or back.
 
-        The coefficients of an odd field are those of sines, of which that of the wave k has the index k − 1.
+        An odd field has coefficients of sines instead; the sine of the wave k has the index k − 1.
         `out` may be `values`.
         """
         import ducc0

@@ -350,7 +350,7 @@ class Fourier:
         overwrite: bool = False,
         odd: tuple[bool, bool] = EVEN,
     ) -> Array:
-        """Field ``f[y, x]``, (ny, nx), of its coefficients.
+        """Field ``f[y, x]``, (ny, nx), from its Fourier coefficients.
 
         Parameters
         ----------

@@ -13,7 +13,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from asperity.core.types import Array
 
-# Violations below this fraction of the largest term count as rounding.
+# Violations below this fraction of the largest term are taken for rounding.
 VIOLATION_ROUNDING = 1e-13
 
 # Exchanges of all violating nodes that may fail to lower their number before nodes change sides one by one.

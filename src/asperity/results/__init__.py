@@ -2,7 +2,7 @@
 
 from importlib.util import find_spec
 
-# A study is planned where only Snakemake is installed: without lazy_loader there are no public names.
+# A study can be planned with Snakemake alone: without lazy_loader the public names are missing.
 if find_spec("lazy_loader"):
     import lazy_loader
 

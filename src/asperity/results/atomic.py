@@ -21,9 +21,9 @@ from asperity.core.errors import DatasetError
 from asperity.core.system import flush, has_ended, process_name
 
 MIN_FREE_SPACE = 2**20
-"""A disk with fewer free bytes counts as full: the NetCDF library does not report it."""
+"""Fewer free bytes than this are reported as a full disk, because the NetCDF library does not report one."""
 
-# Most characters of a name in that of its temporary file, which has at most 255 bytes.
+# Number of characters of a name that its temporary file keeps; a file name has at most 255 bytes.
 _LONGEST_STEM = 30
 
 

@@ -219,7 +219,7 @@ class Body(OfMaterial):
 
     @property
     def is_rigid(self) -> bool:
-        """True for a counter body of which only the map is given; then no constant of it counts."""
+        """True for a counter body of which only the map is given; its constants are then not used."""
         return self._is_rigid
 
     @property

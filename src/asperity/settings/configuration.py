@@ -127,7 +127,7 @@ class Moments(Settings):
 
 class Plateau(Settings):
     """Heights of a honed surface (ISO 13565-3): a Gaussian plateau, Gaussian valleys, and the material ratio
-    at which one passes into the other. Of the two roughnesses only the ratio counts.
+    at which one passes into the other. Only the ratio of the two roughnesses matters.
     """
 
     rpq: Number = setting(..., gt=0, le=1000)
@@ -216,8 +216,7 @@ class MeasuredMap(MapFile):
     points: Nodes = optional(
         "the preset's number for each `wavelength_short` in cell lengths; without it, those of the map"
     )
-    """Nodes on the longer edge of the cell, by Fourier interpolation; an even number on that of a mirrored
-    map."""
+    """Nodes on the longer edge of the cell, by Fourier interpolation; a mirrored map needs an even number."""
 
 
 class Studies(Settings):

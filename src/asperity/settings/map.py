@@ -38,7 +38,7 @@ Source = Annotated[
     WithJsonSchema(
         {
             "anyOf": [{"type": "string", "format": "path"}, {"type": "array", "items": {"type": "string"}}],
-            "accepts": "the name of a file",  # of several maps a case file has a list
+            "accepts": "the name of a file",  # a case file of several maps has a list
         }
     ),
 ]
@@ -176,7 +176,7 @@ class Map(MapOptions):
 class CounterMap(Map):
     """Height map of the counter body, peaks upward as measured.
 
-    It is turned over and laid on the map, middle on middle. Options that it does not give are those of the
+    It is turned over and laid on the map, middle on middle. Options that it does not give are taken from the
     map.
     """
 

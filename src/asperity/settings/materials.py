@@ -80,7 +80,7 @@ def own_materials(path: str | Path) -> Iterator[None]:
 
 
 def material(name: str) -> Material:
-    """A material by its name or one of its other names; case, blanks and hyphens do not count.
+    """A material by its name or one of its other names; case, blanks and hyphens are ignored.
 
     Raises
     ------

@@ -94,7 +94,7 @@ def add_cylinder(
 
 
 def _added(function: str, height: ArrayLike, square: Array, radius: float) -> Array:
-    """The heights with a parabola of a radius; `square` is that of the distance from its lowest point."""
+    """Add a parabola of a radius to the heights; `square` is the squared distance from its lowest point."""
     found = checked_heights(height) + square / (2 * magnitude("radius", radius))
     require_finite(function, {"height": found})
     return found

@@ -5,10 +5,10 @@ the moments of the heights are those of the Johnson curve, and the spectrum diff
 Gaussian surface. Hu and Tonder (1992) use the same system for rough surfaces, but transform uncorrelated
 numbers and filter them afterwards.
 
-`with_heights` keeps the spectrum: the heights are replaced rank by rank by those of the distribution, and the
-amplitudes of all waves by those of the spectrum, in turns, until the two no longer approach each other. The
-last step is that of the spectrum: rms height, rms gradient and the band of wavelengths are exact, and the
-distribution is reached as far as the band allows.
+`with_heights` keeps the spectrum. In turns, the heights are replaced rank by rank by heights of the
+distribution, and the amplitudes of all waves by the amplitudes of the spectrum, until the two surfaces no
+longer approach each other. The last step restores the spectrum: rms height, rms gradient and the band of
+wavelengths are exact, and the distribution is reached as far as the band allows.
 
 References
 ----------
@@ -51,8 +51,8 @@ _FIT_TOLERANCE = 1e-8
 
 NODES_PER_WAVE = 4
 """Nodes on the shortest wave of the grid of the iteration. On this grid the mean of the third power of the
-heights has no aliasing error, and that of the fourth power only from waves at the end of the band: moments
-are those of finer grids."""
+heights has no aliasing error, and the mean of the fourth power only from waves at the end of the band. Finer
+grids therefore give the same moments."""
 
 IN_BAND = 1e-12
 """Amplitude over the largest one below which a wave is a rounding error."""
@@ -284,7 +284,7 @@ def with_heights(
         map being the high parts of the lower face.
     sample : array
         Heights of a lower face with that distribution, an array of any shape such as
-        ``treat_map(...).height``. Only the form of the distribution counts.
+        ``treat_map(...).height``. Only the shape of the distribution matters.
 
     Returns
     -------

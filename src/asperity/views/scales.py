@@ -84,10 +84,10 @@ def measure(values: ArrayLike, dimension: str, system: str | None) -> Measure:
 
 
 TAIL_SHARE = 0.001
-"""Share of the values at each end that does not count for the limits."""
+"""Share of the values at each end that the limits ignore."""
 
 MIN_IN_TAIL = 3
-"""Fewest values at each end that do not count: one wrong node of a map makes up to three high peaks."""
+"""Fewest values at each end that are ignored: one wrong node of a map makes up to three high peaks."""
 
 BEYOND_SHARE = 1e-6
 """Values beyond a limit by less than this share of the scale are not reported."""

@@ -56,7 +56,7 @@ def panels(
 def label(data: xr.Dataset) -> str:
     """Label of the surface of a result: attribute ``label``, which the study adds, or else from its settings.
 
-    A result of the study does not hold the label of its surface; its name stands for a missing one.
+    A result of the study does not hold the label of its surface. Without a label the name is used.
     """
     settings = settings_of(data)
     return data.attrs.get("label") or settings["surface"].get("label") or settings["name"]

@@ -1,8 +1,8 @@
 """Mixed lubrication: a film carries a part of the load, and the asperities the rest.
 
-The film carries the smooth part of the pressure, of which it takes the share s: a uniform pressure s p̄ on
-the map, or the share s of the Hertz pressure around it. The asperities carry (1 − s) p̄ as a dry contact. The
-stress is that of both: at s = 0 that of the dry contact, at s → 1 that of the smooth bodies.
+The film carries the share s of the smooth pressure: a uniform pressure s p̄ on the map, or the share s of the
+Hertz pressure around it. The asperities carry (1 − s) p̄ as a dry contact. The stresses of both parts are
+added: s = 0 gives the stress of the dry contact, s → 1 the stress of the smooth bodies.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ class Leak(Question):
     """Fall of the pressure of the fluid over the length of the map."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """A viscosity without a pressure difference, or the reverse."""
+        """Refuse a viscosity without a pressure difference, and a pressure difference without a viscosity."""
         names = ("viscosity", "pressure_difference")
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) == 1:

@@ -119,7 +119,7 @@ class AnswerCurve:
 
 
 class LoadCurve(Question):
-    """The contact under rising loads that end at that of the case; see `asperity.engineering.load_curve`."""
+    """The contact under rising loads up to the load of the case; see `asperity.engineering.load_curve`."""
 
     TILES = (
         *("mean pressure where yield begins", "mean pressure where the lower body yields"),

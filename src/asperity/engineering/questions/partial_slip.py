@@ -35,7 +35,7 @@ CYCLE_STEPS = 6
 """Steps of first loading in the cycle: chords enclose 97 % of the energy, and cost five more contacts."""
 
 UNEVEN = 0.1
-"""Uneven displacement of nodes that stick, over the tangential displacement, that is worth a warning."""
+"""A warning is given if sticking nodes move unevenly by more than this share of the displacement."""
 
 CYCLE_CAPTION = (
     "Tangential force against tangential displacement in a cycle between the force and its opposite, after "

@@ -36,10 +36,10 @@ class RunInResult:
 
 
 class RunIn(Question):
-    """Run-in by loads like that of the case.
+    """Run-in: first loads, as large as the load of the case, flatten the map.
 
     Where the pressure reaches the hardness, a load flattens the map by the overlap of the bodies. The answer
-    is that of the elastic contact of the flattened map under the same load.
+    describes the elastic contact of the flattened map under the same load.
     """
 
     loads: Whole = setting(1, ge=1, le=20, example=1)

@@ -1,4 +1,4 @@
-"""Verdicts as tables for a reader, as data frames from which they are read again, and as a picture."""
+"""Verdicts as tables for a reader, as data frames that can be read back, and as a picture."""
 
 import json
 from collections.abc import Sequence

@@ -78,8 +78,8 @@ def surfaces_by_delta(
     Returns
     -------
     dict
-        δ, that of the study first → role at this δ (`role_of_delta`) → name of a surface; empty without such
-        a study. Values for which surfaces are missing are left out.
+        δ → role at this δ (`role_of_delta`) → name of a surface. The study's own δ is the first one. Empty
+        without such a study; values of δ for which surfaces are missing are left out.
     """
     own = {role: name for role, name in by_role.items() if role in SKEWED}
     if not own or not all("johnson" in surfaces[name] for name in own.values()):

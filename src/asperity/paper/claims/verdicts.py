@@ -242,7 +242,7 @@ def judge(claim: Claim, evidence: Evidence) -> Judgement:
 
 
 def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
-    """The verdict over all interpretations of a claim, and the choices and judgements that show it.
+    """The verdict over all interpretations of a claim, and the choices and judgements that decide it.
 
     Interpretations without data are left out, unless the study's own is one of them. If verdicts differ, two
     interpretations are shown that give the two verdicts and differ in the fewest choices; of several such

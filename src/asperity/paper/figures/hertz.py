@@ -59,7 +59,7 @@ def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
     """Draw contact area against load, and load against indentation, of slabs of several heights.
 
     Slabs are stiffer, which shows at equal indentation, not at equal load: a thin line joins the deepest
-    point of each slab with that of the half-space at the same indentation, an open marker.
+    point of each slab with the half-space at the same indentation, an open marker.
     """
     scale = data.attrs["curvature_radius"]
     load, half_space = scale * data.curve_mean_pressure, 100 * data.curve_area_fraction

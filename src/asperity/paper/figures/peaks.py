@@ -89,7 +89,7 @@ def draw_stresses(statistics: Datasets, cases: str) -> Figure:
     -----
     A peak of a signed component is a maximum of its magnitude. σ_xx is compressive under a contact, so
     −σ_xx is shown; σ_xz is as often positive as negative, so |σ_xz| is. σ_zz does not depend on Poisson's
-    ratio in a half-space and has one curve; in a layer that of the contact's ratio is shown.
+    ratio in a half-space and has one curve; in a layer the curve of the contact's ratio is shown.
     """
     compared = CASES[cases](statistics)
     figure, (von_mises, components) = panels()
@@ -150,8 +150,8 @@ def caption_von_mises(statistics: Mapping[str, Datasets]) -> Iterator[str]:
 def draw_depths(statistics: Datasets, cases: str) -> Figure:
     """Draw the joint probability density of the von Mises peaks, on a logarithmic scale of colour.
 
-    The unit of depth is the shortest wavelength of each surface; of cases ``shortest waves`` that of the
-    first one, λ_sn, in all panels.
+    The unit of depth is the shortest wavelength of each surface; for the cases ``shortest waves`` it is the
+    shortest wavelength of the first surface, λ_sn, in all panels.
     """
     compared = CASES[cases](statistics)
     symbol = r"\lambda_{sn}" if cases == "shortest waves" else r"\lambda_s"

@@ -190,7 +190,7 @@ class PlaneFields:
         return self.rows(0, self.basis.values.shape[1])[:, :, ROW_MARGIN : ROW_MARGIN + self.basis.columns]
 
     def at(self, row: Array, column: Array) -> Array:
-        """The first of the fields at nodes of the plane, (nodes,)."""
+        """Values of the first field at some nodes of the plane, (nodes,)."""
         out = np.empty(row.size, self.basis.values.dtype)
         kind, ratio, uniform = (each[0] for each in self.formulas)
         _take_nodes(self.basis, kind, ratio, uniform, row, column, out)

@@ -355,7 +355,7 @@ def _fill_xz(
 ) -> None:
     """Fill rows of A_xz after the transform along y: i q_x depth/2 times the trace of A, in a half-space.
 
-    On a mirrored map, whose coefficients are real, −q_x depth/2 times it.
+    On a mirrored map, whose coefficients are real, the factor is −q_x depth/2.
 
     Parameters
     ----------

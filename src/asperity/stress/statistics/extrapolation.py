@@ -79,7 +79,7 @@ SHARE_OF_CHANGE = {
 nodes to all; for depths the error of the sizes is added."""
 
 OF_PRESSURE = {"p90": 0.32, "p99": 0.22, "largest": 0.27}
-"""The same for the peaks of the pressure."""
+"""`SHARE_OF_CHANGE` for the peaks of the pressure."""
 
 COMMON = "pressure", "von_mises"
 """Quantities whose peaks enter the change of the sizes of every other quantity, too."""
@@ -104,7 +104,7 @@ OF_MISSED = {"pressure": 0.16, "von_mises": 0.16}
 """Quantity → relative error of its highest peaks over the share of peaks that the grid missed."""
 
 OF_MISSED_COMPONENT = 0.3
-"""The same for other quantities, whose number of peaks rises more from grid to grid."""
+"""`OF_MISSED` for other quantities, whose number of peaks rises more from grid to grid."""
 
 LOWER_PEAKS = 1.5
 """Added to these factors in proportion to the share of higher peaks."""
@@ -137,7 +137,7 @@ regression of 95 % on 120 surfaces of eight kinds at 2, 4 and 8 nodes on the sho
 cut heights, squares, crests, bumps, deep valleys and bands of waves."""
 
 OF_DEPARTURE_OF_PRESSURE = 0.5, 0.5, 0.55
-"""The same for the peaks of the pressure."""
+"""`OF_DEPARTURE` for the peaks of the pressure."""
 
 LARGEST_ERROR = 1.0
 """Relative error above which there is no estimate."""

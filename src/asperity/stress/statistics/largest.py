@@ -34,7 +34,7 @@ SHAPES = -2 + 0.0325 * (np.arange(80) + 0.5)
 """Shapes over which the average is taken."""
 
 SCALES = np.exp(np.linspace(-1.6, 1.6, 81))
-"""The same for the scale, over the mean excess; each has the same weight before any peak is known."""
+"""Scales over the mean excess of which the average is taken, all with the same weight beforehand."""
 
 NEGLIGIBLE_WEIGHT = 1e-6
 """Likelihood over the largest one below which shape and scale are left out."""

@@ -73,8 +73,8 @@ def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     data frame
-        Coefficients of `asperity.study.cost.model.job_cost` but those of the disk, and those above
-        `LARGE_GRID` of rules without such a grid; index the job.
+        Coefficients of `asperity.study.cost.model.job_cost`; index the job. Left out are the coefficients of
+        the disk, and those for grids above `LARGE_GRID` of rules that computed no such grid.
     """
     several = (jobs["rule"] == "contact") & (jobs["repetitions"] > 1)
     named = jobs.assign(rule=jobs["rule"].mask(several, "load-area curve"))

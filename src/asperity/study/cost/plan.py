@@ -47,7 +47,7 @@ class PlannedContact:
     loads, ratios : int
         Number of loads at which the contact is solved, and of Poisson's ratios of its stress.
     points_per_wavelength : float, optional
-        Of this surface, in place of that of the settings of accuracy for all.
+        For this surface, in place of the number that the settings of accuracy give for all surfaces.
     """
 
     hurst: float
@@ -298,8 +298,8 @@ def error_bounds(
 ) -> pd.DataFrame:
     """Bounds of the relative errors as in `Proposal`, infinite where nothing was measured.
 
-    The errors at the largest measured area that is not above that of the contact hold: they grow as the area
-    falls.
+    Errors grow as the area falls. The errors are therefore taken at the largest measured area that is not
+    above the area of the contact.
     """
     accuracy = contact.settings(accuracy)
     table = measured()
@@ -320,8 +320,8 @@ def error_bounds(
 
     paper = PRESETS["paper"]
     limits = {name: getattr(accuracy, name) for name in VARIED}
-    # The spacing was varied on the grid of the paper; the errors of the grids include that of the spacing
-    # there.
+    # The spacing of the planes was varied on the grid of the paper, and the errors of the grids include the
+    # error of this spacing.
     limits["depth_spacing"] *= paper.points_per_wavelength / accuracy.points_per_wavelength
     if limits["depth_spacing"] <= paper.depth_spacing:
         limits["depth_spacing"] = 0

@@ -88,7 +88,7 @@ class HeightMap:
     channel : str
         Name of the channel in the file.
     notes : tuple of str
-        Properties that options gave in place of those of the file.
+        Properties of the file that options replaced.
 
     Raises
     ------

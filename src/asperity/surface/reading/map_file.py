@@ -55,7 +55,7 @@ _NOT_IN_FILE = re.compile(r"(channel|missing) = .*(; leave it out|: one of .* is
 """Messages about an option that does not suit the file."""
 
 LONGEST_LINE = 900_000
-"""Most bytes of a line of text: rows of 65536 heights have about twelve characters for each."""
+"""Largest number of bytes in a line of text: a row of 65536 heights has about twelve characters for each."""
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a file in HDF5, and in NetCDF-4."""

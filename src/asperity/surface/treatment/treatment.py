@@ -257,7 +257,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
 
 
 class _Levelled(NamedTuple):
-    """Heights without spikes and trend, filled where there are no data, and what was taken from them.
+    """Heights without spikes and trend, filled where there are no data, and what was removed.
 
     Lengths are in the unit of the map, and the tilt is in radians.
     """
