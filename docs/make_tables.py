@@ -14,7 +14,7 @@ FOLDER = Path(__file__).parent
 MARK = "<!-- python docs/make_tables.py -->\n\n"
 """Line of a page after which everything is made."""
 
-UNITS = {"conductivity": "conductivity in W/(m K)", "resistivity": "resistivity in Ω m"}
+UNITS = {"conductivity": "conductivity, W/(m K)", "resistivity": "resistivity, Ω m"}
 
 
 def settings() -> str:
@@ -36,8 +36,8 @@ def materials() -> str:
         kind = ", ".join(filter(None, [each.group, str(each.state)]))
         shown = [str(each.constants[name].value) if name in each.constants else "" for name in listed]
         cited = ", ".join(map(str, sorted(set(numbers))))
-        rows.append([each.name, ", ".join(each.also), kind, *shown, cited])
-    head = ["material", "also", "kind", *(UNITS.get(name, name) for name in listed), "sources"]
+        rows.append([", ".join([f"**{each.name}**", *each.also]), kind, *shown, cited])
+    head = ["**material**, other names", "kind", *(UNITS.get(name, name) for name in listed), "sources"]
     numbered = "\n".join(f"{number}. {source}" for number, source in enumerate(used, 1))
     return f"{_table(head, rows)}\n\n## Sources\n\n{numbered}\n"
 
