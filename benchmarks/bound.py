@@ -6,8 +6,7 @@
 draws layers with q height from 0.01 to 10, ν from −0.9 to 0.5, both bottoms, any depth, friction from 0 to 1
 (on a bonded bottom) in any direction, and prints the largest stress of any kind over its bound; with
 ``--coated`` half-spaces under coatings of q height from 1e-4 to 30, with a ratio of the moduli from 1e-4 to
-1e4, to a depth of three heights. The tensor is
-that of `asperity.Solid`, the fields are its eigenvalues; the phase is searched in steps of five degrees.
+1e4, to a depth of three heights. The phase is searched in steps of five degrees.
 """
 
 import argparse
@@ -57,7 +56,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--coated", action="store_true")
     options = parser.parse_args()
-    random, worst = np.random.default_rng(options.seed), [0.0, 0.0]
+    random, worst = np.random.default_rng(options.seed), 0.0
     for _ in range(options.layers):
         scaled, share = 10 ** random.uniform(-2, 1), random.uniform() ** random.choice([0.2, 1.0, 5.0])
         bottom = str(random.choice(["bonded", "frictionless"]))
@@ -69,14 +68,8 @@ def main() -> None:
         friction = random.uniform() if bottom == "bonded" else 0.0
         found = largest_field(layer, scaled, share, friction, random.uniform(0, np.pi))
         decayed = (1 + scaled * share) * np.exp(-scaled * share)
-        ratio = found / (envelope_of(layer, layer.poisson, friction, share) * decayed)
-        twice = found / (
-            2 * envelope_of(asp.Solid(1.0, layer.poisson), layer.poisson, friction, share) * decayed
-        )
-        worst = [max(worst[0], ratio), max(worst[1], twice)]
-    print(f"{options.layers} layers, seed {options.seed}: largest stress over its bound {worst[0]:.4f}")
-    if not options.coated:
-        print(f"over twice the bound of the half-space {worst[1]:.4f}")
+        worst = max(worst, found / (envelope_of(layer, layer.poisson, friction, share) * decayed))
+    print(f"{options.layers} layers, seed {options.seed}: largest stress over its bound {worst:.4f}")
 
 
 if __name__ == "__main__":

@@ -13,8 +13,6 @@ With ``--threads`` the contact is solved on one thread and on two alternately, a
 import argparse
 import json
 import os
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -29,7 +27,7 @@ import numpy as np
 import pandas as pd
 import peers
 import psutil
-from memory import peak_memory, reset_peak_memory
+from memory import in_own_process, peak_memory, reset_peak_memory
 
 import asperity as asp
 from asperity.core.types import Array
@@ -132,12 +130,10 @@ def measure(
                 continue
             few = tolerances if points <= largest_of_all else tolerances[-1:]
             for tolerance in options.tolerance or few:
-                command = [sys.executable, __file__, "--run", str(heights), "--solver", solver]
-                command += ["--tolerance", str(tolerance), "--boundary", boundary]
-                command += ["--fraction", str(fraction)]
-                run = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+                given = ("--boundary", boundary, "--fraction", fraction, "--tolerance", tolerance)
+                cost = in_own_process(__file__, "--run", heights, "--solver", solver, *given)
                 key = points, hurst, fraction, boundary, 1, solver, tolerance
-                row = dict(zip(KEY, key, strict=True)) | json.loads(run.stdout.splitlines()[-1])
+                row = dict(zip(KEY, key, strict=True)) | cost
                 if truth is not None:
                     row["area"] = np.count_nonzero(truth) / truth.size
                     row["error"] = relative_error(np.load(heights.with_name("pressure.npy")), truth)

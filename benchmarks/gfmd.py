@@ -1,9 +1,9 @@
-"""Steps of the damped dynamics by damping, load and grid, and its fixed point if masses depend on the mode.
+"""Steps of the damped dynamics by load and grid, and its fixed point if masses depend on the mode.
 
-    python benchmarks/gfmd.py [damping] [eq17] [steps] [mass]
+    python benchmarks/gfmd.py [eq17] [steps] [mass]
 
-Without arguments it prints all four tables, in about three minutes on one core. Steps are those to a residual
-of 1e-6.
+Without arguments it prints all three tables, in about three minutes on one core. Steps are those to a
+residual of 1e-6.
 """
 
 import sys
@@ -20,7 +20,6 @@ from asperity.fourier.grid import Grid
 from asperity.reference.pivoting import pivot
 
 HALF_SPACE = Solid(1.0, 0.0)
-FACTORS = (0.3, 0.5, 0.7, 0.99, 1.2, 1.5, 2.0)
 LOADS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.2)
 TOLERANCE = 1e-6
 
@@ -44,18 +43,6 @@ def steps_to_rest(height, layer, control, damping_fraction):
 
 def print_row(name, values, form="9.0f"):
     print(f"{name:32}" + "".join(f"{value:{form}}" for value in values))
-
-
-def damping(points=128):
-    """Print the steps by damping; the damping 0 is that of Eq. 18 as printed."""
-    height = rough(points)
-    gradient = asp.roughness_parameters(height).rms_gradient
-    print(f"Steps by damping / critical damping of the slowest mode, {points}²; nan: not at rest in 20 000")
-    print_row("half-space, load / (E* g)", (0.0, *FACTORS), "9.2f")
-    for load in LOADS[1:]:
-        control = Control("mean_pressure", load * gradient)
-        found = [steps_to_rest(height, HALF_SPACE, control, factor) for factor in (0.0, *FACTORS)]
-        print_row(f"{load:g}", found)
 
 
 def eq17(points=128):
@@ -125,6 +112,6 @@ def at_rest(height, load, stiffness, inertia, steps):
 
 
 if __name__ == "__main__":
-    tables = {"damping": damping, "eq17": eq17, "steps": grids, "mass": mass}
+    tables = {"eq17": eq17, "steps": grids, "mass": mass}
     for name in sys.argv[1:] or tables:
         tables[name]()

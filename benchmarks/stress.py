@@ -14,8 +14,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -25,7 +23,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads would coun
 import numpy as np
 import pandas as pd
 from contact import rough
-from memory import peak_memory
+from memory import in_own_process, peak_memory
 
 import asperity as asp
 from asperity.core.types import Array
@@ -74,9 +72,8 @@ def measure(grids: list[int], threads: list[int], out: Path) -> None:
             path = Path(folder) / "pressure.npy"
             np.save(path, press(points).pressure)
             for count in threads:
-                command = [sys.executable, __file__, "--run", str(path), "--threads", str(count)]
-                run = subprocess.run(command, check=True, capture_output=True, text=True)
-                row = {"points": points, "threads": count, **json.loads(run.stdout)}
+                cost = in_own_process(__file__, "--run", path, "--threads", count)
+                row = {"points": points, "threads": count, **cost}
                 rows.append(row | {"date": time.strftime("%Y-%m-%d")})
                 print(rows[-1], flush=True)
     out.mkdir(parents=True, exist_ok=True)

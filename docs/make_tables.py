@@ -14,6 +14,9 @@ FOLDER = Path(__file__).parent
 MARK = "<!-- python docs/make_tables.py -->\n\n"
 """Line of a page after which everything is made."""
 
+FEWEST = 3
+"""A constant that fewer materials have is written beside their kind instead of a column."""
+
 UNITS = {"conductivity": "conductivity, W/(m K)", "resistivity": "resistivity, Ω m"}
 
 
@@ -25,7 +28,8 @@ def settings() -> str:
 def materials() -> str:
     """The materials: their constants, and the numbered sources."""
     texts = list(packaged_yaml("asperity.settings", "materials.yaml")["sources"].values())
-    listed = [name for name in CONSTANTS if any(name in each.constants for each in table().values())]
+    every = [name for each in table().values() for name in each.constants]
+    listed = [name for name in CONSTANTS if every.count(name) >= FEWEST]
     rows, used = [], []
     for each in table().values():
         numbers = []
@@ -33,7 +37,8 @@ def materials() -> str:
             source = max((text for text in texts if constant.source.startswith(text)), key=len)
             used += [source] if source not in used else []
             numbers.append(used.index(source) + 1)
-        kind = ", ".join(filter(None, [each.group, str(each.state)]))
+        rare = [f"{name} {found.value}" for name, found in each.constants.items() if name not in listed]
+        kind = ", ".join(filter(None, [each.group, str(each.state), *rare]))
         shown = [str(each.constants[name].value) if name in each.constants else "" for name in listed]
         cited = ", ".join(map(str, sorted(set(numbers))))
         rows.append([", ".join([f"**{each.name}**", *each.also]), kind, *shown, cited])

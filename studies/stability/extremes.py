@@ -109,17 +109,7 @@ BEYOND: dict[str, tuple[Any, ...]] = {
 
 
 class Attempt(NamedTuple):
-    """Outcome of a case.
-
-    Attributes
-    ----------
-    outcome : str
-        One of `OUTCOMES`.
-    violation, error : float
-        Violation of the conditions of contact and error of the pressure, in units of the tolerance.
-    reason : str
-        Why there is no solution, or none that was compared with the direct one.
-    """
+    """Outcome of a case, one of `OUTCOMES`, with the numbers of `SolutionCheck` and the reason."""
 
     outcome: str
     violation: float = math.nan

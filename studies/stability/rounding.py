@@ -51,22 +51,10 @@ def rounding_errors(
     largest: float = 1e5,
     per_decade: int = 4,
 ) -> xr.Dataset:
-    """Rounding errors of the formulas of the layer in both precisions, against high precision.
+    """Rounding errors of the formulas of the layer in both precisions, for q · height in a range.
 
-    Parameters
-    ----------
-    poisson : sequence
-        Poisson's ratios, rounded to single precision so that both precisions have the same solid.
-    smallest, largest : float
-        Range of q · height.
-    per_decade : int
-        Number of values in a decade.
-
-    Returns
-    -------
-    Dataset
-        ``error`` over (quantity, formula, precision, poisson, scaled_wavenumber); NaN where a formula gives
-        no finite number, and for the stress by the printed formulas, which have none.
+    Poisson's ratios are rounded to single precision, so that both precisions have the same solid. An error is
+    NaN where a formula gives no finite number, and for the stress by the printed formulas, which have none.
     """
     steps = round(per_decade * np.log10(largest / smallest)) + 1
     nominal = np.geomspace(smallest, largest, steps)

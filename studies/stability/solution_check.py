@@ -55,21 +55,11 @@ FREE_NODES = 1100
 
 @dataclass(frozen=True)
 class SolutionCheck:
-    """Result of a check.
+    """Result of a check: violation of the conditions and error of the pressure, in units of the tolerance.
 
-    Attributes
-    ----------
-    violation : float
-        Violation of the conditions of contact, in units of the tolerance.
-    error : float
-        Error of the pressure or its bound, in units of the tolerance; NaN if the violation is too large
-        already, and on a free map of many nodes.
-    direct : bool
-        True if the error is that against the direct solution.
-    holds : bool
-        True if violation and error are allowed.
-    reason : str
-        Why the solution does not hold or was not compared with the direct one.
+    `error` is a bound unless the solution was compared with a direct one (`direct`). It is NaN if the
+    violation is too large already, and on a free map of many nodes. `reason` says why the solution does not
+    hold, or why it was not compared.
     """
 
     violation: float
@@ -84,16 +74,8 @@ def check_solution(
 ) -> SolutionCheck:
     """Check of a solution by its certificate and by the direct solution or the energy bound.
 
-    Parameters
-    ----------
-    contact : Contact
-    imposed : dict
-        The imposed quantity as a keyword of `asperity.solve_contact`.
-    tolerance : float
-        Tolerance of the solution.
-    given : (ny, nx) array, optional
-        Heights given to the solver, for which a solution in single precision may hold instead of for its
-        rounded ones.
+    `imposed` is the imposed quantity as a keyword of `asperity.solve_contact`. A solution in single precision
+    may also hold for the heights `given` to the solver, instead of for its rounded ones.
     """
     found = _checked(contact, contact.height.astype(float), imposed, tolerance)
     if found.holds or given is None or contact.height.dtype == np.float64:
@@ -175,15 +157,10 @@ def energy_error(
     approach: float | None = None,
     mean_pressure: float | None = None,
 ) -> tuple[float, float]:
-    """Bound of the error of a pressure in the norm of the elastic energy, relative to that of the pressure.
+    """Relative bound of the error of a pressure in the norm of the elastic energy, and its part by rounding.
 
-    A uniform pressure that has no energy is counted by its size relative to the varying part.
-
-    Returns
-    -------
-    error, noise : float
-        The bound, NaN on a free map of more than `FREE_NODES`, and the part of it due to rounding of the
-        heights and of the displacement.
+    A uniform pressure that has no energy is counted by its size relative to the varying part. The bound is
+    NaN on a free map of more than `FREE_NODES`.
     """
     if contact.boundary == "periodic":
         response: _PeriodicResponse | _FreeResponse = _PeriodicResponse(

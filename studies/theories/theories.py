@@ -183,10 +183,13 @@ def _of_many_loads(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[rows.groupby("surface")["load"].transform("size") > 3]
 
 
-def _points(axis: Any, rows: pd.DataFrame, key: str, number: int, label: str, **look: Any) -> None:
+def _errorbar(axis: Any, x: pd.Series, y: pd.Series, error: Any, number: int, **look: Any) -> None:
+    axis.errorbar(x, y, error, ms=3, lw=0.8, color=f"C{number}", **look)
+
+
+def _points(axis: Any, rows: pd.DataFrame, key: str, number: int, label: str) -> None:
     error = np.hypot(rows[f"{key}_interval"], rows[f"{key}_grid"] * rows[key])
-    look = {"fmt": "os^DvPX"[number], "ms": 3, "lw": 0.8, "color": f"C{number}", "label": label} | look
-    axis.errorbar(rows["load"], rows[key], error, **look)
+    _errorbar(axis, rows["load"], rows[key], error, number, fmt="os^DvPX"[number], label=label)
 
 
 def _labelled(axis: Any, y: str, **scales: str) -> None:
@@ -216,16 +219,7 @@ def _draw_area(elastic: pd.DataFrame, plastic: pd.DataFrame) -> Figure:
             for name, some in rows.groupby("surface"):
                 face = {} if name == "hurst_08" else {"mfc": "none"}
                 error = np.hypot(some[f"{key}_interval"], some[f"{key}_grid"])
-                axis.errorbar(
-                    some["load"],
-                    some[key],
-                    error,
-                    fmt="os^D"[number],
-                    ms=3,
-                    lw=0.8,
-                    color=f"C{number}",
-                    **face,
-                )
+                _errorbar(axis, some["load"], some[key], error, number, fmt="os^D"[number], **face)
             own = loads[(loads > 0.012) & (loads < min(0.9 * hardness, 0.25))]
             theory = closed_forms.elastoplastic_areas(own, hardness)[key == "plastic_area"]
             label = rf"$p_H = {hardness:g}\,E^*\bar{{g}}$"
@@ -258,15 +252,7 @@ def _draw_spectrum(results: Results, config: Mapping[str, Any]) -> Figure:
             q = mean["wavenumber"] * longest / (2 * np.pi)
             density.plot(q[q >= 1], mean[q >= 1], lw=0.8, color=f"C{number}", label=f"{load:g}")
             some = slopes[slopes["load"] == load]
-            local.errorbar(
-                some["q"] * 2**0.5,
-                -some["exponent"],
-                some["interval"],
-                fmt="o-",
-                ms=3,
-                lw=0.8,
-                color=f"C{number}",
-            )
+            _errorbar(local, some["q"] * 2**0.5, -some["exponent"], some["interval"], number, fmt="o-")
         for value, look, label in ((1 + hurst, "--", "1 + H"), (2 * hurst, ":", "2 H, full contact")):
             local.axhline(value, color="k", ls=look, lw=0.8, label=label)
         for axis in (density, local):
