@@ -15,7 +15,7 @@ M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65 (
 import resource
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -82,13 +82,11 @@ def on_grid(height: Array, grid: Grid, points: int) -> tuple[Array, Grid]:
     return Fourier(finer).inverse(modes, overwrite=True), finer
 
 
-def contacts(
-    height: Array, grid: Grid, modulus: float, rms_gradient: float, loads: list[float]
-) -> xr.Dataset:
-    """Area, boundary, mean gap over the rms height, and pressures over E*ḡ under each load."""
+def contacts(config: Mapping[str, Any], surface: tuple[Array, Grid], points: int, unit: float) -> xr.Dataset:
+    """Area, boundary, mean gap over the rms height, and pressures over E*ḡ, the unit, under each load."""
+    (height, grid), loads = on_grid(*surface, points), config["loads"]
     rms_height, rows, densities = float(height.std()), [], []
-    solid = Solid(young=modulus, poisson=0.0)
-    unit = modulus * rms_gradient
+    solid = Solid(young=config["effective_modulus"], poisson=0.0)
     path = solve_load_path(height, solid, grid.length, mean_pressures=[load * unit for load in loads])
     start = time.process_time()
     for contact in path:
@@ -115,17 +113,14 @@ def contacts(
 
 def collect(config: Mapping[str, Any]) -> xr.Dataset:
     """Contacts on all grids, read from their files or computed."""
-    height, grid = height_of(config)
+    height, grid = surface = height_of(config)
     modes = Fourier(grid).forward(height)
-    rms_gradient = float(np.sqrt(mean_square(modes, grid, grid.wavenumber() ** 2)))
-    found = []
-    for points in config["points"]:
-
-        def on_these(points: int = points) -> xr.Dataset:
-            heights = on_grid(height, grid, points)
-            return contacts(*heights, config["effective_modulus"], rms_gradient, config["loads"])
-
-        found.append(computed_once(Path(config["results"], f"{points}.nc"), dict(config), on_these))
+    unit = config["effective_modulus"] * float(np.sqrt(mean_square(modes, grid, grid.wavenumber() ** 2)))
+    folder = Path(config["results"])
+    found = [
+        computed_once(folder / f"{points}.nc", dict(config), contacts, config, surface, points, unit)
+        for points in config["points"]
+    ]
     memory = ("points", [one.attrs["memory_GB"] for one in found])
     return xr.concat(found, xr.Variable("points", config["points"])).assign(memory_GB=memory)
 
@@ -163,17 +158,18 @@ def stress_on(
     return numbers.assign(points=points, seconds=seconds, memory_GB=memory)
 
 
+def spawned(function: Callable[..., xr.Dataset], *arguments: Any) -> xr.Dataset:
+    """A call in a process of its own."""
+    with ProcessPoolExecutor(1, get_context("spawn")) as process:
+        return process.submit(function, *arguments).result()
+
+
 def stresses(config: Mapping[str, Any]) -> list[xr.Dataset]:
     """Stress on all grids, read from files or computed, each in a process of its own for its memory."""
     surface, found = height_of(config), list[xr.Dataset]()
     for points in config["points"]:
-
-        def on_these(points: int = points) -> xr.Dataset:
-            other = found[0] if len(found) == 1 else None
-            with ProcessPoolExecutor(1, get_context("spawn")) as process:
-                return process.submit(stress_on, config, surface, points, other).result()
-
-        found.append(computed_once(Path(config["results"], f"{points}_stress.nc"), dict(config), on_these))
+        path, other = Path(config["results"], f"{points}_stress.nc"), found[0] if len(found) == 1 else None
+        found.append(computed_once(path, dict(config), spawned, stress_on, config, surface, points, other))
     return found
 
 

@@ -64,24 +64,17 @@ def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed:
     load = contact.mean_pressure / contact.solid.effective_modulus
     unit = contact.solid.effective_modulus * reference.rms_gradient
     ratio = best["gradient_rms_contact"] / reference.rms_gradient
-    numbers = {
-        "kappa": best["area_fraction"] * reference.rms_gradient / load,
-        "kappa_contact": best["proportionality"],
-        "gradient_contact": ratio,
-        "p90": best["p90"] / unit,
-        "p99": best["p99"] / unit,
-        "p99_contact": best["p99"] / unit / ratio,
-        "depth": best["mean_depth_highest"] / band["wavelength_short"],
+    both = np.hypot(error["p99"], error["gradient_rms_contact"])
+    numbers_and_errors = {
+        "kappa": (best["area_fraction"] * reference.rms_gradient / load, error["area_fraction"]),
+        "kappa_contact": (best["proportionality"], error["proportionality"]),
+        "gradient_contact": (ratio, error["gradient_rms_contact"]),
+        "p90": (best["p90"] / unit, error["p90"]),
+        "p99": (best["p99"] / unit, error["p99"]),
+        "p99_contact": (best["p99"] / unit / ratio, both),
+        "depth": (best["mean_depth_highest"] / band["wavelength_short"], error["mean_depth_highest"]),
     }
-    errors = {
-        "kappa": error["area_fraction"],
-        "kappa_contact": error["proportionality"],
-        "gradient_contact": error["gradient_rms_contact"],
-        "p90": error["p90"],
-        "p99": error["p99"],
-        "p99_contact": np.hypot(error["p99"], error["gradient_rms_contact"]),
-        "depth": error["mean_depth_highest"],
-    }
+    numbers = {name: number for name, (number, _) in numbers_and_errors.items()}
     of_surface = {
         "skewness": own.skewness,
         "kurtosis": own.kurtosis,
@@ -89,22 +82,22 @@ def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed:
         "load": load / reference.rms_gradient,
         "certificate": contact.certificate.worst,
     }
-    grid = {f"{name}_grid": abs(value) for name, value in errors.items()}
+    grid = {f"{name}_grid": abs(value) for name, (_, value) in numbers_and_errors.items()}
     return xr.Dataset({**of_surface, **numbers, **grid}).drop_vars("quantity", errors="ignore")
+
+
+def numbers_of_seeds(config: Mapping[str, Any], distribution: Mapping[str, Any]) -> xr.Dataset:
+    """Numbers of all seeds of a case."""
+    seeds = [numbers_of(config, distribution, seed) for seed in config["seeds"]]
+    return xr.concat(seeds, xr.Variable("seed", config["seeds"]))
 
 
 def table(config: Mapping[str, Any]) -> pd.DataFrame:
     """A row for each case and seed."""
     frames = []
     for name, case in config["cases"].items():
-        found = computed_once(
-            Path(config["results"], f"{name}.nc"),
-            [config, name],
-            lambda case=case: xr.concat(
-                [numbers_of(config, case, seed) for seed in config["seeds"]],
-                xr.Variable("seed", config["seeds"]),
-            ),
-        )
+        path = Path(config["results"], f"{name}.nc")
+        found = computed_once(path, [config, name], numbers_of_seeds, config, case)
         frames.append(found.to_dataframe().reset_index().assign(case=name))
     return pd.concat(frames)
 

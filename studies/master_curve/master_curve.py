@@ -114,17 +114,19 @@ def numbers_of(parameters: Mapping[str, Any], seed: int, settings: Mapping[str, 
     return xr.concat(found, "load")
 
 
+def numbers_of_seeds(surface: Mapping[str, Any], config: Mapping[str, Any]) -> xr.Dataset:
+    """Numbers of all seeds of a surface."""
+    return xr.concat([numbers_of(surface, seed, config) for seed in config["seeds"]], "seed")
+
+
 def collect(config: Mapping[str, Any]) -> dict[str, xr.Dataset]:
     """Surface → numbers of all seeds, read from their files or computed."""
-    found = {}
-    for name, surface in config["surfaces"].items():
-        parts = {section: config[section] for section in ("layer", "contact", "stress", "seeds")}
-
-        def of_seeds(surface: Mapping[str, Any] = surface) -> xr.Dataset:
-            return xr.concat([numbers_of(surface, seed, config) for seed in config["seeds"]], "seed")
-
-        found[name] = computed_once(Path(config["results"], f"{name}.nc"), [surface, parts], of_seeds)
-    return found
+    parts = {section: config[section] for section in ("layer", "contact", "stress", "seeds")}
+    folder = Path(config["results"])
+    return {
+        name: computed_once(folder / f"{name}.nc", [surface, parts], numbers_of_seeds, surface, config)
+        for name, surface in config["surfaces"].items()
+    }
 
 
 def table(config: Mapping[str, Any], samples: Mapping[str, xr.Dataset]) -> pd.DataFrame:

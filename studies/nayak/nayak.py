@@ -11,7 +11,6 @@ and that of the real contact, ḡ_r, where the rough surface has the slope of th
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -135,8 +134,7 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
         for nodes, edge, count in zip(config["nodes"], points, seeds, strict=True):
             path = Path(config["results"], f"{name}_{nodes:g}.nc")
             settings = [surface, edge, count, config["loads"]]
-            compute = partial(contacts, *settings)
-            found.setdefault(name, {})[nodes] = computed_once(path, settings, compute)
+            found.setdefault(name, {})[nodes] = computed_once(path, settings, contacts, *settings)
     return found
 
 

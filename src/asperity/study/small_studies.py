@@ -35,13 +35,15 @@ def write_study(
     kept.with_suffix(".md").write_text(page(rows), encoding="utf-8")
 
 
-def computed_once(path: Path, settings: Any, compute: Callable[[], xr.Dataset]) -> xr.Dataset:
+def computed_once(
+    path: Path, settings: Any, compute: Callable[..., xr.Dataset], *arguments: Any
+) -> xr.Dataset:
     """The dataset in a file, computed and written first unless the file was made with these settings."""
     text = json.dumps(settings, default=str)
     if not path.exists() or xr.load_dataset(path).attrs["settings"] != text:
         print(path.stem, flush=True)
         path.parent.mkdir(parents=True, exist_ok=True)
-        compute().assign_attrs(settings=text).to_netcdf(path)
+        compute(*arguments).assign_attrs(settings=text).to_netcdf(path)
     return xr.load_dataset(path)
 
 
