@@ -9,9 +9,8 @@ draws layers with q height from 0.01 to 10, ν from −0.9 to 0.5, both bottoms,
 1e4, to a depth of three heights. The phase is searched in steps of five degrees.
 """
 
-import argparse
-
 import numpy as np
+from measuring import parser_of
 
 import asperity as asp
 from asperity.core.types import Array
@@ -49,9 +48,7 @@ def largest_field(layer: asp.Solid, q: float, depth: float, friction: float, ang
 
 def main() -> None:
     """Print the largest ratio."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--layers", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--coated", action="store_true")

@@ -27,7 +27,7 @@ import numpy as np
 import pandas as pd
 import peers
 import psutil
-from memory import in_own_process, peak_memory, reset_peak_memory
+from measuring import in_own_process, parser_of, peak_memory, reset_peak_memory
 
 import asperity as asp
 from asperity.core.types import Array
@@ -170,9 +170,7 @@ def compare_threads(points: int, hurst: float, pairs: int = 9) -> dict[str, Any]
 
 def main() -> None:
     """Run the comparison and keep its numbers."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--points", type=int, nargs="+", default=[256, 1024], help="nodes on an edge")
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
     parser.add_argument("--boundary", nargs="+", default=["periodic"], choices=["periodic", "free"])

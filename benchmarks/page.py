@@ -6,7 +6,6 @@ runs the benchmarks of all parts, or of those named, and writes the page from th
 docs/performance; with ``--page`` it writes the page alone.
 """
 
-import argparse
 import os
 import platform
 import shlex
@@ -20,6 +19,7 @@ import numpy as np
 import pandas as pd
 import psutil
 from contact import FRACTION
+from measuring import parser_of
 
 from asperity.core.markup import markdown
 from asperity.study.small_studies import rendered
@@ -168,9 +168,7 @@ def shown(table: pd.DataFrame, **columns: str) -> str:
 
 def main() -> None:
     """Measure, and write the page."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--grids", type=int, nargs="+", default=GRIDS, help="nodes on an edge")
     parser.add_argument("--parts", nargs="+", choices=commands(GRIDS), help="all by default")
     parser.add_argument("--page", action="store_true", help="write the page from the numbers that there are")

@@ -9,9 +9,8 @@ that is uniform on the square of a node, or in a periodic cell 2 (1 − ν²)/q 
 2 (1 + ν)/q for waves across it.
 """
 
-import argparse
-
 import numpy as np
+from measuring import parser_of
 
 import asperity as asp
 
@@ -97,9 +96,7 @@ def errors(contact, share, matrix):
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--points", type=int, default=32)
     parser.add_argument("--seeds", type=int, default=3)
     options = parser.parse_args()

@@ -1,6 +1,5 @@
 """Coverage of stated errors over random cases: the command line and the table that benchmarks share."""
 
-import argparse
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -8,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from measuring import parser_of
 from tqdm import tqdm
 
 Row = dict[str, Any]
@@ -26,7 +26,7 @@ def run(
 
     `cases` draws a number of cases from a generator; `compared` returns the rows of a case.
     """
-    parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(text)
     parser.add_argument("--count", type=int, default=count, help="number of surfaces, or of each kind")
     parser.add_argument("--seed", type=int, default=seed)
     parser.add_argument("--processes", type=int, default=os.cpu_count())

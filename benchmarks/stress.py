@@ -23,7 +23,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads would coun
 import numpy as np
 import pandas as pd
 from contact import rough
-from memory import in_own_process, peak_memory
+from measuring import in_own_process, parser_of, peak_memory
 
 import asperity as asp
 from asperity.core.types import Array
@@ -102,9 +102,7 @@ def against_depth(contact: asp.LoadedSolid) -> None:
 
 def main() -> None:
     """Measure the cost, or print the tables of the accuracy."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--points", type=int, nargs="+", default=[1024], help="nodes on an edge")
     parser.add_argument("--threads", type=int, nargs="+", default=[1])
     parser.add_argument("--accuracy", action="store_true", help="print the tables of the accuracy instead")

@@ -7,7 +7,6 @@ folder that is deleted afterwards. Without arguments all three. Prints a table, 
 ``study.csv``. Processor time is that of all jobs and of Snakemake; memory is the largest of any process.
 """
 
-import argparse
 import os
 import resource
 import subprocess
@@ -17,6 +16,7 @@ import time
 from pathlib import Path
 
 import pandas as pd
+from measuring import parser_of
 
 from asperity.study.cost.benchmark import job_costs
 
@@ -56,9 +56,7 @@ def measure(name: str, cores: int) -> dict[str, object]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("study", nargs="*", help=f"{', '.join(OPTIONS)}; all by default")
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))

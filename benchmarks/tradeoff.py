@@ -13,7 +13,6 @@ Written are ``src/asperity/study/cost/errors.csv``, which `asperity plan` uses, 
 ``docs/tradeoff.md`` and ``config/README.md``, and ``docs/tradeoff.png``.
 """
 
-import argparse
 import re
 import time
 from collections.abc import Iterator
@@ -25,6 +24,7 @@ import numpy as np
 import pandas as pd
 from continuum import LAYER, height_of
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+from measuring import parser_of
 from tqdm import tqdm
 
 import asperity as asp
@@ -256,9 +256,7 @@ def draw(table: pd.DataFrame) -> Any:
 
 def main() -> None:
     """Measure unless the table is to be kept, and write the pages."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--pages", action="store_true", help="measure nothing, write tables and figure")
     if not parser.parse_args().pages:
         measure().to_csv(ERRORS, index=False, float_format="%.3g")

@@ -1,10 +1,16 @@
-"""Runs in a process of their own, and the peak of the resident memory of a process, as reported by Linux."""
+"""What benchmarks share: command lines, runs in a process of their own, and memory as reported by Linux."""
 
+import argparse
 import json
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+
+
+def parser_of(text: str | None) -> argparse.ArgumentParser:
+    """A parser of a command line, with the docstring of the script as its help."""
+    return argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
 def in_own_process(script: str, *arguments: object) -> dict[str, Any]:
