@@ -51,7 +51,7 @@ PEAKS = {"body": str, "quantity": str} | dict.fromkeys(("value_Pa", "depth_m", "
 
 
 class AnswerJob:
-    """Computes an answer into a folder, and shows the answer that a folder holds.
+    """Computes an answer into a folder, and shows the answer of a folder.
 
     Planes are computed for the depths of the answer, ahead of the slider that asks for them.
     """
@@ -99,7 +99,7 @@ class AnswerJob:
         return self.open(os.path.join(folder, next(iter(cases)))) | {"sample": str(means)}
 
     def open(self, folder: str) -> dict[str, Any]:
-        """What the page shows of an answer before a plane is asked for."""
+        """Tables, contact and advice of an answer, which the page shows before a plane is asked for."""
         self.folder = Path(folder)
         if CASE_FILE not in names_in(self.folder):
             raise InputError(str(self.folder), ["the folder of an answer of asperity run is needed"])
@@ -144,7 +144,7 @@ class AnswerJob:
         return depths[depths <= max(self._grid.length)].tolist()
 
     def _loaded(self, body: str) -> LoadedSolid:
-        """A body under the pressure of the answer, with what film and Hertz contact add."""
+        """A body under the pressure of the answer, with the parts of film and Hertz contact."""
         (source,) = sources(self._contact)
         contact: Any = SimpleNamespace(
             in_body=lambda name: source.loaded(name)[0], mean_pressure=float(self._contact["mean_pressure"])
@@ -203,7 +203,7 @@ class AnswerJob:
 
 
 def _rows_in(folder: Path) -> list[dict[str, Any]]:
-    """Numbers of an answer without columns of later versions; those that earlier ones lack are left out."""
+    """Numbers of an answer, in the columns that this version and the version of the answer share."""
     known = get_type_hints(Row)
     del known["shown"]
     rows = pd.read_csv(folder / "answer.csv", usecols=lambda name: name in known, dtype=known)

@@ -74,7 +74,7 @@ FIRST = {
 
 
 class Input(NamedTuple):
-    """A field of the form: dotted key, label, description, and what it accepts and proposes."""
+    """A field of the form: dotted key, label, description, accepted values, and proposed value."""
 
     key: str
     label: str
@@ -97,7 +97,7 @@ def settings() -> dict[str, Entry]:
 
 
 def inputs(group: str) -> Iterator[Input]:
-    """Fields of the settings of a group, without those of groups in it."""
+    """Fields of the settings of a group, without its subgroups."""
     for key, entry in settings().items():
         above, _, name = key.rpartition(".")
         if above != group or key == "map.file":

@@ -1,4 +1,4 @@
-"""Requests about a map and a case: what ``asperity run --check`` and ``asperity info`` say of them."""
+"""Requests about a map and a case, answered as by ``asperity run --check`` and ``asperity info``."""
 
 from __future__ import annotations
 
@@ -75,11 +75,10 @@ class MapJob:
         self._shown: dict[str, Any] = {}
 
     def work_ahead(self) -> bool:
-        """Nothing is done ahead."""
         return False
 
     def check(self, content: Mapping[str, Any], number: int) -> dict[str, Any]:
-        """Problems of a case, and what follows from it and its map; heights are sent ahead."""
+        """Problems of a case, constants and description of its map; heights are sent ahead."""
         found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
         files = at(content, MAP_FILES[0])
         if isinstance(files, list):  # of a sample the first map is shown

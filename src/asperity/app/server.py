@@ -41,7 +41,7 @@ POLICY = (
 """Content-Security-Policy of the page: everything comes from this server."""
 
 REPORT_POLICY = "sandbox; default-src 'none'; img-src data:; style-src 'unsafe-inline'"
-"""Of the report in the folder of an answer, which may be from someone else: no script runs in it."""
+"""Policy of the report of an answer, which may be from someone else: no script runs in it."""
 
 WATCHED_EVERY = 500
 """Milliseconds between two looks at computations and connections."""
@@ -59,7 +59,7 @@ class _Headers(OutputTransform):
 
 
 class _Application(BokehTornado):
-    """Answers only requests whose ``Host``, and ``Origin`` if they have one, are those of this server."""
+    """Answers only requests whose ``Host``, and ``Origin`` if they have one, name this server."""
 
     hosts: tuple[str, ...] = ()
 
@@ -144,7 +144,7 @@ class _Download(_OfSession, RequestHandler):
 
 
 def _pack(files: Mapping[str, Path], packed: IO[bytes]) -> None:
-    """Write a zip into a file, and go to its begin."""
+    """Write a zip into a file, and go to the start of the file."""
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, path in files.items():
             archive.write(path, name)

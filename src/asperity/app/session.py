@@ -382,7 +382,7 @@ class Session:
         return chosen
 
     def _state_of_form(self) -> dict[str, Any]:
-        """What is missing or wrong, at its field where that has a text; doubts and constants of the table."""
+        """Missing and wrong settings, at their fields where these have a text; doubts; table constants."""
         listed, at_fields = [], {}
         imposed = f"load.{form.LOADS[form.chosen('choose.load', self.values)][0]}"
         for key, text in self.check["problems"]:
@@ -472,7 +472,7 @@ class Session:
         return {"last": len(depths) - 1, "at": nearest, "text": shown_si(self.depth, "m", 3)}
 
     def words(self, values: Mapping[str, Any]) -> tuple[str, list[str]]:
-        """A number of an answer in the chosen units, and its errors, each with what it is the error of."""
+        """A number of an answer in the chosen units, and its errors, each with its cause."""
         row = Row(**values, shown="")
         return row.in_unit(*self.units.of(row.value, row.unit))
 

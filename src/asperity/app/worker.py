@@ -24,7 +24,7 @@ Reply = Callable[[str, Any], None]
 
 
 class Worker:
-    """A process that answers requests, and what it uses.
+    """A process that answers requests, and its memory.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Worker:
 
     def send(self, request: str, **given: Any) -> None:
         """Ask for something; the reply comes later."""
-        with suppress(OSError):  # it has ended, which `reply` is told
+        with suppress(OSError):  # it has ended; `reply` is called with "ended"
             self._pipe.send((request, given))
 
     def stop(self) -> None:
