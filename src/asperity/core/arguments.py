@@ -193,7 +193,7 @@ def require_finite(function: str, results: Mapping[Any, Any], *, undefined: bool
 
 
 def is_finite(array: Array, undefined: bool = False) -> bool:
-    """True if all elements of an array are finite; NaN counts as finite if it is `undefined`."""
+    """True if all elements of an array are finite; NaN is accepted if `undefined`."""
     # A finite sum is proof and takes a fraction of the second test's time, but finite numbers may overflow.
     with np.errstate(over="ignore", invalid="ignore"):
         if np.isfinite(array.sum()):

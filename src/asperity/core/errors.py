@@ -54,7 +54,7 @@ class ConvergenceError(RuntimeError):
         self._reason, self._remedy = reason, remedy
 
     def in_units(self, stress: float) -> "ConvergenceError":
-        """The same error with the mean pressure in other units, given that of a stress."""
+        """The same error with the mean pressure multiplied by a unit of stress."""
         numbers = self.residual, self.tolerance, self.iterations, self.load * stress
         return ConvergenceError(self._reason, *numbers, self._remedy)
 
@@ -95,7 +95,7 @@ class PreflightError(RuntimeError):
 
 
 def is_refusal(error: BaseException) -> bool:
-    """Whether a ``raise`` statement made a ValueError or TypeError, not an operation such as None + 1."""
+    """True if a ``raise`` statement made a ValueError or TypeError, not an operation such as None + 1."""
     last = traceback.extract_tb(error.__traceback__)[-1]
     return isinstance(error, (ValueError, TypeError)) and (last.line or "").startswith("raise ")
 

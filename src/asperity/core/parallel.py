@@ -121,7 +121,7 @@ def in_parts(
 def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: int) -> None:
     """Call a function for strips of rows of an array, at the same time on several threads.
 
-    A strip has about `STRIP` elements: what the function computes one after the other stays in the cache.
+    A strip has about `STRIP` elements: intermediate results of the function stay in the cache.
     """
     rows, columns = shape
     strip = max(1, STRIP // columns)

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 
 GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
-"""Files with the memory limit of a control group (versions 2 and 1), also that of a container."""
+"""Files with the memory limit of a control group (versions 2 and 1), such as a container."""
 
 
 COMPILED_PARTS = ("contact", "stress")
@@ -105,7 +105,7 @@ def is_compiled(*caches: str | os.PathLike[str]) -> bool:
 
 
 def compile_in_parallel() -> None:
-    """Compile the library in a process for each part; what fails there is left to the caller."""
+    """Compile the library in a process for each part; errors there are ignored."""
     given = os.environ | {COMPILING: "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     code = "from asperity.study.preflight_and_manifest import warm_up; warm_up({!r})"
     python = sys.executable
