@@ -7,8 +7,8 @@ interface, as under tractions on a half-space. With sums and differences S± = S
     b₋ = −ρ (a₊ + 2 h a₋),     ρ = (Γ − 1)/(Γ + k),
     b₊ = −σ a₋,                σ = (Γ k' − k)/(Γ k' + 1),     Γ = μ/μ',   k = 3 − 4ν,
 
-where the prime marks the base, and the tractions on the interface are those of a₊ + 2 h a₋ and a₋ times
-(1 − ρ) e^(−h) and (1 − σ) e^(−h). The coefficients ρ and σ are 0 for equal materials, −1/k and −k on a
+where the prime marks the base, and the amplitudes a₊ + 2 h a₋ and a₋ times (1 − ρ) e^(−h) and (1 − σ) e^(−h)
+give the tractions on the interface. The coefficients ρ and σ are 0 for equal materials, −1/k and −k on a
 rigid base and 1 without a base.
 
 Floating point
@@ -67,7 +67,7 @@ def _determinant(h: float, e2h: float, c2h: float, materials: Materials) -> floa
 
 @fused
 def coated_compliance(h: float, materials: Materials) -> float:
-    """Surface compliance over that of a half-space of the coating's material."""
+    """Surface compliance over the compliance of a half-space of the coating's material."""
     nu, nu_base, stiff, soft = materials
     k, k_base = 3.0 - 4.0 * nu, 3.0 - 4.0 * nu_base
     e2h, c2h = decaying(2.0 * h)

@@ -249,8 +249,8 @@ def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values
 # subnormal numbers are slow.
 DEEPEST = 700.0
 
-# Beyond this q (height − depth) the kernels of a layer differ from those of the half-space by less than
-# 1e-30, and beyond this q height the surface compliance does: the half-space is used.
+# Beyond this q (height − depth) the kernels of a layer differ from the half-space's by less than 1e-30, and
+# beyond this q height the surface compliance does: the half-space is used.
 BOTTOM_OUT_OF_REACH = 40.0
 
 
@@ -261,7 +261,7 @@ def fill_kernels(
     """Write the kernels of a pressure or a shear traction to the rows of `out`, for all modes.
 
     There is one depth for all modes or one for each. Under a shear traction the solid is the half-space or
-    bonded, and at q = 0 the kernels are those of a layer of any height.
+    bonded, and at q = 0 the kernels do not depend on the height.
     """
     many = depth.size > 1
     for n in range(q.size):
@@ -335,7 +335,7 @@ def green_elements(scaled: Array, poisson: float) -> Array:
         ll: K (sinh h cosh h − h)/D,    zz: K (sinh h cosh h + h)/D,    tt: M coth h,
         lz: −K [(1 − 2ν) sinh² h + h²]/(2 (1 − ν) D)
 
-    for displacement and traction at the same face, and for those at opposite faces
+    for displacement and traction at the same face, and for displacement and traction at opposite faces
 
         ll: K (sinh h − h cosh h)/D,    zz: K (sinh h + h cosh h)/D,    tt: M/sinh h,    lz: −K h sinh h/D.
 

@@ -39,7 +39,7 @@ from asperity.fourier.grid import Fourier, Grid
 
 DISPLACEMENTS = ("displacement_x", "displacement_y", "displacement_z")
 PRESCRIBED = (*DISPLACEMENTS, "traction_x", "traction_y", "traction_z", "pressure")
-"""Names of what can be prescribed on a face."""
+"""Names of the tractions and displacements that can be prescribed on a face."""
 
 THIN = 2.0
 """q height below which states are expanded about the middle of the layer; near it both ways are accurate."""
@@ -48,7 +48,7 @@ LOWEST = 1e-60
 """Least height of a layer over the longer edge of the cell: fourth powers of q height are no subnormals."""
 
 BALANCE = 1e-9
-"""Largest net force or moment, relative to the largest coefficient prescribed, that counts as rounding."""
+"""Largest net force or moment, relative to the largest coefficient prescribed, that is taken for rounding."""
 
 MODES_AT_ONCE = 4096
 """Number of modes that are computed at once, to bound the memory of their systems."""
@@ -101,8 +101,8 @@ class LayerFields:
     def __init__(self, layer: Solid, grid: Grid, displaced: Array, modes: Array) -> None:
         self.layer, self.grid = layer, grid
         self._mean = _mean_state(layer, displaced, modes)
-        # The response at a Nyquist q_y is the mean of those at q_y and −q_y, which is an additional row. The
-        # real transform along x does the same for q_x.
+        # The response at a Nyquist q_y is the mean of the responses at q_y and −q_y, which is an additional
+        # row. The real transform along x does the same for q_x.
         rows = np.append(np.arange(grid.shape[0]), np.flatnonzero(2 * grid.ky == grid.shape[0]))
         qy = np.where(np.arange(len(rows)) < grid.shape[0], grid.qy[rows], -grid.qy[rows])[:, None]
         qx = np.tile(grid.qx, (len(rows), 1))
@@ -211,11 +211,10 @@ def layer_fields(
     Notes
     -----
     The mean (q = 0) mode follows `Solid.lateral`. Quantities that are then undetermined are set to 0: the
-    mean displacement of the middle of a layer that nothing holds, that of a half-space under a mean
-    traction, and the mean pressure in a confined layer of ν = 1/2 of which both mean normal displacements
-    are prescribed. Equal and opposite mean shear tractions on a free layer are a uniform shear if
-    ``lateral`` is "confined": the neighbouring cells bear the moment. In other modes the moment of the
-    tractions is borne by bending.
+    mean displacement of a half-space and of the middle of a layer that nothing holds, and the mean pressure
+    in a confined layer of ν = 1/2 of which both mean normal displacements are prescribed. Equal and opposite
+    mean shear tractions on a free layer are a uniform shear if ``lateral`` is "confined": the neighbouring
+    cells bear the moment. In other modes bending bears the moment of the tractions.
 
     The equations and the errors are in ``docs/method.md``.
 
@@ -291,13 +290,7 @@ def _coefficients(name: str, value: Any, grid: Grid) -> Array:
 
 
 def _mean_state(layer: Solid, displaced: Array, modes: Array) -> tuple[Array, Array, Array]:
-    """Mean displacements of the top and of the bottom, (3,) each, and mean stress, (6,).
-
-    Raises
-    ------
-    ValueError
-        If there is no state of rest.
-    """
+    """Mean displacements of top and bottom, (3,), and mean stress, (6,); an error without a state of rest."""
     faces = 1 if layer.height is None else 2
     shear = 2 * (1 + layer.poisson) / layer.young * (layer.height or 0.0)
     compliance = np.array([shear, shear, replace(layer, bottom="bonded").uniform_compliance()])
@@ -353,7 +346,7 @@ def _amplitudes(layer: Solid, displaced: Array, data: Array, q: Array, cosine: A
 
 
 def _to_axes(states: Array, cosine: Array, sine: Array) -> Array:
-    """U and S along x, y and z from those along and across the wavevector, and z."""
+    """U and S along x, y and z, from U and S along and across the wavevector, and z."""
     out = states.copy()
     for first in (0, 3):
         along, across = states[first : first + 2]
@@ -376,7 +369,7 @@ def _states(amplitudes: Array, depth: Array, below: Array, poisson: float) -> Ar
 
 
 def _thin_states(middle: Array, s: Array, poisson: float) -> Array:
-    """States at the distance s/q above the middle of the layer, exp(s A) times that of the middle."""
+    """States at the distance s/q above the middle of the layer: exp(s A) times the state in the middle."""
     p, r = 1 / (1 - poisson), poisson / (1 - poisson)
     a = np.zeros((6, 6))
     a[0, [2, 3]], a[1, 4] = (-1, 2), 2

@@ -155,7 +155,7 @@ class PaddedFourier(Fourier):
 
     The forward transform maps (ny, nx) fields to the coefficients on `padded_grid`; the inverse returns the
     part of its field that lies on `grid`. Lines of zeros, and lines of the inverse that are not returned, are
-    not transformed: on twice the nodes along both axes a transform counts as much as three of `grid`.
+    not transformed: on twice the nodes along both axes a transform costs as much as three of `grid`.
     """
 
     def __post_init__(self) -> None:
@@ -198,10 +198,10 @@ def padded_grid(grid: Grid) -> Grid:
 
 
 def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
-    """Real factors that turn the padded coefficients of a pressure into those of its displacement.
+    """Real factors that turn the padded coefficients of a pressure into coefficients of its displacement.
 
-    Of the `half_shape` of `padded_grid`. The compliance is even in y and in x: a quarter of it, both lines of
-    symmetry included, has them as its cosine transform of type 1.
+    Of the `half_shape` of `padded_grid`. The compliance is even in y and in x: the factors are the cosine
+    transform of type 1 of a quarter of it, both lines of symmetry included.
     """
     import scipy.fft
 
@@ -212,7 +212,7 @@ def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
 
 
 def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
-    """Factors that turn the padded coefficients of a pressure into those of ∂u/∂y and ∂u/∂x."""
+    """Factors that turn the padded coefficients of a pressure into coefficients of ∂u/∂y and ∂u/∂x."""
     y, x = _distances(grid)
     spacing_y, spacing_x = grid.spacing
     along_y = rectangle_slope_x(x, y[:, None], (spacing_x, spacing_y), effective_modulus)

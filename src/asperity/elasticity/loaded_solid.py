@@ -1,4 +1,4 @@
-"""A solid under a contact pressure: all that the stress inside it depends on."""
+"""A solid under a contact pressure: everything on which the stress inside it depends."""
 
 from __future__ import annotations
 
@@ -62,11 +62,11 @@ class LoadedSolid:
         The cell, or a mirrored map with its images, repeats sideways, or the cell lies alone on a half-space,
         with a uniform pressure on every pixel.
     hardness : float
-        That of the contact. A pressure that reaches it has plateaus: peaks of the stress are then those at
-        the nodes, because quadratics through the nodes overshoot.
+        Hardness in the contact. A pressure that reaches it has plateaus: peaks of the stress are then sought
+        at the nodes alone, because quadratics through the nodes overshoot.
     background : callable, optional
-        Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as that of a
-        contact far wider than the cell.
+        Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as the stress
+        of a contact far wider than the cell.
     deepest : float
         Depth down to which the background has its largest stresses; planes reach it by default.
     sticking_pressure : (ny, nx) array, optional

@@ -26,10 +26,9 @@ In a half-space N = d e^(−d), M = (2 − d) e^(−d), X = (1 − d) e^(−d), 
 Coatings
 --------
 A layer with a `base` is a coating, bonded to an elastic half-space. All results hold at every depth: below
-the coating they are those of the base, with its own Poisson's ratio in σ_tt, and V and W in units of its own
-(1 + ν)/(E q). On the interface σ_zz, σ_lz and the displacements are continuous, σ_ll and σ_tt jump: a depth
-equal to `height` is the lower face of the coating, `numpy.nextafter(height, inf)` the upper face of the
-base.
+the coating with the Poisson's ratio of the base in σ_tt, and V and W in units of its (1 + ν)/(E q). On the
+interface σ_zz, σ_lz and the displacements are continuous, σ_ll and σ_tt jump: a depth equal to `height` is
+the lower face of the coating, `numpy.nextafter(height, inf)` the upper face of the base.
 
 The mode q = 0
 --------------
@@ -139,7 +138,7 @@ class Solid:
     lateral : "confined" | "free"
         Condition for the mode q = 0: no lateral strain; no mean lateral stress.
     base : Solid, optional
-        Elastic half-space to which the layer, a coating, is bonded; its `lateral` is that of the coating.
+        Elastic half-space to which the layer, a coating, is bonded; it takes `lateral` from the coating.
 
     Raises
     ------
@@ -307,8 +306,8 @@ class Solid:
         Returns
         -------
         (2, ...) array
-            Along, across; in length per stress. At q = 0 that of a uniform traction; it is set to 0
-            where `uniform_compliance` is set to 0.
+            Along, across; in length per stress. At q = 0 the displacement under a uniform traction, set to 0
+            where `uniform_compliance` is.
 
         Raises
         ------
@@ -326,7 +325,7 @@ class Solid:
         """Stress of the mode q = 0 per unit mean pressure, (..., 6); constant in a material."""
         young, poisson = self._constants(depth)
         lateral = -poisson / (1 - poisson)
-        if self.lateral == "free":  # the strain is that of the base
+        if self.lateral == "free":  # coating and base have one strain
             below = self.base or self
             lateral = (young / below.young * below.poisson - poisson) / (1 - poisson)
         out = np.zeros((*np.shape(lateral), 6))
@@ -372,7 +371,7 @@ class Solid:
     def shear_kernels(self, q: ArrayLike, depth: ArrayLike) -> ShearKernels:
         """The five real kernels of a mode of shear traction, defined in the description of the module.
 
-        Parameters and results are those of `kernels`.
+        Parameters and results as for `kernels`.
 
         Raises
         ------
@@ -633,7 +632,6 @@ def _flat(array: Array, shape: tuple[int, ...]) -> Array:
 
 
 def _broadcast_shape(**arrays: Array) -> tuple[int, ...]:
-    """Shape of the arrays broadcast together."""
     try:
         return np.broadcast_shapes(*(a.shape for a in arrays.values()))
     except ValueError as error:

@@ -87,7 +87,8 @@ Solids = Solid | TwoBodies
 
 
 def sliding_coupling(solid: Solids, q: ArrayLike) -> Array:
-    """Normal displacement of the surfaces by a shear traction along a wave, over that by an equal pressure.
+    """Normal displacement of the surfaces by a shear traction along a wave, over the displacement by an equal
+    pressure.
 
     Full sliding with friction μ changes the gap of each wave by up to μ times this ratio, which a contact
     without friction neglects. By reciprocity it follows from the kernels V and W of `Solid.kernels` at the
