@@ -116,7 +116,7 @@ def test_mirrored_gradient_and_spectra_are_those_of_the_cell_of_four(shape):
     there = resample(modes, grid, finer)
     np.testing.assert_array_equal(resample(there, finer, grid), modes)
     np.testing.assert_allclose(mean_square(there, finer), np.mean(values**2))
-    with pytest.raises(ValueError, match="that of the source"):
+    with pytest.raises(ValueError, match="as of the source"):
         resample(modes, grid, Grid(shape, grid.length))
 
 

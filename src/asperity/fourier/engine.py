@@ -40,7 +40,7 @@ VARIABLE = "ASPERITY_FFT_ENGINE"
 """Environment variable with the engine of a process in which none is chosen."""
 
 # ducc0 reads one number, 0 for all processors, and fails at anything else. OpenMP allows one for each level
-# of nested threads, such as "4,2", and ignores what is none.
+# of nested threads, such as "4,2", and ignores other text.
 _threads = (os.environ.get("DUCC0_NUM_THREADS") or os.environ.get("OMP_NUM_THREADS", "0")).split(",")[0]
 os.environ["DUCC0_NUM_THREADS"] = _threads if re.fullmatch(r"\s*[0-9]{1,9}\s*", _threads) else "0"
 
@@ -166,7 +166,7 @@ class Ducc0Engine:
     def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
         """Transform rows back, from (..., rows, nx // 2 + 1) to `out`, (..., rows, nx).
 
-        `coefficients` may be overwritten. The rows of `out` may begin where theirs do, in the same memory.
+        `coefficients` may be overwritten, and the rows of `out` may begin at the same addresses.
         """
         if not self._is_slow(out):
             for part, workers in self._shares(out.shape[-2], threads):
@@ -221,7 +221,7 @@ class Ducc0Engine:
         return field.dtype == np.float32 and field.strides[-2] % self.CRITICAL_STRIDE == 0
 
     def _room(self, field: Array) -> Array:
-        """Memory of `LINES` rows of a field, which are not so far apart."""
+        """Memory of `LINES` rows of a field at a distance that is not slow."""
         return np.empty((self.LINES, field.shape[-1] + self.PADDING), field.dtype)[:, : field.shape[-1]]
 
     @classmethod

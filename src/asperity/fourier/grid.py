@@ -86,7 +86,7 @@ class Grid:
         `length`.
     mirrored : bool
         True for a map that is continued by its mirror images, about lines half a spacing beyond its outermost
-        nodes. `shape` and `length` are those of the map.
+        nodes. `shape` and `length` belong to the map alone.
 
     Raises
     ------
@@ -145,7 +145,7 @@ class Grid:
 
     @property
     def period(self) -> tuple[float, float]:
-        """Distances along y and x after which fields repeat: the edges, or twice those of a mirrored map."""
+        """Distances along y and x after which fields repeat: the edges, or twice the edges if mirrored."""
         images = 2 if self.mirrored else 1
         return images * self.length[0], images * self.length[1]
 
@@ -241,9 +241,10 @@ class Grid:
         return found[0], found[1]
 
     def first_node(self, finest: Grid) -> tuple[float, float]:
-        """Position y, x of the first node, where that of `finest`, a grid of the same cell, is at 0.
+        """Position y, x of the first node, relative to the first node of `finest`, a grid of the same cell.
 
-        The first nodes of mirrored grids are half a spacing from the mirror lines, those of others the same.
+        The first nodes of mirrored grids are half a spacing from the mirror lines; other grids share their
+        first node.
         """
         y, x = (0.5 * (own - other) for own, other in zip(self.spacing, finest.spacing, strict=True))
         return (y, x) if self.mirrored else (0.0, 0.0)
@@ -266,7 +267,7 @@ class Grid:
         """
         array = finite_array(name, values)
         if array.shape != self.shape:
-            raise ValueError(f"{name} has the shape {array.shape}: that of its grid, {self.shape}, is needed")
+            raise ValueError(f"{name} has the shape {array.shape}: {self.shape}, as of its grid, is needed")
         return array
 
 
@@ -299,7 +300,7 @@ class Fourier:
     work : Work, optional
         Counter to which transforms are added; transforms on several grids may share one.
     engine : Engine, optional
-        Library that transforms; by default that of `asperity.fft_engine` where the object is made.
+        Library that transforms; by default the one in use when the object is made.
 
     Raises
     ------
@@ -382,7 +383,7 @@ class Fourier:
 
 
 def _odd_lines(coefficients: Array, odd: tuple[bool, bool]) -> list[Array]:
-    """Views of coefficients of sines whose first axis is that of the sines."""
+    """Views of coefficients of sines, with the axis of the sines first."""
     return [lines for lines, is_odd in ((coefficients, odd[0]), (coefficients.T, odd[1])) if is_odd]
 
 
@@ -399,7 +400,7 @@ def real_type(dtype: DTypeLike) -> np.dtype[Any]:
 
 def _require_shape(name: str, values: Array, shape: tuple[int, int]) -> None:
     if values.shape != shape:
-        raise ValueError(f"{name} of shape {values.shape}: shape {shape}, that of the grid, is needed")
+        raise ValueError(f"{name} of shape {values.shape}: {shape}, as of the grid, is needed")
 
 
 def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
@@ -421,7 +422,7 @@ def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
         If the grids are of different cells.
     """
     if source.length != target.length or source.mirrored != target.mirrored:
-        raise ValueError(f"target of length {target.length}: that of the source, {source.length}, is needed")
+        raise ValueError(f"target of length {target.length}: {source.length}, as of the source, is needed")
     if source.shape == target.shape:
         return coefficients.copy()
     out = np.empty(target.mode_shape, coefficients.dtype)
@@ -498,7 +499,7 @@ def grid_of(dataset: xr.Dataset) -> Grid:
     Raises
     ------
     ValueError
-        If the coordinates are not those of a whole cell: all its nodes, equidistant, rising from zero to one
+        If the coordinates do not span a whole cell: all its nodes, equidistant, rising from zero to one
         spacing before the edge. Without the attribute `CELL_EDGE` the edge follows from two or more nodes.
     """
     edges = []
