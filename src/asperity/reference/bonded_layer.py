@@ -91,7 +91,7 @@ class BondedLayer:
             raise ValueError(f"poisson = {self.poisson!r}: a number > -1 and ≤ 0.5 is needed")
 
     def compliance_ratio(self, scaled_wavenumber: ArrayLike) -> Array:
-        """Surface compliance over that of the half-space, K(t), at t = wavenumber × height > 0."""
+        """Surface compliance over the half-space's, K(t), at t = wavenumber × height > 0."""
         t = np.asarray(scaled_wavenumber, float)
         kappa, decay = 3 - 4 * self.poisson, np.exp(-2 * t)
         # Numerator and denominator are multiplied by 4 e^(−2t), so that they stay finite.
@@ -117,7 +117,7 @@ class Coating(BondedLayer):
     Parameters
     ----------
     base_modulus : float
-        E* of the half-space, in the unit of that of the layer.
+        E* of the half-space, in the same unit as `effective_modulus`.
     base_poisson : float
         Poisson's ratio of the half-space.
     """
@@ -126,7 +126,7 @@ class Coating(BondedLayer):
     base_poisson: float = 0.3
 
     def compliance_ratio(self, scaled_wavenumber: ArrayLike) -> Array:
-        """As that of `BondedLayer`."""
+        """As for `BondedLayer`, K(t) on the elastic half-space."""
         t = np.asarray(scaled_wavenumber, float)
         kappa, below, decay = 3 - 4 * self.poisson, 3 - 4 * self.base_poisson, np.exp(-2 * t)
         shear = self.effective_modulus * (1 - self.poisson) / (self.base_modulus * (1 - self.base_poisson))
@@ -148,7 +148,7 @@ class LayerContact:
     curvature : float
         1/R of the paraboloid, zero for the flat punch.
     approach : float, optional
-        By default that with φ(a) = 0.
+        By default the approach at which φ(a) = 0.
 
     Attributes
     ----------
@@ -168,7 +168,7 @@ class LayerContact:
         correction = 2 / np.pi * (1 - layer.compliance_ratio(scaled)) * step
         cosines = np.cos(np.multiply.outer(s, self._wavenumbers))
         system = np.eye(layer.order) - ((cosines * correction) @ cosines.T) * weights
-        # φ is δ times the solution for the right-hand side E*/π, less that for E*/π s² times 1/R.
+        # φ is δ times the solution for the right-hand side E*/π, less 1/R times the solution for E*/π s².
         self._scale = layer.effective_modulus / np.pi
         sides = self._scale * np.stack([np.ones(layer.order), s**2], axis=1)
         flat, curved = np.linalg.solve(system, sides).T
@@ -179,7 +179,7 @@ class LayerContact:
             approach = float(curvature * edge_curved / edge_flat)
         density = approach * flat - curvature * curved
         self.approach, self.load = approach, 2 * np.pi * float(weights @ density)
-        # 2/π (1 − K(ξh)) P(ξ) dξ: amplitudes of the cosines by which φ differs from that of a half-space.
+        # 2/π (1 − K(ξh)) P(ξ) dξ: amplitudes of the cosines by which φ differs from the φ of a half-space.
         self._excess = correction * (cosines.T @ (weights * density))
 
     def density(self, s: ArrayLike) -> Array:

@@ -14,8 +14,8 @@ DOI 10.1007/BF01386067) and precondition conjugate gradients: the number of iter
 mesh, and no matrix is factorised. The displacement of contact nodes is prescribed by projecting the
 preconditioner.
 
-Arrays are ordered (z, y, x), with z up from the bottom; the axis of the indenter is at x = y = 0. Lengths
-are in any unit, stresses in that of Young's modulus.
+Arrays are ordered (z, y, x), with z up from the bottom; the axis of the indenter is at x = y = 0. Lengths are
+in any unit, stresses in the unit of Young's modulus.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """Hertz contact of a smooth rigid sphere or cylinder with an elastic half-space.
 
-Of a sphere without friction: the pressure ``p0 √(1 − r²/a²)`` on a circle of radius a, the displacement of
+For a sphere without friction: the pressure ``p0 √(1 − r²/a²)`` on a circle of radius a, the displacement of
 the surface under it, and the stress everywhere below (H. Hertz, J. reine angew. Math. 92 (1882) 156, DOI
 10.1515/crll.1882.92.156; stress: M. T. Huber, Ann. Phys. 319 (1904) 153, DOI 10.1002/andp.19043190612;
 surface: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, eqs. 3.37–3.42).

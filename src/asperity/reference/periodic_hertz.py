@@ -63,7 +63,7 @@ class PeriodicHertz:
 
     @property
     def enhancement(self) -> float:
-        """Pressure divided by that of a single contact of the same radius, about ``1 + 1.917 (a/L)³``."""
+        """Pressure over the pressure of a single contact of the same radius, about ``1 + 1.917 (a/L)³``."""
         neighbours = replica_difference(self.contact_radius, 0.0, self.contact_radius, self.period)
         # π(2a² − 0) − π(2a² − a²) = πa² without neighbours; the sums of Eq. 16 carry a factor 2.
         return float(1 / (1 - 2 / np.pi * neighbours))
@@ -93,7 +93,7 @@ class PeriodicHertz:
         return self.enhancement * self.single.pressure(r)
 
     def displacement(self, y: ArrayLike, x: ArrayLike) -> Array:
-        """Downward displacement of the surface at (y, x), less that on the axis.
+        """Downward displacement of the surface at (y, x), less the displacement on the axis.
 
         The positions are relative to an axis, at most half a period from it along x and y; they broadcast.
         """
@@ -104,7 +104,7 @@ class PeriodicHertz:
 
 
 def replica_difference(contact_radius: float, y: ArrayLike, x: ArrayLike, period: float) -> Array:
-    """Displacement by all neighbours at (y, x) less that at the origin: ``u_pt/a²`` of Eq. 12.
+    """Displacement by all neighbours at (y, x), less their displacement at the origin: ``u_pt/a²`` of Eq. 12.
 
     Parameters
     ----------

@@ -3,8 +3,8 @@
 The traction is ``q0 √(1 − r²/a²)`` with q0 = μ p0 in the whole contact. Its effect on the pressure is
 neglected; there is none if both solids have the same elastic constants or are incompressible. Sources: G. M.
 Hamilton, L. E. Goodman, J. Appl. Mech. 33 (1966) 371, DOI 10.1115/1.3625051; G. M. Hamilton, Proc. Inst.
-Mech. Eng. C 197 (1983) 53, DOI 10.1243/PIME_PROC_1983_197_076_02; K. L. Johnson, Contact Mechanics,
-Cambridge University Press, 1985, sections 3.6 and 7.1. The stress under the pressure is that of
+Mech. Eng. C 197 (1983) 53, DOI 10.1243/PIME_PROC_1983_197_076_02; K. L. Johnson, Contact Mechanics, Cambridge
+University Press, 1985, sections 3.6 and 7.1. The stress under the pressure comes from
 `asperity.reference.hertz`; the stress under the traction is derived here in the complex form of Hamilton and
 Goodman, with z the depth.
 
@@ -15,7 +15,7 @@ along x is (Johnson, section 3.2; commas denote derivatives, z and the shear str
     2π σ_yy = 2ν φ0,x + 2ν φ2,xyy − z φ1,xyy,            2π σ_xz = φ0,z − z φ0,xx,
     2π σ_zz = −z φ0,xz,                                  2π σ_yz = −z φ0,xy.
 
-The potential of the traction is that of a line of point sources at the complex depths i t,
+The potential of the traction equals the potential of a line of point sources at the complex depths i t,
 
     φ0 = π q0 / (2a) ∫_{−a}^{a} (a² − t²) / R(z + i t) dt,      R(z) = √(r² + z²),
 
@@ -99,7 +99,7 @@ class SlidingSphere:
         y, x, z = np.broadcast_arrays(*(np.asarray(part, float) / a for part in (y, x, depth)))
         if np.any(z < 0):
             raise ValueError("depth must be ≥ 0 everywhere")
-        # Of the traction √(1 − r²) along x on the unit circle, with z downward.
+        # For the traction √(1 − r²) along x on the unit circle, with z downward.
         nu, s = poisson, x**2 + y**2
         below = z + 1j
         root = np.sqrt(s + below**2)
@@ -107,7 +107,7 @@ class SlidingSphere:
         log = np.log(w)
 
         def potential(upper: Array, lower: Array) -> Array:
-            """Derivative of φ_n / (2π) from those of L_n+3 and L_n+2."""
+            """Derivative of φ_n / (2π) from the derivatives of L_n+3 and L_n+2."""
             return upper.imag - lower.real
 
         # Infinite at the edge of contact, where it is a factor of terms that vanish at the surface.
@@ -121,7 +121,7 @@ class SlidingSphere:
         }
         third = {3: 0.125 * inverse_root / w**3, 4: -1 / (24 * w**3), 5: (1 / w**2 + s / (2 * w**4)) / 96}
 
-        # Derivatives of φ0/(2π), φ1/(2π) and φ2/(2π) with respect to s; slope_z is that of φ0/(2π) along z.
+        # Derivatives of φ0/(2π), φ1/(2π) and φ2/(2π) with respect to s; slope_z is ∂(φ0/(2π))/∂z.
         slope0, bend0 = potential(first[3], first[2]), potential(second[3], second[2])
         bend1, twist1 = potential(second[4], second[3]), potential(third[4], third[3])
         bend2, twist2 = potential(second[5], second[4]), potential(third[5], third[4])

@@ -9,7 +9,7 @@ q²)² = 0. The general solution is therefore a part that decays downward from t
 upward from the bottom, each an exponential times a linear function of z; six boundary conditions determine
 both. Nothing is shared with `asperity.elasticity.solid`: no kernel, no compliance and no closed form.
 
-Conventions are those of the package. Numbers are `mpmath` numbers; `digits` is the working precision, of
+Conventions of the package hold. Numbers are `mpmath` numbers; `digits` is the working precision, of
 which a thin layer loses about four times the decimal logarithm of 1/(q · height).
 """
 
@@ -73,8 +73,8 @@ class StateSpace:
         squeezed = (1 + nu) * (1 - 2 * nu) / (self.young * (1 - nu))
         mixed = -(x * y * (plane * nu + shear))
         along_x, along_y = -(x * x * plane + y * y * shear), -(y * y * plane + x * x * shear)
-        # Hooke's law gives the derivatives of the displacements, equilibrium those of the tractions: σ_xz' =
-        # −∂x σ_xx − ∂y σ_xy and so on, with σ_xx, σ_yy and σ_xy by Hooke's law.
+        # Hooke's law gives the derivatives of the displacements, equilibrium the derivatives of the
+        # tractions: σ_xz' = −∂x σ_xx − ∂y σ_xy and so on, with σ_xx, σ_yy and σ_xy by Hooke's law.
         rows = [
             [0, 0, -x, 1 / shear, 0, 0],
             [0, 0, -y, 0, 1 / shear, 0],
