@@ -1,4 +1,4 @@
-"""Settings of an elastic body: its material, and what covers it."""
+"""Settings of an elastic body: its material, coating or layer."""
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
@@ -37,12 +37,12 @@ class OfMaterial(Settings):
         example="100Cr6",
     )
     """Name of a material of the table; its constants hold where the group gives none."""
-    young: Pressure = setting(..., default_text="that of the material", example="210 GPa")
+    young: Pressure = setting(..., default_text="from the material", example="210 GPa")
     """Young's modulus."""
-    poisson: Number = setting(..., default_text="that of the material", gt=-1, le=0.5, example=0.3)
+    poisson: Number = setting(..., default_text="from the material", gt=-1, le=0.5, example=0.3)
     """Poisson's ratio."""
     yield_stress: Pressure | None = optional(
-        "that of the material; without one yielding is not analysed", example="1.5 GPa"
+        "from the material; without a value yielding is not analysed", example="1.5 GPa"
     )
     """Yield stress; the volume above it is reported."""
     _of_table: tuple[str, ...] = PrivateAttr(())
@@ -58,10 +58,10 @@ class OfMaterial(Settings):
             for name, constant in material(value["material"]).constants.items()
             if name in cls.model_fields
             and value.get(name) is None
-            # The hardness of a coated body is not that of its material.
+            # The hardness of the material does not hold for a coated body.
             and not (name == "hardness" and value.get("coating") is not None)
         }
-        if not {"fatigue_torsion", "fatigue_bending"} <= {**value, **filled}.keys():  # one alone says nothing
+        if not {"fatigue_torsion", "fatigue_bending"} <= {**value, **filled}.keys():  # one alone is of no use
             filled = {name: constant for name, constant in filled.items() if not name.startswith("fatigue")}
         found = made({**value, **filled})
         found.model_fields_set.difference_update(filled)
@@ -166,20 +166,20 @@ class Body(OfMaterial):
         return {"young": value.young, "poisson": value.poisson, **layer}
 
     hardness: Hardness | None = optional(
-        "that of the material, if the body has no coating; without one an elastic contact", example="7 GPa"
+        "from the material, if the body has no coating; without a value an elastic contact", example="7 GPa"
     )
     """Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
     of two bodies the smaller one is used."""
-    conductivity: Number | None = optional("that of the material", unit="W/(m K)", gt=0, le=1e5, example=50.0)
-    """Thermal conductivity; with that of the counter body, the contact conductance is reported."""
-    resistivity: Number | None = optional("that of the material", unit="Ω m", gt=0, le=1e20, example=1e-7)
-    """Electrical resistivity; with that of the counter body, the contact conductance is reported."""
+    conductivity: Number | None = optional("from the material", unit="W/(m K)", gt=0, le=1e5, example=50.0)
+    """Thermal conductivity; if both bodies have one, the contact conductance is reported."""
+    resistivity: Number | None = optional("from the material", unit="Ω m", gt=0, le=1e20, example=1e-7)
+    """Electrical resistivity; if both bodies have one, the contact conductance is reported."""
     fatigue_torsion: Pressure | None = optional(
-        "that of the material; without one no stress cycles are reported", example="300 MPa"
+        "from the material; without a value no stress cycles are reported", example="300 MPa"
     )
-    """Fatigue limit in fully reversed torsion, 0.5 to 1 times that in bending."""
+    """Fatigue limit in fully reversed torsion, 0.5 to 1 times the limit in bending."""
     fatigue_bending: Pressure | None = optional(
-        "that of the material; without one no stress cycles are reported", example="480 MPa"
+        "from the material; without a value no stress cycles are reported", example="480 MPa"
     )
     """Fatigue limit in fully reversed bending."""
     residual_stress: Residual | None = optional("none", example="-400 MPa")
@@ -187,8 +187,8 @@ class Body(OfMaterial):
     the mean stress in the criterion of Dang Van. A group of two lists, `depth` and `stress`, is a table over
     depth, linear between its rows and constant beyond them."""
     coating: Coating | None = optional("no coating")
-    """Coating of the body. The hardness is that of the coated body, yield stress and fatigue limits are
-    those below the coating."""
+    """Coating of the body. The hardness is measured on the coated body; yield stress and fatigue limits hold
+    below the coating."""
     layer: Layer | None = optional("a half-space")
     """A layer on a rigid base."""
     map: CounterMap | None = optional("the counter body is flat")

@@ -44,7 +44,7 @@ def check(config: Mapping[str, Any]) -> dict[str, Any]:
 def default(key: str) -> Any:
     """Default of a setting by its dotted key, None if it has none.
 
-    For a setting of accuracy that is the value in the default preset.
+    For a setting of accuracy, its value in the default preset.
     """
     if key in KEYS:
         return getattr(PRESETS[default("accuracy")], KEYS[key])

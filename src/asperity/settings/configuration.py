@@ -32,7 +32,7 @@ TWO_NODES_SLACK = 1e-9
 """Amount by which a grid may miss two nodes on the shortest wavelength: 1/3 has no finite decimals."""
 
 NAME = r"^(?!(con|prn|aux|nul|com[0-9]|lpt[0-9])\Z)[a-z][a-z0-9_]{0,39}\Z"
-"""Pattern of names that the user chooses, without those of devices on Windows."""
+"""Pattern of names that the user chooses, without names of devices on Windows."""
 
 NAMES = "a name of at most 40 lower-case letters, digits and underscores that begins with a letter"
 
@@ -86,7 +86,7 @@ _APPROACH: Any = optional(
     unit="cell length",
 )
 _LABEL: Any = setting(..., "Name of the surface in figures; mathematics stands between dollar signs.")
-_LOAD: Any = optional("that of section `contact`")
+_LOAD: Any = optional("as in section `contact`")
 
 
 class Load(OneOf):
@@ -149,8 +149,8 @@ class MapFile(FileOptions):
 
 
 class Heights(OneOf):
-    """Distribution of the heights. Spectrum, rms height and rms gradient remain those of the Gaussian
-    surface. Excludes `johnson` and `moments`, which change the spectrum.
+    """Distribution of the heights. The surface keeps the spectrum, rms height and rms gradient of the
+    Gaussian surface. Excludes `johnson` and `moments`, which change the spectrum.
     """
 
     moments: Moments = optional(_OTHER_HEIGHTS)
@@ -214,15 +214,15 @@ class MeasuredMap(MapFile):
     l_filter: LengthOrCells = optional("no filter", unit="cell length, unless it has its own")
     """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
     points: Nodes = optional(
-        "the preset's number for each `wavelength_short` in cell lengths; without it, those of the map"
+        "the preset's number for each `wavelength_short` in cell lengths; without it, as in the map"
     )
     """Nodes on the longer edge of the cell, by Fourier interpolation; a mirrored map needs an even number."""
 
 
 class Studies(Settings):
     """Names of the surfaces that are compared with each other in figures. Surfaces in no study are not
-    computed. The six names in this table are those of the paper's studies, whose figures are drawn with
-    `figures` set to `paper`.
+    computed. The six names in this table are the paper's studies, whose figures are drawn with `figures` set
+    to `paper`.
     """
 
     model_config = ConfigDict(
@@ -256,7 +256,7 @@ class Base(Settings):
     """Elastic half-space to which the layer is bonded, so that the layer is a coating."""
 
     modulus_ratio: Number = setting(..., ge=1e-6, le=1e6)
-    """Young's modulus of the base over that of the layer."""
+    """Young's modulus of the base over Young's modulus of the layer."""
     poisson: Poisson = setting(...)
     """Poisson's ratio of the base."""
 
@@ -326,11 +326,11 @@ class Stress(Settings):
     """The stress inside the solid."""
 
     poisson: Annotated[list[Poisson], Strict(), Field(min_length=1, max_length=16), DISTINCT] = optional(
-        "that of the contact"
+        "as in the contact"
     )
-    """Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of
-    them. Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other
-    than that of the contact."""
+    """Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of them.
+    Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other than the
+    contact's."""
     tolerance: Number = optional("preset", ge=0, le=0.1)
     """Largest error that a coarser grid may cause in a deep plane, relative to the rms of σ_zz in this
     plane; 0 for the full grid at every depth."""
@@ -523,7 +523,7 @@ class Configuration(Settings):
     surfaces: dict[Name, Surface] = setting({}, names=NAMES)
     """Random rough surfaces, each under a name of lower-case letters, digits and underscores."""
     measured: dict[Name, MeasuredMap] = setting({}, names=NAMES)
-    """Measured height maps, each under a name like those of `surfaces`."""
+    """Measured height maps, each under a name as in `surfaces`."""
     studies: Studies = optional("one study of all surfaces, `all`")
     layer: Layer = setting({})
     contact: Contact = setting({})

@@ -94,7 +94,7 @@ class Hertz(OneLoad):
     radius_x: Radius = setting(..., default_text="no Hertz contact", example="9 mm")
     """Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it
     the map lies in a Hertz contact."""
-    radius_y: Radius | None = optional("that along x", example="80 mm")
+    radius_y: Radius | None = optional("the radius along x", example="80 mm")
     """Combined radius of curvature along y, or `inf` along the axis of a roller."""
     at: tuple[Number, Number] = setting(
         (0.0, 0.0),

@@ -1,4 +1,4 @@
-"""Settings of a height map: what its file does not state, and how it is treated."""
+"""Settings of a height map: properties that its file does not state, and its treatment."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -59,8 +59,8 @@ class FileOptions(Settings):
         accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
         example="um",
     )
-    """Unit of the heights, and of edges given as numbers; for a list of points also two, that of x and y
-    and that of z, such as mm um."""
+    """Unit of the heights, and of edges given as numbers; for a list of points also two, for x and y and for
+    z, such as mm um."""
     physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = optional(
         "as in the file",
         accepts="two lengths > 0 (y, x) with their units such as 512 um, or numbers > 0",
@@ -98,8 +98,8 @@ class FileOptions(Settings):
 class MapOptions(FileOptions):
     """Properties of a height map, and options of its treatment.
 
-    A property that is given replaces that of the file, and the map notes it; for several maps that share
-    options the file takes precedence.
+    A property that is given replaces the file's, and the map notes it; for several maps that share options
+    the file takes precedence.
 
     Lengths are numbers in the unit of the map, which is metres if a unit is known, or texts with a unit such
     as ``"8 um"``.
@@ -133,12 +133,12 @@ class MapOptions(FileOptions):
     (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary."""
     wavelength_short: LengthOrNumber | None = optional("two pixels of the map", example="8 um")
     """Waves shorter than this are removed."""
-    points: Whole | None = optional("those of the map", ge=2, le=MOST_POINTS)
+    points: Whole | None = optional("as in the map", ge=2, le=MOST_POINTS)
     """Nodes on the longer edge of the map, by Fourier interpolation."""
     radius: LengthOrNumber | None = optional("the map alone", example="5 mm")
     """Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map; with
-    `radius_y` that along x."""
-    radius_y: LengthOrNumber | None = optional("that along x", example="120 mm")
+    `radius_y`, the radius along x."""
+    radius_y: LengthOrNumber | None = optional("the radius along x", example="120 mm")
     """Radius along y of a form that has two, such as a ball in the groove of a ring: both are the combined
     radii of the bodies."""
     form: Literal["sphere", "cylinder"] = setting("sphere")
@@ -187,4 +187,4 @@ class CounterMap(Map):
         accepts="two lengths (y, x) with their units, such as 10 um and -4 um",
         example=["10 um", "-4 um"],
     )
-    """Position (y, x) of the middle of the counter map over that of the map."""
+    """Position (y, x) of the middle of the counter map, from the middle of the map."""

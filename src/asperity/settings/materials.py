@@ -1,7 +1,7 @@
 """Materials by name: elastic constants, strengths and conductivities, each with its source.
 
 The table is the data file ``materials.yaml`` beside this module. A user's own materials are in a file of the
-same form, in which sources may be left out; they come before those of the table.
+same form, in which sources may be left out; they override the table.
 """
 
 from collections.abc import Iterator, Mapping
@@ -65,7 +65,7 @@ _own: ContextVar[Mapping[str, Material]] = ContextVar("own materials", default=M
 
 @contextmanager
 def own_materials(path: str | Path) -> Iterator[None]:
-    """Know the materials in a user's file, before those of the table, while the block runs.
+    """Add the materials in a user's file, which override the table, while the block runs.
 
     Raises
     ------

@@ -1,11 +1,11 @@
-"""Classes of settings: what a field states, and the messages on values that it does not accept.
+"""Classes of settings: the statements of a field, and the messages on values that it does not accept.
 
-`pydantic` validates; this module adds what a field of ours states besides type and range, makes one line of
-each problem, and describes a class as a JSON Schema with these keywords of its own: ``unit``;
-``default_text``, what holds if the setting is left out, where that is not a constant; ``accepts``, the
-accepted values in words, where type and range are not enough; ``example``, a value as a user writes it; and
-of a group ``names``, the accepted names of settings that the user names; ``renamed``, former key → its key
-now; ``removed``, former key → what replaces it.
+`pydantic` validates; this module adds further statements to a field, makes one line of each problem, and
+describes a class as a JSON Schema with these keywords of its own: ``unit``; ``default_text``, the behaviour
+without the setting, where it has no constant default; ``accepts``, the accepted values in words, where type
+and range are not enough; ``example``, a value as a user writes it; and of a group ``names``, the accepted
+names of settings that the user names; ``renamed``, former key → its key now; ``removed``, former key → what
+replaces it.
 """
 
 import ast
@@ -265,7 +265,7 @@ def setting(
         ``...`` for a setting that has to be given, and ``{}`` for a group of which each setting may be left
         out; `optional` makes one that has no constant as its default.
     text : str, optional
-        Meaning of the setting; by default the docstring below the field, else that of the class of a group.
+        Meaning of the setting; by default the docstring below the field, else of the class of a group.
     unit, default_text, accepts, example, names : optional
         Keywords of the description, see the head of this module.
     **limits
@@ -278,7 +278,7 @@ def setting(
 
 
 def optional(default_text: str, text: str | None = None, **more: Any) -> Any:
-    """A field that may be left out; `default_text` says what holds then, the rest is as in `setting`."""
+    """A field that may be left out, with `default_text` for this case; the rest is as in `setting`."""
     return setting(None, text, default_text=default_text, **more)
 
 

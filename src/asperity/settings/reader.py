@@ -1,7 +1,7 @@
 """Configurations and overlays in files: plain YAML 1.2, of which nothing is executed.
 
 Stricter than a usual YAML reader: no tags that make objects, no key given twice, limits on size, depth and
-content, so that a file from someone else does no harm. Plain scalars are those of the core schema of YAML 1.2
+content, so that a file from someone else does no harm. Plain scalars follow the core schema of YAML 1.2
 (https://yaml.org/spec/1.2.2/#103-core-schema): PyYAML follows YAML 1.1, where ``010`` is 8, ``1:20`` is 80,
 ``no`` is false and ``1e-6`` is text.
 """

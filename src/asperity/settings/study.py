@@ -1,7 +1,7 @@
 """The configuration of one study: its files merged, checked and completed, and its folder of results.
 
-Only what the files of a study ask for is computed. A file with ``based_on: config/config.yaml``, or with
-the name of another study, is a variant of that study: the settings of the base hold where the file gives
+A study computes only the results that its files ask for. A file with ``based_on: config/config.yaml``, or
+with the name of another study, is a variant of that study: the settings of the base hold where the file gives
 none.
 """
 
@@ -37,8 +37,9 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     files : sequence of paths
         Configuration, then overlays; without any, the configuration of the paper.
     given : mapping, optional
-        Settings given on the command line, which override the files. Their ``results`` may be any folder: the
-        user has typed it. That of a file, which may be from someone else, lies in the project.
+        Settings given on the command line, which override the files. Their ``results`` may be any folder, as
+        the user has typed it. The folder that a file names, which may be from someone else, lies in the
+        project.
 
     Raises
     ------
@@ -53,7 +54,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
         config = merged(config, layer)
     config = with_loads(with_base(config))
     config.pop("results", None)
-    if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
+    if "results" in layers[-1]:  # the files beneath name folders of other studies
         config["results"] = layers[-1]["results"]
     config = check(config)
     config.setdefault("results", f"results/{Path(files[-1]).stem}")
@@ -68,15 +69,9 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
 
 
 def _problems(config: Mapping[str, Any], path: str | Path, is_given: bool) -> Iterator[tuple[str, str]]:
-    """Key and rest of the message of what this machine or folder lacks for a complete configuration.
+    """Key and rest of the message for everything that a complete configuration lacks on this machine.
 
-    Parameters
-    ----------
-    config : mapping
-    path : path
-        The last of its files.
-    is_given : bool
-        True if the folder of results is given on the command line.
+    `path` is the last of its files. With `is_given` the command line names the folder of results.
     """
     results, names = config["results"], config["studies"].get(ALL_SURFACES, ())
     if is_given:
@@ -186,6 +181,5 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _most_surfaces(study: str) -> int:
-    """Largest number of surfaces of a study."""
     studies = entry_of(Configuration, "studies")
     return studies["properties"].get(study, studies["additionalProperties"])["maxItems"]
