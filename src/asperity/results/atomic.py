@@ -120,7 +120,7 @@ def _cause_and_remedy(error: Exception, path: Path) -> str:
 
 
 LOCK = ".asperity-run.{}.lock"
-"""Name of the empty file in a folder that says which process writes into it."""
+"""Name of the empty file that names the process writing into a folder."""
 
 LOCK_ATTEMPTS = 5
 """Attempts to lock a folder: processes that try at the same moment all withdraw, and retry."""

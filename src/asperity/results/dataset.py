@@ -1,6 +1,6 @@
 """Reading and writing of result files.
 
-A file is NetCDF-4 with CF attributes; names, units and descriptions of its variables are those of
+A file is NetCDF-4 with CF attributes; names, units and descriptions of its variables come from
 `asperity.results.variables`, in the system of units that the global attribute ``unit_system`` names. It is
 written atomically, and carries a fingerprint of all that is in it and the settings from which it can be made
 again. It holds no wall-clock time: the same configuration gives the same numbers on the same machine.
@@ -63,13 +63,13 @@ def write(
     dataset : xarray.Dataset
         With variables of `VARIABLES`; their units and descriptions are added here. Its own global attributes
         are kept, except for those that follow from the arguments and its variables; ``unit_system`` is one of
-        `UNIT_SYSTEMS`, by default that of the study.
+        `UNIT_SYSTEMS`, by default the study's.
     path : path
     title : str
-        Says in one line what the file holds.
+        Content of the file in one line.
     settings : mapping, optional
         Settings from which the file can be made again, a tree of plain values; stored as JSON, with its
-        fingerprint. By default those that the dataset has.
+        fingerprint. By default the settings of the dataset.
 
     Raises
     ------
@@ -149,12 +149,12 @@ def settings_of(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def stage_of(dataset: xr.Dataset) -> str | None:
-    """The stage of which a dataset is a result: surface, contact, stress, statistics, or None."""
+    """Stage that made a dataset: surface, contact, stress, statistics, or None."""
     return next((name for name, stage in STAGES.items() if stage.variable in dataset), None)
 
 
 def unit_system(dataset: xr.Dataset) -> str:
-    """System of units of a dataset: its attribute ``unit_system``, by default that of the study."""
+    """System of units of a dataset: its attribute ``unit_system``, by default the study's."""
     return str(dataset.attrs.get(UNIT_SYSTEM, STUDY_UNITS))
 
 
@@ -162,7 +162,7 @@ MAX_MEMORY = "ASPERITY_MAX_MEMORY"
 """Environment variable with the largest size, in GiB, to which a result may unpack."""
 
 DEFAULT_MAX_MEMORY = 16.0
-"""Default of that size: ten times a contact of 8192² nodes."""
+"""Default of this size: ten times a contact of 8192² nodes."""
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -270,4 +270,4 @@ def _attribute_bytes(attributes: Mapping[Any, Any]) -> bytes:
 
 
 read_result, write_result = read, write
-"""Public names, which say what is read and written."""
+"""Public names of the two functions."""

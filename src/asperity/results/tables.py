@@ -192,7 +192,6 @@ def _relations(kind: str, targets: Mapping[str, str]) -> str:
 
 
 def _in_sheet_units(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """A table in the units of a sheet."""
     shown = frame.copy()
     for column in shown.select_dtypes("number"):
         if "unit" in shown:

@@ -57,7 +57,7 @@ UNIT_SYSTEMS = {
     "the real contact.",
     SI_UNITS: "Units: SI.",
 }
-"""Systems of units of result files, and what the names of their units mean."""
+"""Systems of units of result files → meaning of the names of their units."""
 
 ORIENTATION = "lower face"
 """Attribute ``orientation`` of every height: an indenter's lower face, not a map with its peaks upward."""
@@ -67,7 +67,7 @@ SETTINGS = {
     "layer": {"height": "length"},
     "contact": {"mean_pressure": "stress", "approach": "length", "hardness": "stress"},
 }
-"""Section of the settings of a result → those with a dimension."""
+"""Section of the settings of a result → its settings with a dimension."""
 
 
 def units_of(name: str, system: str = STUDY_UNITS) -> str:
