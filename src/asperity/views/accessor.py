@@ -50,7 +50,7 @@ class ResultAccessor:
 
     @property
     def stage(self) -> str | None:
-        """The stage of which it is a result, as of `asperity.results.dataset.stage_of`."""
+        """The stage that made it, as of `asperity.results.dataset.stage_of`."""
         from asperity.results.dataset import stage_of
 
         return stage_of(self._dataset)
@@ -110,7 +110,7 @@ class ResultAccessor:
         depth : (first, last)
             Of the box in which the stress is written.
         **settings
-            `y` and `x`, the part of the cell; for a stress also those of `asperity.views.export.box_below`.
+            `y` and `x`, the part of the cell; for a stress also as in `asperity.views.export.box_below`.
 
         Raises
         ------

@@ -110,7 +110,7 @@ def box_depths(source: Source, depth: Span, spacing: float | None = None) -> Arr
         The contact.
     depth : (first, last)
     spacing : float, optional
-        Largest distance between planes, by default that between the nodes of the grid.
+        Largest distance between planes, by default the spacing of the grid.
 
     Raises
     ------
@@ -211,8 +211,7 @@ def write_surface_image(path: str | os.PathLike[str], fields: xr.Dataset) -> int
 def write_surface_table(path: str | os.PathLike[str], fields: xr.Dataset) -> int:
     """Write fields over the surface as CSV, a row for each node; return the number of rows.
 
-    Columns: y and x with their unit, then the fields with theirs. A part of one row or column of nodes is a
-    profile.
+    Columns: y and x, then the fields, each with its unit. A part of one row or column of nodes is a profile.
     """
     table = fields.to_dataframe()
     with atomic_write(path) as unfinished:
@@ -228,15 +227,8 @@ def _write_image(
 ) -> int:
     """Write VTK image data, plane by plane from the surface downward; return its bytes.
 
-    Parameters
-    ----------
-    path : path
-    axes : (x, y, depth)
-        Positions of the nodes.
-    names : sequence of str
-        Of the fields.
-    planes : iterable
-        Fields [y, x] of each plane.
+    `axes` are the positions x, y and depth of the nodes, `names` the names of the fields, and `planes` yields
+    the fields [y, x] of each plane.
     """
     x, y, depth = axes
     plane_bytes = 4 * x.size * y.size

@@ -20,7 +20,7 @@ PIXELS = 1024
 
 
 class Map(NamedTuple):
-    """What a map shows of one result.
+    """A field of one result, as a map shows it.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def canvas(
     Parameters
     ----------
     shapes : sequence of float
-        Height over width of each panel; those beside each other in one row have the same height.
+        Height over width of each panel; panels in one row have the same height.
     axes : Axes or sequence of Axes, optional
         Axes to use in place of new ones.
     columns : int
@@ -123,7 +123,6 @@ def _digits(axis: Axis) -> int:
 
 
 def _lines(title: str) -> int:
-    """Lines of a title."""
     return title.count("\n") + bool(title)
 
 

@@ -40,7 +40,7 @@ def plot_peaks(
     axes: Axes | Sequence[Axes] | None = None,
     yield_stress: float | tuple[Array, Array] | None = None,
 ) -> Figure:
-    """Magnitude and depth of the stress peaks, each a point; those under a contact in another colour.
+    """Magnitude and depth of the stress peaks, each a point; peaks under a contact have another colour.
 
     The line is the largest von Mises stress of each plane. Peaks that all lie in the surface, such as those
     of the contact pressure, are drawn as a histogram.
@@ -122,7 +122,7 @@ def plot_peaks(
 
 
 def _number_of_bins(values: Array, high: float) -> int:
-    """Number of bins from 0 to `high` by the rule of Freedman and Diaconis, at least that of Sturges.
+    """Number of bins from 0 to `high` by the rule of Freedman and Diaconis, at least as many as by Sturges's.
 
     D. Freedman and P. Diaconis, Z. Wahrscheinlichkeitstheorie 57 (1981) 453, doi 10.1007/BF01025868. Equal
     values, for which the rule is undefined, get `MOST_BINS`.
@@ -136,7 +136,7 @@ def _number_of_bins(values: Array, high: float) -> int:
 def _peaks(
     stress: xr.Dataset, quantity: str, poisson: float | None
 ) -> tuple[xr.Dataset, tuple[Array, Array] | None]:
-    """Peaks of a quantity, and the largest von Mises stress over depth if that is the quantity."""
+    """Peaks of a quantity, and for the von Mises stress its largest value over depth."""
     if poisson is None:
         own = stress.attrs.get("poisson_contact")
         if own in stress["poisson"].values:

@@ -97,7 +97,7 @@ QUANTILE_MARGIN = 0.25
 values lie 4.6 standard deviations from the mean; of 512² independent values one is expected beyond them."""
 
 SEQUENTIAL = "viridis"
-"""Colours from dark (small) to light (large), as those of stresses; perceptually uniform, for any colour
+"""Colours from dark (small) to light (large), as for stresses; perceptually uniform, for any colour
 vision."""
 
 FALLING = "viridis_r"

@@ -27,7 +27,7 @@ Part = tuple[slice, slice]
 """Rows and columns of the nodes of a part of a cell: index of a field [y, x]."""
 
 _EDGE_ERROR = 1e-9
-"""A node outside by at most this share of the edge, by rounding, counts as inside."""
+"""A node outside by at most this share of the edge, by rounding, is taken as inside."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Source:
     system : str or None
         Unit system, None if it is not known.
     fields : dict
-        Those of `SURFACE_FIELDS` that the result has, as arrays [y, x].
+        Members of `SURFACE_FIELDS` that the result has, as arrays [y, x].
     layers : dict
         ``lower`` and, of two elastic bodies, ``upper`` → the solid, if the result is a contact and describes
         it.
@@ -136,8 +136,8 @@ class Source:
         ----------
         body : "lower" | "upper"
         friction, sliding_direction : float, str or float, optional
-            Coefficient, and direction in which the upper body moves over the lower one; by default those of
-            the result.
+            Coefficient, and direction in which the upper body moves over the lower one; by default as in the
+            result.
 
         Raises
         ------

@@ -224,10 +224,10 @@ def plot_section(
     poisson : float, optional
         By default the ratio of the contact.
     body : "lower" | "upper"
-        The body whose stress is drawn, if the contact has two; depth counts from its surface.
+        The body whose stress is drawn, if the contact has two; depths are from its surface.
     friction, sliding_direction : float, str or float, optional
         Full sliding, as for `asperity.stress_planes`, in the direction in which the upper body moves over the
-        lower one; by default that of the result.
+        lower one; by default as in the result.
     axes, unit_system
         As for `asperity.views.plot_height`.
     progress : callable, optional

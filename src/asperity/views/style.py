@@ -63,7 +63,7 @@ def label(data: xr.Dataset) -> str:
 
 
 def plain_text(name: str) -> str:
-    """A name, such as that of a file, as pictures show it: its dollar signs begin no mathematics."""
+    """A name, such as a file's, as pictures show it: its dollar signs begin no mathematics."""
     return one_line(name).replace("$", r"\$")
 
 
@@ -73,7 +73,7 @@ def wavelength_short(data: xr.Dataset) -> float:
 
 
 def require_picture(*paths: str | os.PathLike[str]) -> None:
-    """Raise `ValueError` for the first path whose suffix is not that of a picture format."""
+    """Raise `ValueError` for the first path whose suffix names no picture format."""
     for path in map(Path, paths):
         if path.suffix not in _FORMATS:
             raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
