@@ -39,7 +39,7 @@ FEW_PIXELS_ACROSS = 5
 """Width of a patch in pixels that resolves its pressure."""
 
 EDGE_STEP = 3.0
-"""Height step across edges over that between pixels, above which a warning is given; 1 if periodic."""
+"""Height step across edges over the step between pixels, above which a warning is given; 1 if periodic."""
 
 EDGE_LOAD = 0.01
 """Share of the load on the edges of a map with a free boundary above which a warning is given."""
@@ -48,13 +48,13 @@ NEIGHBOUR_CHANGE = 0.05
 """Change of real contact or largest pressure by the periodic images of a form that deserves a warning."""
 
 CONFINED = 0.01
-"""Lateral stress of the confined mean pressure, over the largest von Mises stress, that is worth a note."""
+"""Lateral stress of the confined mean pressure over the largest von Mises stress that makes a note."""
 
 WIDE_SPAN = 0.5
 """Width of a contact over the distance between neighbouring forms above which they influence each other."""
 
 ALTERED_SHARE = 0.02
-"""Share of the area with altered or filled heights that is worth a note."""
+"""Share of the area with altered or filled heights that makes a note."""
 
 SOFTEST, SOFT, STIFF, STIFFEST = 1e3, 5e7, 5e9, 1.25e12
 """Young's moduli in Pa: gels from 1 kPa; rubbers up to 50 MPa; metals, glasses and ceramics from 5 GPa;
@@ -202,7 +202,7 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
     size = max(map(abs, known.values()))
     changed = ", ".join(f"{name} by {100 * change:+.0f} %" for name, change in known.items())
     if len(answer.case.different_bodies) > 1:
-        changed += "; stresses are those of the lower body"
+        changed += "; stresses are from the lower body"
     waves = ""
     if wave / pixel < FEW_PIXELS_PER_WAVE:
         waves = f" The shortest wave, {shown_si(wave, 'm', 3)}, has {wave / pixel:.2g} pixels; "

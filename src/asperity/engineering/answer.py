@@ -92,11 +92,11 @@ class Answer:
     Attributes
     ----------
     case : Case
-        As it was asked.
+        The case as it was asked.
     pressed : Case
-        As the bodies were pressed: questions such as film and run-in change load or hardness.
+        The case as the bodies were pressed: questions such as film and run-in change load or hardness.
     rough : RoughFace
-        The rough surface that was pressed, in m, what was done to the map, and what is doubtful about it.
+        The rough surface that was pressed, in m, with the treatment of its map, and doubts about the map.
     contact : Contact
         In SI units.
     half : HalfGrid
@@ -145,7 +145,7 @@ class Answer:
         return self.contact.mean_pressure / (1 - (0.0 if film is None else film.share))
 
     def loaded_body(self, contact: Contact, body: str) -> LoadedSolid:
-        """A body under a contact: the contact of the answer, or the one on half of its nodes."""
+        """A body under a contact: the contact of the answer, or the contact on half of its nodes."""
         for question in self.case.questions.values():
             if (loaded := question.loaded(self, contact, body)) is not None:
                 return loaded
@@ -197,7 +197,7 @@ class Answer:
 
     @cached_property
     def blocks(self) -> Blocks | None:
-        """Blocks of the map that show how places differ; None where it holds too few, or has a form.
+        """Blocks of the map, whose scatter gives the error by place; None if too few, or with a form.
 
         Under an imposed approach or real contact the numbers do not follow the load on a block.
         """
@@ -311,7 +311,7 @@ def tile_names(case: Case) -> list[str]:
 
 
 def without_repeats(rows: Sequence[AnyRow]) -> list[AnyRow]:
-    """Rows without numbers of the upper body that equal the lower body's, if both have one material."""
+    """Rows without those numbers of the upper body that equal the lower body's, if both have one material."""
     known = {(row.group, row.name): row.value for row in rows}
 
     def is_repeated(row: AnyRow) -> bool:

@@ -1,7 +1,6 @@
 """Stress in one body of a case: peaks, profiles, extreme values, and their grid error.
 
-All but the error come from one stream of planes; the planes close to the highest pressures are kept
-for pictures.
+One stream of planes gives all but the error; the planes close to the highest pressures are kept for pictures.
 """
 
 from __future__ import annotations
@@ -239,8 +238,8 @@ class BodyAnswer:
         `asperity.continuum_limit` of contact pressure and von Mises stress.
     largest : dict
         Field → its extreme value: the largest of ``von_mises``, ``largest_shear`` (Tresca) and
-        ``principal_1`` (tension), the smallest of ``principal_3`` and ``hydrostatic`` (compression), and that
-        of the largest magnitude of any other field.
+        ``principal_1`` (tension), the smallest of ``principal_3`` and ``hydrostatic`` (compression), and the
+        value of largest magnitude of any other field.
     planes : dict
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
@@ -289,8 +288,8 @@ class BodyAnswer:
     def grid_error(self, number: str) -> float:
         """Relative error by the grid of a number of `RESOLUTION_ERRORS`; NaN where there is no estimate.
 
-        On surfaces that are not isotropic and Gaussian it is at least that error of the largest
-        von Mises stress.
+        On surfaces that are not isotropic and Gaussian it is at least the `least_error` of the largest von
+        Mises stress.
         """
         if "reason_of_stress" in self.limits.attrs:
             return np.nan
@@ -332,7 +331,7 @@ def body_answer(
     Parameters
     ----------
     loaded, on_half : LoadedSolid
-        The body under the contact, and under that on half of the nodes.
+        The body under the contact, and under the contact on half of the nodes.
     answer : Answer
         With its contact; peaks of the fields of its case are found in addition to the default ones.
     name : "lower" or "upper"
@@ -410,14 +409,9 @@ def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
 class _Extremes:
     """Extreme values of fields from a stream of planes.
 
-    Attributes
-    ----------
-    found : dict
-        Field → its extreme value so far, and its place in the cell.
-    planes : dict
-        Field to be drawn → depth, grid and values of the plane of its extreme value so far.
-    interface : list
-        For coating and base, σ_xx of the largest magnitude on the interface, and `Interface.planes`.
+    `found` maps a field to its extreme value so far and its place in the cell, `planes` a field to be drawn
+    to depth, grid and values of that plane. `interface` holds, for coating and base, σ_xx of the largest
+    magnitude on the interface, and `Interface.planes`.
     """
 
     def __init__(self, drawn: Sequence[str], layer: Solid) -> None:

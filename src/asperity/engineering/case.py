@@ -1,4 +1,4 @@
-"""A case: the map, the bodies, the load, and the questions that are asked; what follows from them.
+"""A case: the map, the bodies, the load and the questions that are asked.
 
 A group of settings is a class; a case has a field for each. To add a question, add its file in `questions`
 and its field here. The physics is imported where it is needed: forms, help and schemas are made without it.
@@ -52,7 +52,7 @@ MATERIALS = "materials.yaml"
 
 
 class Case(Settings):
-    """Map, bodies, load and questions: all that an answer depends on. Numbers are in SI units.
+    """Map, bodies, load and questions: everything on which an answer depends. Numbers are in SI units.
 
     Raises
     ------
@@ -156,7 +156,7 @@ class Case(Settings):
                 needed = "a periodic map is needed in a Hertz contact, of which it is a part"
                 yield "map.periodic", f" = none: {needed}"
             if self.map.radius is not None:
-                yield "map.radius", ": not accepted in a Hertz contact, whose radii are those of the load"
+                yield "map.radius", ": not accepted in a Hertz contact, whose radii stand in the load"
         if load.kind in ("mean_pressure", "hertz_pressure") or isinstance(load, Hertz):
             yield from self.problems_of_pressure(self.cell_pressure)
 

@@ -44,8 +44,8 @@ def continuum_limit(
 ) -> xr.Dataset:
     """Area, slope, peaks and decay lengths at vanishing grid spacing, each with the error that remains.
 
-    The contact is solved again on half as many nodes along both edges, under the same load, and its stress
-    is analysed, which costs about a quarter of what the contact and its stress cost.
+    The contact is solved again on half as many nodes along both edges, under the same load, and its stress is
+    analysed, at about a quarter of the cost of the contact and its stress.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def continuum_limit(
     Returns
     -------
     dataset
-        Along `kind`, the value ``on_grid``, that ``on_half`` of the nodes, the ``estimate`` at vanishing
+        Along `kind`, the value ``on_grid`` and ``on_half`` of the nodes, the ``estimate`` at vanishing
         spacing, and the relative ``error`` of the estimate: ``area_fraction``, ``gradient_rms_contact``, and
         ``proportionality`` κ_r, their product times the effective modulus over the mean pressure. With a
         stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
@@ -70,10 +70,10 @@ def continuum_limit(
         along `poisson` the ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the
         contact pressure. Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why,
         or ``reason_of_stress`` if only the peaks have none. ``least_error`` is the least relative error of
-        the largest von Mises stress by the departure of the surface from an isotropic Gaussian one.
-        The attribute ``lost_gradient`` is the share of the squared gradient of the surface that half of the
-        nodes do not resolve: a third or more if the roughness continues below the spacing. ``plastic_area``
-        is that of the contact: at a hardness errors are larger, and depths and decay lengths have no
+        the largest von Mises stress by the departure of the surface from an isotropic Gaussian one. The
+        attribute ``lost_gradient`` is the share of the squared gradient of the surface that half of the nodes
+        do not resolve: a third or more if the roughness continues below the spacing. ``plastic_area`` is
+        copied from the contact: at a hardness errors are larger, and depths and decay lengths have no
         estimate.
 
     Raises

@@ -39,7 +39,7 @@ class ReadFile(NamedTuple):
 
 
 class RoughFace(NamedTuple):
-    """The rough face that is pressed, and what is doubtful about its map.
+    """The rough face that is pressed, and doubts about its map.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _read(options: Map, shared: Set[str]) -> tuple[str, HeightMap, tuple[str, ..
 def _completed(options: Map, surface: HeightMap | None = None) -> Map:
     """The options; by default points are filled, and a map that is not declared periodic is mirrored.
 
-    `points` counts the points of the map, also if it is mirrored.
+    `points` is the number of points of the map, also if it is mirrored.
     """
     periodic = options.periodic or (None if surface and surface.periodic else "mirrored")
     points = options.points

@@ -44,7 +44,7 @@ CASE_FILE = "case.yaml"
 
 
 def names_of(case: "Case | None") -> list[str]:
-    """Names of the files that the answer of a case may have; without a case, that any answer may have."""
+    """Names of the files that the answer of a case may have; without a case, the names for all answers."""
     tables = (f"{name}.csv" for name in ("peaks", "spots", "gaps", "answer", "advice"))
     names = [CASE_FILE, "surface.nc", "contact.nc", *tables, "answer.xlsx"]
     names += ["height.png", "pressure.png", "report.html"]
@@ -83,7 +83,7 @@ def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] | None =
 
 @contextmanager
 def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
-    """Folder whose files replace those of an earlier answer, except for `kept`, when the block succeeds."""
+    """Folder whose files replace an earlier answer's, except for `kept`, when the block succeeds."""
     with TemporaryDirectory(prefix=UNFINISHED, dir=folder, ignore_cleanup_errors=True) as name:
         unfinished = Path(name)
         yield unfinished

@@ -30,7 +30,7 @@ LONGEST_STEP = 8
 """Most nodes along an axis of one step in a direction of the grid."""
 
 FARTHEST = 1.5
-"""Places from the middle of a Hertz contact, in half-widths, beyond which a point counts as unloaded."""
+"""Places from the middle of a Hertz contact, in half-widths, beyond which a point is taken as unloaded."""
 
 SAME_DIRECTION = 1e-3
 """Largest difference in degrees between an angle and the direction of the grid that it means."""
@@ -201,7 +201,7 @@ class MovingContact:
         half = np.array([self._hertz.half_width_y, self._hertz.half_width_x])
         per_width, start = self._along / half, np.array(self._at)
         square, middle = per_width @ per_width, -(start @ per_width)
-        chord = middle**2 + square * (1 - start @ start)  # the square of its half, times that of `square`
+        chord = middle**2 + square * (1 - start @ start)  # (half its length · square)²
         if not (square > 0 and chord > 0):
             raise ValueError(
                 f"sliding_direction = {shown(self._direction)}, at = {self._at[0]:g} {self._at[1]:g}: a line "

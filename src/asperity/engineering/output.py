@@ -224,7 +224,7 @@ def reports_of_questions(answer: Answer) -> list[Markup]:
 
 
 def constants_of_table(case: Case) -> list[str]:
-    """Which constants of a case come from the table of materials, a line for each body."""
+    """Constants of a case that come from the table of materials, a line for each body."""
     lines = []
     for name, body in case.groups_of_bodies.items():
         for part, group in ((name, body), (f"{name}.coating", body.coating)):

@@ -1,8 +1,8 @@
 """Error of a mean over the area of one map, from the scatter of its parts: another place gives another mean.
 
 The map is cut into equal blocks that are wider than its longest wave, so that they are nearly independent.
-Under a given load a sum over the blocks is proportional to their load, to first order: the error is that of
-the ratio of the sum to the load, with the variance that a bootstrap of the blocks has in the limit of many
+Under a given load a sum over the blocks is proportional to their load, to first order: the error is the error
+of the ratio of the sum to the load, with the variance that a bootstrap of the blocks has in the limit of many
 draws (W. G. Cochran, Sampling Techniques, 3rd ed., Wiley 1977, Eq. 6.9), and Student's t.
 """
 
@@ -15,12 +15,12 @@ from asperity.surface.roughness import correlated_lengths
 from asperity.surface.treatment.treatment import TreatedMap
 
 BLOCK = 4.0
-"""Edge of a block over the length along it over which heights are correlated. On self-affine surfaces such a
-block is wider than the longest wave. `benchmarks/places.py` covers 93 and 95 % of 120 maps."""
+"""Edge of a block over the correlation length of the heights along it. On self-affine surfaces such a block
+is wider than the longest wave. `benchmarks/places.py` covers 93 and 95 % of 120 maps."""
 
 FEWEST_BLOCKS = 16
-"""Fewest blocks from which the error is estimated. A map of fewer has them by chance, if its own waves happen
-to be short, and then errs."""
+"""Fewest blocks from which the error is estimated. On a smaller map the waves may be short by chance: it then
+holds as many blocks, and its error is wrong."""
 
 NEIGHBOURS = 1.1
 """Factor of the error, as blocks that touch are not independent (`benchmarks/places.py`, other surfaces)."""

@@ -68,7 +68,7 @@ def suggested_hardness(case: Case) -> float | None:
 
 
 def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact | None:
-    """The contact of a case under its hardness, or under the one that its yield stresses suggest.
+    """The contact of a case under its hardness, or under the hardness that its yield stresses suggest.
 
     None without a hardness, if the elastic pressure stays below the suggested one, or if the load exceeds it.
     """

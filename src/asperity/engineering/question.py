@@ -1,4 +1,4 @@
-"""A question about a case: what it may do in each stage of an answer, and how its part is shown.
+"""A question about a case: its methods in each stage of an answer, and the display of its part.
 
 `asperity.engineering.run` carries out the stages, and asks every question of the case in each of them. A
 question is one file in `asperity.engineering.questions`, which imports what it computes with only where it
@@ -40,7 +40,7 @@ IN_PER_CENT = (
 """Dimensionless numbers that are shown in per cent."""
 
 DIFFER_BETWEEN_PLACES = ("largest", "shakedown", "real contact", "share above", "volume above", "peaks")
-"""Beginnings of the names of numbers that another place of the surface changes."""
+"""Beginnings of the names of numbers that differ from place to place of the surface."""
 
 NOT_KNOWN = "from place to place: not known"
 
@@ -56,7 +56,7 @@ MOST_SHIFTS = 10_000
 """Most positions of moving bodies."""
 
 _NUMBER = re.compile(r"(.*?)(?:,? ((?:at|of|in|on|by|if|without) .*))?")
-"""A number with its unit, and what follows it."""
+"""A number with its unit, and the text after it."""
 
 
 class Row(NamedTuple):
@@ -85,7 +85,7 @@ class Row(NamedTuple):
 
     @property
     def value_and_place(self) -> tuple[str, str]:
-        """The number with its unit, and what follows it, such as the depth."""
+        """The number with its unit, and the text after it, such as the depth."""
         number, place = _NUMBER.fullmatch(self.shown.partition("; ")[0]).groups(default="")  # type: ignore[union-attr]
         return number, place
 
@@ -98,7 +98,7 @@ class Row(NamedTuple):
         return f"{shown[shown.index('±') :]} from place to place"
 
     def in_unit(self, factor: float, symbol: str) -> tuple[str, list[str]]:
-        """The number in a unit, and its errors as text, each with what it is the error of.
+        """The number in a unit, and its errors as text, each with its cause.
 
         Shares are shown in per cent, and numbers without a unit as they are.
         """
@@ -148,7 +148,7 @@ class Row(NamedTuple):
         return row._replace(shown=f"{self.shown}; {shown[shown.index('±') :]} by the inputs")
 
     def of_places(self, relative: float) -> Row:
-        """The row with its relative error from place to place, if that is known."""
+        """The row with its relative error from place to place, if known."""
         if not relative > 0:
             return self
         row = self._replace(error_of_places=relative * self.value)
@@ -232,9 +232,9 @@ class Question(Settings):
         return iter(())
 
     def loaded(self, answer: Answer, contact: Contact, body: str) -> LoadedSolid | None:
-        """A body as a contact loads it under this question; None if that is the contact's pressure alone.
+        """A body as a contact loads it under this question; None if the contact's pressure alone loads it.
 
-        The contact is the contact of the answer, or the one on half of its nodes.
+        The contact is the contact of the answer, or the contact on half of its nodes.
         """
         return None
 

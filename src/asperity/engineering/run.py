@@ -1,4 +1,4 @@
-"""All stages from a map to an answer: read, press, stress, and what the questions of the case add in each."""
+"""All stages from a map to an answer: read, press, stress, and the additions of the questions to each."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -170,7 +170,7 @@ STRESS, SLIP, FLOW = 2.0, 4.0, 2.0
 def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     """Stages of the answer of a case → their work; the contact has a work of 1.
 
-    The contact takes about equal time at all loads but the largest. What a stage needs is known to a factor
+    The contact takes about equal time at all loads but the largest. The work of a stage is known to a factor
     of two: the numbers serve for the progress and for estimates of time. Of a mirrored map, moving faces need
     the cell of four images.
     """
@@ -213,7 +213,7 @@ class _Parts:
         """Progress of the next stage, which begins; those before it are done."""
         if self._on_stage is not None:
             self._on_stage(name)
-        work = self._work.get(name, 0.0)  # film and run-in may change what the other questions are
+        work = self._work.get(name, 0.0)  # film and run-in may change which questions are asked
         report = _part(self._progress, self._done / self._total, (self._done + work) / self._total)
         self._done += work
         report(0.0, 1.0)

@@ -62,7 +62,7 @@ def shown_unit(values: ArrayLike, unit: str, name: str) -> tuple[float, str]:
 
 
 class Mean(NamedTuple):
-    """Mean over the maps of a sample, half of its 95 % interval, and the two parts of that.
+    """Mean over the maps of a sample, half of its 95 % interval, and the two parts of the interval.
 
     Attributes
     ----------

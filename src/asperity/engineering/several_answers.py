@@ -1,6 +1,6 @@
 """The folder of several answers: side by side in a table and a page, or pooled to means with intervals.
 
-The means and intervals are those of `asperity.engineering.sample`.
+`asperity.engineering.sample` computes the means and intervals.
 """
 
 import json
@@ -43,7 +43,7 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     Returns
     -------
     str
-        Which map is better, and the table, as text.
+        The verdict on the better map, and the table, as text.
     """
     from asperity.engineering.pictures import compared_pictures
 
@@ -83,7 +83,7 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
 
 
 def compare_samples(folders: Sequence[Path]) -> str:
-    """Which of two samples is better, and the differences of their means, of folders of pooled answers.
+    """Verdict on the better of two samples, and the differences of their means, of folders of pooled answers.
 
     Raises
     ------

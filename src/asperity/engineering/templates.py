@@ -1,6 +1,6 @@
 """Case files for a start, with a comment for every key, and the explanation of a key.
 
-``templates.yaml`` has the settings of each. Keys, ranges and texts of the comments are those of the settings.
+``templates.yaml`` has the settings of each. Keys, ranges and texts of the comments come from the settings.
 """
 
 import textwrap
@@ -69,12 +69,11 @@ def _lines(name: str, entry: Entry, value: Any, indent: str) -> Iterator[str]:
 
 
 def _comment(text: str, indent: str) -> Iterator[str]:
-    """A text in lines of comment."""
     yield from (f"{indent}# {line}" for line in textwrap.wrap(text, WIDTH - len(indent)))
 
 
 def _in_words(entry: Entry) -> str:
-    """Description of a setting, what it accepts, its unit and its default."""
+    """Description of a setting, its accepted values, unit and default."""
     facts = [accepted(entry)]
     facts += [f"unit: {entry['unit']}"] if "unit" in entry else []
     default = entry.get("default_text") or (_yaml(entry["default"]) if "default" in entry else "")

@@ -23,7 +23,7 @@ class Conduction(Question):
     """Contact conductance, thermal and electrical, of two half-spaces.
 
     It follows from the stiffness of the contact (J. R. Barber, Proc. R. Soc. A 459 (2003) 53, doi
-    10.1098/rspa.2002.1038), without films and without what passes through the gap.
+    10.1098/rspa.2002.1038), without films and without conduction through the gap.
     """
 
     TILES = (
@@ -46,7 +46,7 @@ class Conduction(Question):
         for constant in CONSTANTS:
             missing = [name for name, body in bodies.items() if getattr(body, constant) is None]
             if len(missing) == 1 and any(body.gives(constant) for body in bodies.values()):
-                half.append((f"{missing[0]}.{constant}", ": missing; those of both bodies are needed"))
+                half.append((f"{missing[0]}.{constant}", ": missing; values of both bodies are needed"))
         yield from half
         if not half and not resistivities(case):
             yield "conduction", ": conductivity or resistivity of both bodies is needed"

@@ -49,7 +49,7 @@ class Film(Question):
     λ is the central film thickness of the smooth contact over the composite rms roughness.
     """
 
-    load_share: Number | None = optional("that of lambda_ratio", ge=0, lt=1, example=0.7)
+    load_share: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7)
     """Share of the load that the film carries; the asperities carry the rest."""
     lambda_ratio: Number | None = optional("load_share is given", ge=0, le=2, example=1.0)
     """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
@@ -118,7 +118,7 @@ class Film(Question):
         yield row(GROUP, "mean pressure carried by asperities", carried, "Pa")
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
-        """How far correlations of the share agree."""
+        """Spread of published correlations of the share."""
         if self.lambda_ratio is not None:
             low, high = (1 - self.share) / SPREAD, min(1.0, (1 - self.share) * SPREAD)
             text = f"published correlations of the share with λ differ by a factor of {SPREAD:g}: the "
@@ -131,5 +131,5 @@ class Film(Question):
         """The film carries a smooth pressure and no shear traction."""
         return (
             f"A film carries {per_cent(self.share)} of the load as the smooth part of the pressure, without a"
-            " shear traction; numbers of the contact are those of the asperities under the rest."
+            " shear traction; numbers of the contact hold for the asperities under the rest."
         )

@@ -1,4 +1,4 @@
-"""The gap between the bodies: whether it percolates, and how much of a fluid leaks through it."""
+"""Percolation of the gap between the bodies, and leakage of a fluid through it."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class LeakResult:
 
 @dataclass(frozen=True, eq=False)
 class Sealing:
-    """Mean pressure that seals the gap, that on half of the nodes, and a contact just below it.
+    """Mean pressure that seals the gap, the same on half of the nodes, and a contact just below it.
 
     The pressure is 0 if all loads of the curve seal, and infinite if none does; then there is no contact.
     """
@@ -162,7 +162,7 @@ class Leak(Question):
         return Sealing(load, found["_on_half"], last_open)
 
     def verdict(self, answer: Answer) -> str:
-        """Whether the gap is sealed, else what leaks, and the load that seals."""
+        """Sealed gap, or else its leakage, and the load that seals."""
         found: LeakResult = answer.of(self)
         width = found.paths.constriction["yx".index(self.direction)]
         rate = width if found.flow is None else found.flow.flow_rate

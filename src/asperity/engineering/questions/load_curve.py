@@ -97,7 +97,7 @@ class AnswerCurve:
     Parameters
     ----------
     numbers : dataset
-        As of `load_curve`, in SI units; the approach is that since first touch.
+        As of `load_curve`, in SI units; the approach starts at first touch.
     yield_loads : dict
         Body → mean pressure at which it begins to yield, as of `yield_load`.
     sealing : Sealing, optional
@@ -134,9 +134,9 @@ class LoadCurve(Question):
         accepts=f"a list of 1 to {MAX_LOADS - 1} rising values below `load`",
         example=["10 MPa", "20 MPa"],
     )
-    """Rising loads before that of `load`, of the same quantity."""
+    """Rising loads below `load`, of the same quantity."""
     steps: Whole | None = optional("the loads that are listed", ge=2, le=MAX_LOADS, example=8)
-    """Number of loads from the single one in `loads` to that of `load`, in equal ratios."""
+    """Number of loads from the single one in `loads` to `load`, in equal ratios."""
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Loads of another quantity, and loads that do not rise."""
@@ -166,7 +166,7 @@ class LoadCurve(Question):
             try:
                 read.append(float(adapter.validate_python(number)))
             except ValueError:
-                needed = f"a {kind.replace('_', ' ')} is needed, as that of load"
+                needed = f"a {kind.replace('_', ' ')} is needed, as in load"
                 raise ValueError(f"{value!r}: {needed}") from None
         if self.steps is not None:
             return [*np.geomspace(read[0], case.load.value, self.steps)[:-1].tolist(), case.load.value]
@@ -291,8 +291,8 @@ def load_curve(
     dataset
         Along `load`: ``mean_pressure``, ``area_fraction``, ``approach``, ``mean_gap``, ``largest_pressure``,
         ``stiffness`` dp̄/dδ, the conductances by their names, ``plastic_area`` if there is a hardness, and
-        along `body`, too, the ``largest_von_mises_stress``, of a coated body that below its coating; in the
-        units of the contacts.
+        along `body`, too, the ``largest_von_mises_stress``, below the coating of a coated body; in the units
+        of the contacts.
 
     Examples
     --------

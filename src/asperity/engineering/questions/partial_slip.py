@@ -108,7 +108,7 @@ class PartialSlip(Question):
         return (found.slip if contact is answer.contact else found.on_half).in_body(body)
 
     def verdict(self, answer: Answer) -> str:
-        """Whether the bodies slide, else the part of the contact that sticks, and the displacement."""
+        """Full sliding, or else the part of the contact that sticks, and the displacement."""
         slip = answer.of(self).slip
         force, moved = shown_si(slip.tangential_force, "N", 3), shown_si(slip.displacement, "m", 3)
         if slip.tangential_force >= slip.friction * slip.contact.force:

@@ -67,7 +67,7 @@ class RunIn(Question):
         plastic = case.replaced(body=case.body.replaced(hardness=hardness))
         first: Contact | None = None
         depths: list[float] = []
-        for number in range(self.loads + 1):  # one more shows whether another load changes anything
+        for number in range(self.loads + 1):  # the last one shows if another load changes anything
             contact = press(face, plastic)
             depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
             first, depths = first or contact, [*depths, depth]
@@ -82,7 +82,7 @@ class RunIn(Question):
         return case.replaced(**elastic), rough._replace(face=face), RunInResult(first, depths)
 
     def verdict(self, answer: Answer) -> str:
-        """How far the first load flattens the map."""
+        """Depth by which the first load flattens the map."""
         depth = answer.of(self).depths[0]
         return f"the first load flattens peaks by up to {shown_si(depth, 'm', 3)}" if depth else ""
 
@@ -100,7 +100,7 @@ class RunIn(Question):
         yield Row(GROUP, "flattening by another load", found.depths[-1], "m", words)
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
-        """Whether the map is run in."""
+        """Note if the first load flattens nothing."""
         found: RunInResult = answer.of(self)
         if not found.depths[0]:
             yield Advice(
@@ -111,5 +111,5 @@ class RunIn(Question):
         """Flattening without residual stress, pile-up or wear."""
         return (
             "Run-in flattens the surface where the pressure reaches the hardness, without residual stress,"
-            " pile-up or wear; numbers are those of the elastic contact of the flattened surface."
+            " pile-up or wear; numbers hold for the elastic contact of the flattened surface."
         )

@@ -1,4 +1,4 @@
-"""Which input matters: change of the main numbers for one per cent of each input, by one more answer each.
+"""Sensitivity: change of the main numbers for one per cent of each input, by one more answer each.
 
 An input that is given with a tolerance, such as ``210 GPa ± 5 %``, adds its part to the errors: its tolerance
 times this change. Inputs are taken as independent.
@@ -112,7 +112,7 @@ class Sensitivity(Question):
 
 
 def _group_like(group: str, rows: Mapping[tuple[str, str], Row]) -> str:
-    """The group of the answer that stands for a group of a varied one, whose heading holds its constants."""
+    """The group of the answer for a group of a varied answer, whose heading holds other constants."""
     start = group.partition(" (")[0]
     return next((own for own, _ in rows if own.partition(" (")[0] == start), group)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from asperity.surface.treatment.treatment import TreatedMap
 
 NEGLECTED_COUPLING = 0.1
-"""Relative change of a displacement by friction that is worth a warning."""
+"""Relative change of a displacement by friction above which a warning is given."""
 
 MAX_FRICTION = 10.0
 """Largest coefficient of friction."""
@@ -44,8 +44,8 @@ Direction = Annotated[
 class Sliding(Question):
     """Full sliding of the bodies.
 
-    The shear traction is the coefficient of friction times the pressure. The pressure is that of the contact
-    without friction.
+    The shear traction is the coefficient of friction times the pressure. The pressure is computed without
+    friction.
     """
 
     friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
@@ -104,7 +104,7 @@ class Sliding(Question):
         size, where = float(change[most]), shown_si(wave[most], "m", 3)
         if not size > 0:  # between equal bodies
             return
-        text = f"Friction would change waves of wavelength {where} by up to {per_cent(size)}, and those of "
+        text = f"Friction would change waves of wavelength {where} by up to {per_cent(size)}, and waves of "
         text += f"{shown_si(wave[0], 'm', 3)} by up to {per_cent(change[0])}."
         waves = f"waves of wavelength {where}"
         if most == 0:

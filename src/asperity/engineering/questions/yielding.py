@@ -29,7 +29,7 @@ class Yielded:
     depths : (first, last) or None
         Depths between which there are such points.
     fraction : float
-        That volume over the volume from the surface to the last of these depths.
+        `volume` over the volume from the surface to the last of these depths.
     of_places : float
         Relative error of the volume from place to place; NaN where it is not known.
     """
@@ -117,7 +117,7 @@ class Yielding(Question):
         answer.of(self)[body] = Yielded(found.volume * area, error, found.depths, fraction, of_places)
 
     def verdict(self, answer: Answer) -> str:
-        """Whether each material yields, to which depth and at which stress."""
+        """Yield of each material, its depth and the largest stress."""
         found, names = [], _bodies_apart(answer)
         for name in names:
             for material, limit, stress, depths in self._materials(answer, name):
@@ -195,7 +195,7 @@ class Yielding(Question):
                 of, ratio = f" of the {material}{where}" if material else where, f"{stress / limit:.3g}"
                 text = f"the largest von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {ratio} times the "
                 text += f"yield stress of {shown_si(limit, 'Pa', 3)}"
-                # The hardness that a yield stress suggests is that of the surface.
+                # The hardness that a yield stress suggests holds for the surface.
                 if answer.pressed.hardness is None and material != "base":
                     hardness = shown_si(HARDNESS_OVER_YIELD * limit, "Pa", 3)
                     affected = f". This is an elastic result only: real material flows there{affected}. The "
