@@ -74,8 +74,8 @@ def read_stage(path: str | Path, stage: str) -> xr.Dataset:
     _, data = read_result(path, [stage])
     if "map" in dataset.settings_of(data):
         raise ValueError(
-            f"{path}: a result of asperity run, which makes those of all stages itself; one of asperity "
-            "surface, solve or stress is needed"
+            f"{path}: a result of asperity run, which computes all stages itself; a result of "
+            "asperity surface, solve or stress is needed"
         )
     return data
 

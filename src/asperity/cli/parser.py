@@ -197,7 +197,7 @@ def _placeholder(entry: Mapping[str, Any]) -> str:
 
 
 def _help(entry: Mapping[str, Any], default_text: str | None, words: str | None = None) -> str:
-    """Description of a setting with what it accepts and its default, as argparse takes it."""
+    """Description of a setting with its accepted values and its default, as argparse takes it."""
     from asperity.settings.model import accepted
 
     facts = [] if "enum" in entry else [words or accepted(entry.get("items", entry))]
@@ -212,16 +212,8 @@ def _help(entry: Mapping[str, Any], default_text: str | None, words: str | None 
 def _of_setting(key: str, default_text: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
     """Keywords of `add_argument` for a setting of the study; its value is stored under its key.
 
-    Parameters
-    ----------
-    key : str
-        Dotted key.
-    default_text : str, optional
-        Behaviour if the argument is left out, in place of the default of the setting.
-    words : str, optional
-        Accepted values, in place of the values that the setting accepts.
-    as_text : bool
-        The command itself checks the value.
+    `default_text` and `words`, the accepted values, replace the texts of the setting. With `as_text` the
+    command itself checks the value.
     """
     from asperity.settings.model import entry_of, item_of
 
@@ -325,7 +317,6 @@ def _figure_number(text: str) -> int:
 
 
 def _port(text: str) -> int:
-    """Number of a port."""
     if not (text.isdecimal() and int(text) < 2**16):
         raise argparse.ArgumentTypeError(f"{shown(text)}: a number from 0 to {2**16 - 1} is needed")
     return int(text)

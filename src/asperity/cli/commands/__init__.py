@@ -1,4 +1,4 @@
-"""The commands, one module each: ``run(options)`` carries out what the command line asks for.
+"""The commands, one module each: ``run(options)`` carries out the command.
 
 Their arguments and help are in `commands.yaml` in the folder above.
 """

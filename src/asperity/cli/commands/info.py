@@ -1,4 +1,4 @@
-"""``asperity info``: what a height map is, before anything is computed with it."""
+"""``asperity info``: description of a height map before a calculation."""
 
 import argparse
 

@@ -131,7 +131,7 @@ def _pool_answers(options: argparse.Namespace, folder: Path, jobs: Mapping[str, 
 
 
 def _answered(job: Job, save: str | None, place: str) -> Any:
-    """The answer of a case, printed and written; `place` is that among several."""
+    """The answer of a case, printed and written; `place` is its number among several answers."""
     from asperity.engineering.case_file import save_case
     from asperity.engineering.output import write_answer
     from asperity.engineering.run import answer_of
@@ -293,7 +293,7 @@ def _job(
     except SettingsError as error:
         problems += map(named, error.found)
     surface: Any = None if case is None else case.map
-    if case is None:  # problems of the map are reported together with those of the case
+    if case is None:  # problems of map and case are reported together
         with suppress(SettingsError):
             surface = Map.read(content.get("map", {}))
     problems += _problems_of(out, read, None if case is None else names_of(case))

@@ -108,14 +108,8 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
 def _load(name: str, text: str, unit: float | None, si: bool) -> float:
     """A load or the hardness in the units of the study; a force over the effective modulus.
 
-    Parameters
-    ----------
-    name, text : str
-        Quantity, and its value as the user gives it.
-    unit : float or None
-        Edge of the cell in m, or effective modulus in Pa, if they are known.
-    si : bool
-        True if both are known: a value with a unit is accepted.
+    `unit` is the edge of the cell in m, or the effective modulus in Pa, if they are known. With `si` both are
+    known, and a value with a unit is accepted.
     """
     if name != "force":
         with suppress(ValueError):

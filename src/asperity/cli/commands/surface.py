@@ -64,13 +64,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _distribution(options: argparse.Namespace, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Settings of the heights of a surface, by `moments` or `heights`, taken from its parameters.
-
-    Raises
-    ------
-    ValueError
-        If options are missing or exclude each other.
-    """
+    """Settings of the heights of a surface, by `moments` or `heights`, taken from its parameters."""
     popped = {name: parameters.pop(f"moments.{name}", None) for name in ("skewness", "kurtosis")}
     moments = {name: value for name, value in popped.items() if value is not None}
     of_map, parts = section(options, "measured.NAME"), ("rpq", "rvq", "rmq")
@@ -92,13 +86,7 @@ def _distribution(options: argparse.Namespace, parameters: dict[str, Any]) -> di
 
 
 def _in_cell_lengths(name: str, text: str, edge: float | None) -> float:
-    """A length as a multiple of the edge of the cell.
-
-    Raises
-    ------
-    ValueError
-        If it has a unit and the cell has none or the reverse, or the schema does not accept it.
-    """
+    """A length as a multiple of the edge of the cell; both must have a unit, or neither."""
     if edge is not None:
         value = to_si(text, "length", flag(name)) / edge
     else:

@@ -114,7 +114,7 @@ def _of_answer(folder: Path) -> Iterator[Check]:
 
 
 def _of_pool(folder: Path) -> Iterator[Check]:
-    """Whether pooled answers are those of which the means were made, and the means follow from them."""
+    """Checks that pooled answers are unchanged, and that the means follow from them."""
     manifests = json.loads((folder / ANSWERS).read_text(encoding="utf-8"))
     same = True
     for name, checksum in manifests.items():
@@ -149,6 +149,6 @@ def _of_file(path: Path, result: xr.Dataset, height: Array | None = None) -> Ite
         if not value <= allowed[name]:
             yield Check(
                 f"{path}: {name.replace('_', ' ')} = {value:.2g}: at most {allowed[name]:.2g} is needed, "
-                "that of its own certificate and rounding; the pressure is not the solution",
+                "as in its own certificate but for rounding; the pressure is not the solution",
                 False,
             )
