@@ -197,7 +197,7 @@ MAPS = [
     ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
     ("short.asc", matrix(ROWS), MIRRORED + " --wavelength-short 1e-4", "--wavelength-short = 0.0001: a numb"),
-    ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is that of format x3p, its"),
+    ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is of format x3p, its"),
 ]
 
 

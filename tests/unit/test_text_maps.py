@@ -57,19 +57,19 @@ def test_each_column_has_its_unit(tmp_path, separator, heading, lateral, vertica
         ("x [mm],y [mm],z\n", "unit: the file does not say the unit of its heights; set it", "um"),
         (
             "x,y,z [um]\n",
-            "unit: the file does not say that of its edges, 4 x 3 (y, x); set it to that",
+            "unit: the file does not say the unit of its edges, 4 x 3 (y, x); set it to the units",
             "mm um",
         ),
-        ("", "unit: the file does not say its units; set it to that of x and y and that of z, for", "mm um"),
+        ("", "unit: the file does not say its units; set it to the units of x and y and of z, for", "mm um"),
         (
             "x,y,z\n",
-            "unit: the file does not say its units; set it to that of x and y and that of z, fo",
+            "unit: the file does not say its units; set it to the units of x and y and of z, fo",
             "mm um",
         ),
     ],
 )
 def test_a_unit_that_is_not_stated_is_asked(tmp_path, heading, asked, answer):
-    """Not taken to be that of the edges, or of the heights."""
+    """It is not taken from the edges, or from the heights."""
     (tmp_path / "map.csv").write_text(heading + "\n".join(map(",".join, POINTS)))
     with pytest.raises(MapError) as caught:
         prepare_map(tmp_path / "map.csv", periodic="mirrored")
@@ -77,7 +77,9 @@ def test_a_unit_that_is_not_stated_is_asked(tmp_path, heading, asked, answer):
     assert "Sdq" not in describe_map(tmp_path / "map.csv", MapOptions()).properties
     assert_map(read_map(tmp_path / "map.csv", unit=answer), 1e-3, 1e-6)
     if answer == "mm um":
-        with pytest.raises(MapError, match=r"unit: the file does not say that of its edges, 4 x 3 \(y, x\)"):
+        with pytest.raises(
+            MapError, match=r"unit: the file does not say the unit of its edges, 4 x 3 \(y, x\)"
+        ):
             read_map(tmp_path / "map.csv", unit="um")
         found = read_map(tmp_path / "map.csv", unit="um", physical_size=("4 mm", "3 mm"))
         assert_map(found, 1e-3, 1e-6)
@@ -142,7 +144,9 @@ def test_edges_without_a_unit_are_asked_for(tmp_path):
     for value_unit, unit in (("Value units: nm\n", "um nm"), ("", "um nm")):
         (tmp_path / "map.txt").write_text(f"Width: 30\nHeight: 40\n{value_unit}{MATRIX}\n")
         for given in ({}, {"unit": "nm"}):
-            with pytest.raises(MapError, match=r"unit: the file does not say (that of its edges|its units)"):
+            with pytest.raises(
+                MapError, match=r"unit: the file does not say (the unit of its edges|its units)"
+            ):
                 prepare_map(tmp_path / "map.txt", periodic="mirrored", orientation="peaks up", **given)
         found = read_map(tmp_path / "map.txt", unit=unit, orientation="peaks up")
         assert found.length == pytest.approx((40e-6, 30e-6))
@@ -241,7 +245,7 @@ def test_grids_of_other_programs_are_maps(tmp_path):
 
 def test_an_uncalibrated_lens_asks_for_edges(tmp_path):
     foreign_files.write_zygo(tmp_path / "map.xyz", HEIGHT, 0.0)
-    with pytest.raises(MapError, match=r"unit: the file does not say that of its edges, 8 x 6 \(y, x\)"):
+    with pytest.raises(MapError, match=r"unit: the file does not say the unit of its edges, 8 x 6 \(y, x\)"):
         read_map(tmp_path / "map.xyz")
     assert_map(read_map(tmp_path / "map.xyz", physical_size=("4 um", "3 um")), 1e-6, 1e-6)
 
@@ -316,7 +320,7 @@ def test_other_formats_are_named_in_a_line(tmp_path, name, write, line):
 
 
 def test_values_in_a_heading_are_no_units(tmp_path):
-    """The unit of a length beside a number is not that of a column."""
+    """The unit of a length beside a number is not the unit of a column."""
     for heading in ("Length: 30 mm", "Length,30.0 mm", "Stylus,Radius: 2.5 um"):
         (tmp_path / "line.csv").write_text(f"{heading}\n" + "".join(f"{i},{i % 3}\n" for i in range(9)))
         with pytest.raises(MapError, match="unit: the file does not say its units"):
@@ -332,7 +336,7 @@ def test_a_name_of_points_has_an_extension(tmp_path):
     np.save(tmp_path / "map.npy", HEIGHT)
     (tmp_path / "map.npy").rename(tmp_path / "...txt")
     with pytest.raises(
-        MapError, match="its name is that of format asc or xyz or profile or esri, its content of npy"
+        MapError, match="its name is of format asc or xyz or profile or esri, its content of npy"
     ):
         read_map(tmp_path / "...txt")
 

@@ -27,7 +27,7 @@ SHORT_WAVE_PIXELS = 8
 wave depend on the grid."""
 
 PERIODIC_STEP = 3.0
-"""Largest edge step, in units of that between neighbouring points, of a map that is called periodic."""
+"""Largest edge step, over the step between neighbouring points, of a map that is called periodic."""
 
 SMALLEST_RMS, LARGEST_RMS = 1e-9, 1e-3
 """Rms heights in m beyond which the unit of a map is doubtful: a polished wafer has 0.2 nm, a cast surface
@@ -44,7 +44,7 @@ NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
 
 DIRECTED = 0.5
-"""Texture aspect ratio below which a surface has a lay; ISO 25178-2 calls those below 0.3 strong."""
+"""Texture aspect ratio below which a surface has a lay; ISO 25178-2 calls ratios below 0.3 strong."""
 
 NOT_IN_FILE = "not in the file"
 
@@ -83,7 +83,7 @@ class MapDescription(NamedTuple):
     choices : list of str
         Options that asperity solve and a study need too, and that asperity run chooses by itself.
     warnings : list of str
-        Those of `map_warnings`.
+        As of `map_warnings`.
     """
 
     properties: dict[str, str]
@@ -95,9 +95,9 @@ class MapDescription(NamedTuple):
 def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
-    Roughness is that of the points that have data, without the mean plane (of a map that is one period,
+    Roughness is computed from the points that have data, without the mean plane (of a map that is one period,
     without the mean) and without a filter, as `asperity.run` presses the map by default: with its spikes and
-    its bow. If there are spikes, or if the bow counts, the roughness without them is given beside it.
+    its bow. With spikes or a bow that matters (`bow_counts`), the roughness without them is given beside it.
 
     Raises
     ------
@@ -332,7 +332,7 @@ def _texture_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
 
 
 def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
-    """Waves of the map: those that a tip rounds, the longest and shortest, and the step of the period."""
+    """Waves of the map that a tip rounds, its longest and shortest waves, and the step of the period."""
 
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)
@@ -350,7 +350,7 @@ def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
         f"mean square gradient in waves shorter than {length(short_waves)}{exponent}",
         "resolution": f"{100 * unresolved:.3g} % of the mean square gradient in waves shorter than "
         f"{SHORT_WAVE_PIXELS} pixels, which they do not resolve",
-        "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times that between "
+        "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times the step between "
         f"neighbouring points{verdict}",
     }
 
@@ -366,13 +366,12 @@ def _channels(found: MapFile) -> str:
 
 
 def spectrum_summary(level: Array, surface: HeightMap) -> tuple[float, float, float, float]:
-    """Longest half of the heights, shortest half and unresolved share of the gradient, Hurst exponent.
+    """Wavelengths that halve the mean square height and gradient, unresolved gradient, Hurst exponent.
 
     Half of the mean square height is in waves longer than the first, half of the mean square gradient in
     waves shorter than the second. The Hurst exponent is from the slope −2(H + 1) of the spectrum between
     twice the wavenumber of the first and half of the largest, NaN if these are less than `NARROWEST_SLOPE`
-    apart.
-    The map is multiplied with a Hann window, so that its edges add no short waves.
+    apart. The map is multiplied with a Hann window, so that its edges add no short waves.
     """
     window = np.outer(*(np.hanning(n + 2)[1:-1] for n in level.shape))
     wavenumber, power = roughness.spectrum(level * window, surface.length)

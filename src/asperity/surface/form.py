@@ -38,7 +38,7 @@ def add_sphere(
         Position of the lowest point, measured from the first node. By default the middle between the first
         and the last node, on both axes.
     radius_y : float, optional
-        Radius of curvature along y, if it differs from that along x.
+        Radius of curvature along y, if it differs from `radius`.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def add_cylinder(
     """Height of a rough cylinder: the parabola s²/(2R) is added to the lower face of the indenter.
 
     s is the distance from the axis of the cylinder, which lies along y or x through the centre. Parameters,
-    result and errors are otherwise those of `add_sphere`.
+    result and errors are otherwise as for `add_sphere`.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Non-Gaussian surfaces: Johnson's transforms of the heights, and surfaces with given heights and spectrum.
 
 Johnson's translation system of distributions (Eq. 23 of the paper) is applied to a finished Gaussian surface:
-the moments of the heights are those of the Johnson curve, and the spectrum differs somewhat from that of the
-Gaussian surface. Hu and Tonder (1992) use the same system for rough surfaces, but transform uncorrelated
-numbers and filter them afterwards.
+the heights take the moments of the Johnson curve, and the spectrum differs somewhat from the Gaussian
+surface's. Hu and Tonder (1992) use the same system for rough surfaces, but transform uncorrelated numbers and
+filter them afterwards.
 
 `with_heights` keeps the spectrum. In turns, the heights are replaced rank by rank by heights of the
 distribution, and the amplitudes of all waves by the amplitudes of the spectrum, until the two surfaces no
@@ -46,7 +46,7 @@ _SMALLEST_FITTED_DELTA = 0.15
 # likewise.
 _LARGEST_KURTOSIS = 1e6
 
-# Largest difference between the moments asked for and those of a fitted curve.
+# Largest difference between the moments asked for and the moments of a fitted curve.
 _FIT_TOLERANCE = 1e-8
 
 NODES_PER_WAVE = 4
@@ -136,7 +136,7 @@ def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
     """Johnson's transform with a given skewness and kurtosis, of a Gaussian surface.
 
     The bounded curve (S_B) is used where it reaches these moments, else the unbounded one (S_U). Skewness 0
-    and kurtosis 3, those of a Gaussian surface, leave the surface as it is.
+    and kurtosis 3, as of a Gaussian surface, leave the surface as it is.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], A
     raise ValueError(
         f"skewness = {skewness!r}, kurtosis = {kurtosis!r}: no Johnson curve with these moments was found; "
         f"a kurtosis from about {1.2 + 1.1 * skewness**2:.3g} to {_LARGEST_KURTOSIS:g}, "
-        "not close to that of a lognormal distribution, is needed"
+        "not close to a lognormal distribution's, is needed"
     )
 
 
@@ -247,8 +247,8 @@ class ShapedSurface(NamedTuple):
     ----------
     height : (ny, nx) array
     heights_residual : float
-        Root-mean-square difference between the sorted heights of this surface and those of the distribution,
-        over the rms height.
+        Root-mean-square difference between the sorted heights of this surface and of the distribution, over
+        the rms height.
     spectrum_residual : float
         The same of the amplitudes of all waves: a rounding error.
     iterations : int
@@ -274,12 +274,11 @@ def with_heights(
     Parameters
     ----------
     height : (ny, nx) array
-        Heights of a periodic lower face, such as those of `self_affine`. Waves at the Nyquist wavenumber are
-        left out.
+        Heights of a periodic lower face, as of `self_affine`. Waves at the Nyquist wavenumber are left out.
     moments : (skewness, kurtosis)
         Of a Johnson curve, as in `with_moments`. Positive skewness makes blunt contacts.
     plateau : (Rpq, Rvq, Rmq)
-        Root-mean-square roughness of plateau and valleys, of which only the ratio counts, and the material
+        Root-mean-square roughness of plateau and valleys, of which only the ratio matters, and the material
         ratio in per cent at which one passes into the other (ISO 13565-3): two Gaussians, the valleys of a
         map being the high parts of the lower face.
     sample : array

@@ -49,7 +49,7 @@ LEAST_FILTER = 0.85
 is found to 1°, with differences of neighbouring heights alone to 6°."""
 
 TIP_SAFETY = 0.5
-"""Largest curvature of the sharpest peaks, over that of the tip, at which the tip has not rounded them."""
+"""Largest curvature of the sharpest peaks, over the tip's, at which the tip has not rounded them."""
 
 
 def checked_heights(height: ArrayLike) -> Array:
@@ -95,8 +95,8 @@ class RoughnessParameters:
     rms_height : float
         Root-mean-square height about the mean (Sq), in the unit of the heights.
     rms_gradient : float
-        Root-mean-square gradient (Sdq), by spectral derivative: √⟨|∇h|²⟩, the unit of the heights over that
-        of the lengths.
+        Root-mean-square gradient (Sdq), by spectral derivative: √⟨|∇h|²⟩, the unit of the heights over the
+        unit of the lengths.
     skewness : float
         ⟨h³⟩/⟨h²⟩^(3/2) (Ssk); 0 for a Gaussian surface.
     kurtosis : float
@@ -283,9 +283,9 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     ratio : float
         The shortest over the longest such length, which is taken as half of the map if it is longer.
     direction : float
-        Direction of the lay in degrees from x towards y, from 0 to 180: that along which the mean square
-        slope is smallest, after a Gaussian filter that leaves out noise much shorter than `shortest`. The
-        direction of the longest length differs from it where the edges of the map cut the autocorrelation.
+        Direction of the lay in degrees from x towards y, from 0 to 180, along which the mean square slope is
+        smallest after a Gaussian filter that leaves out noise much shorter than `shortest`. The direction of
+        the longest length differs from it where the edges of the map cut the autocorrelation.
     """
     from scipy.ndimage import gaussian_filter
 
@@ -305,10 +305,10 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
 
 
 def correlated_lengths(height: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:
-    """Directions in radians from x towards y, and the lengths along them over which heights are correlated.
+    """Directions in radians from x towards y, and the correlation lengths of the heights along them.
 
-    Over these the autocorrelation falls to `CORRELATED`; it is known up to half of each edge. NaN for a flat
-    surface.
+    Over these lengths the autocorrelation falls to `CORRELATED`; it is known up to half of each edge. NaN for
+    a flat surface.
     """
     from scipy.ndimage import map_coordinates
 

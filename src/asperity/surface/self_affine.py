@@ -144,7 +144,7 @@ def target_spectrum(
 ) -> tuple[Array, Array]:
     """Expected `spectrum` of `self_affine` surfaces: Eq. 19 with C_0 set by the rms height.
 
-    Parameters and errors are those of `self_affine`; the result is that of `spectrum`, on the same rings.
+    Parameters and errors as for `self_affine`, result as of `spectrum`, on the same rings.
     """
     _require_band(grid, hurst, wavelength_long, wavelength_short)
     power = _power_law(grid.wavenumber(), hurst, wavelength_long, wavelength_short)

@@ -27,18 +27,18 @@ LARGEST_HEIGHT = 1e6
 
 REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, EQUAL_HEIGHTS = 1e-3, 10, 2**16, 1e-9
 """A height marks missing data if more than this share of the points has it, and if this many times as many
-points have it as have any of the neighbouring heights. It is sought in a sample of so many points; heights
-closer than this fraction of the interquartile range are equal. Neighbouring steps of a coarse quantisation
-have about as many points as each other; a plateau of one exact height is reported too."""
+points have it as any of the neighbouring heights. It is sought in a sample of so many points; heights closer
+than this fraction of the interquartile range are equal. Neighbouring steps of a coarse quantisation have
+about as many points as each other; a plateau of one exact height is reported too."""
 
 AGREEMENT = 1e-3
-"""Relative difference up to which a value of the caller agrees with that of the file: one pixel of 1000."""
+"""Relative difference up to which a value of the caller agrees with the file's: one pixel of 1000."""
 
 
-SAME = "that of the heights"
+SAME = "the unit of the heights"
 """Unit of the edges of a file with one unit for all lengths."""
 
-UNITS = "set it to that of x and y and that of z, for example to 'mm um'"
+UNITS = "set it to the units of x and y and of z, for example to 'mm um'"
 
 GIB = 2**30
 
@@ -56,7 +56,7 @@ def require_size(size: float, limit: float) -> None:
 
 
 class FileContent(NamedTuple):
-    """Contents of a file; None for what it does not state.
+    """Contents of a file; None for properties that it does not state.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class FileContent(NamedTuple):
     channels : tuple of Channel
         All of them, if there are others.
     undecided : str
-        Why it is doubtful that this channel holds the heights; empty if it is sure.
+        Reason to doubt that this channel holds the heights; empty if it is sure.
     length : (length_y, length_x), optional
         Edges in `length_unit`.
     length_unit : str, optional
@@ -111,11 +111,11 @@ class MapFile:
         In metres if the unit is known. Its edges are numbers of pixels if they are not known.
     channels : tuple of Channel
     problems : list of str
-        What is missing or wrong; empty if the map can be used.
+        Everything that is missing or wrong; empty if the map can be used.
     unit_needed : str
         Problem of a calculation in metres if no unit is known.
     overridden : set of str
-        Options that replace what the file says.
+        Options that override the file.
     options : MapOptions
         The options given; for a file with several channels, with the one that was chosen.
     edges_known, edges_comparable, unit_stated : bool
@@ -228,7 +228,7 @@ class MapFile:
             if size is None:
                 edges = " x ".join(f"{edge:.6g}" for edge in own)
                 self.problems.append(
-                    f"unit: the file does not say that of its edges, {edges} (y, x); {UNITS}"
+                    f"unit: the file does not say the unit of its edges, {edges} (y, x); {UNITS}"
                 )
                 return None
             own = None

@@ -36,7 +36,7 @@ WORDS = {
     kind: frozenset(words.split())
     for kind, words in packaged_yaml("asperity.surface.reading", "formats.yaml")["channels"].items()
 }
-"""Words in names of channels that hold heights, and of those that do not, even beside one of the first."""
+"""Words in names of channels that hold heights, and of channels that do not, even beside one of the first."""
 
 _BACK = frozenset(("backward", "backwards", "bwd", "retrace", "reverse"))
 _DIRECTIONS = _BACK | {"forward", "forwards", "fwd", "trace", "scan"}
@@ -57,7 +57,7 @@ class Format:
     holds : str
         Regular expression for a member of a ZIP archive.
     reader : str
-        Module of SurfaceTopography.IO that reads it; empty for those that asperity reads itself. Of ``asc``
+        Module of SurfaceTopography.IO that reads it; empty for formats that asperity reads itself. Of ``asc``
         it reads matrices with a header that it understands, `number_table` all others.
     """
 
@@ -114,7 +114,7 @@ def _match(begins: str, begin: bytes) -> bool:
 
 
 def extension_of(name: str) -> str:
-    """Extension of a file name in small letters, that below ``.gz`` of a packed file; also of ``...txt``."""
+    """Extension of a file name in small letters, without ``.gz``; also of ``...txt``."""
     stem, _, extension = os.path.basename(name).lower().removesuffix(".gz").rpartition(".")
     return extension if stem else ""
 
@@ -157,13 +157,13 @@ def formats_in_words() -> str:
 
 
 def require_agreement(name: str, found: Format) -> None:
-    """Raise `ValueError` if the extension of a file is that of other formats than its content."""
+    """Raise `ValueError` if the extension of a file belongs to other formats than its content."""
     extension = extension_of(name)
     named = [form.name for form in known_formats().values() if extension in form.extensions]
     both_text = found.name in TEXT_FORMATS and not {*named}.isdisjoint(TEXT_FORMATS)
     if named and found.name not in named and not both_text:
         raise ValueError(
-            f"its name is that of format {' or '.join(named)}, its content of {found.name}; rename it, or "
+            f"its name is of format {' or '.join(named)}, its content of {found.name}; rename it, or "
             f"set format to {found.name}"
         )
 
@@ -189,8 +189,8 @@ def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tup
     """Index of the requested channel, or of the one that holds the heights; and why the choice is in doubt.
 
     A channel holds heights if its data are of the kind ``height`` and its name has one of the words for
-    heights and none of those for other quantities. If no name has such a word, a channel without a word for
-    another quantity is taken. Of the two directions of a scan the forward one is taken.
+    heights and none of the words for other quantities. If no name has such a word, a channel without a word
+    for another quantity is taken. Of the two directions of a scan the forward one is taken.
 
     Returns
     -------

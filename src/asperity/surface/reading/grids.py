@@ -89,7 +89,7 @@ def _matrix(numbers: Array, shape: tuple[int, int]) -> Array:
 def tiff_scale(opened: Any) -> dict[str, Any]:
     """Edges with their unit, and the mark of missing data, in a TIFF of ImageJ or a GeoTIFF; else empty.
 
-    The resolution of other TIFF files is that of a print, not of the map.
+    The resolution of other TIFF files describes a print, not the map.
 
     Parameters
     ----------

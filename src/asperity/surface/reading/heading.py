@@ -1,6 +1,6 @@
-"""What the heading of a text says: units of columns, edges, pixels, and numbers of points.
+"""Heading of a text: units of columns, edges, pixels, and numbers of points.
 
-A number in a heading is an edge of the map only if its key is that of an edge and its unit one of length.
+A number in a heading is an edge of the map only if its key names an edge and its unit is one of length.
 """
 
 import re
@@ -27,14 +27,15 @@ _SIZE = re.compile(
 
 _POINTS = ("px", "pixel", "pixels", "pt", "pts", "point", "points")
 _OF_MAP = ("", "image", "scan", "map", "field", "frame")
-"""Words before the width and height of a map, as those of a pixel, a pulse or a cursor are not."""
+"""Words before the width and height of a map, not of a pixel, a pulse or a cursor."""
 
 
 def column_units(header: Sequence[str], columns: int, separator: str) -> list[str | None]:
     """Unit of each column, None where the lines of the heading state none.
 
-    The last line with a field for each column of which one has a unit counts, such as ``x [mm]; y [mm]; z``,
-    ``X/mm; Z/um``, ``x_mm z_um`` or ``[mm]; [mm]; [um]``; then ``Lateral units: mm``, ``Value units: um``.
+    They are taken from the last line with a field for each column of which one has a unit, such as ``x [mm];
+    y [mm]; z``, ``X/mm; Z/um``, ``x_mm z_um`` or ``[mm]; [mm]; [um]``; then ``Lateral units: mm``, ``Value
+    units: um``.
     """
     for line in reversed(header):
         plain = re.sub(r"\s+(?=[\[(])|\s+(?=in\s)|(?<=\sin)\s+", "_", line.strip("#% \t\r\n"))

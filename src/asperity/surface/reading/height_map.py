@@ -2,9 +2,9 @@
 
 This module uses two conventions. A **map** of an instrument shows its peaks upward. The height that
 `asperity.contact.solve` takes is the **lower face** of an indenter, measured upward: its lowest points touch
-first. One is minus the other, so every `HeightMap` states which of the two it holds; x and y are the same
-in both. The files of instruments are maps; results of asperity hold lower faces and say so; a bare array of
-numbers (NPY, MATLAB, HDF5, text without a header) can be either, and the user has to state which.
+first. One is minus the other, so every `HeightMap` states which one it holds; x and y are the same in both.
+The files of instruments are maps; results of asperity hold lower faces and say so; a bare array of numbers
+(NPY, MATLAB, HDF5, text without a header) can be either, and the user has to state which.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
 
 
 def _edges(values: "xr.DataArray", is_own: bool) -> tuple[tuple[float, float] | None, str | None]:
-    """Edges of a map, from the positions along its axes, and their unit if it is not that of the heights.
+    """Edges of a map, from the positions along its axes, and their unit if the heights have another.
 
     None if the positions are not there, or are numbers of points or degrees.
     """

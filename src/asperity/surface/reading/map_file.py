@@ -76,7 +76,7 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
     options : MapOptions, optional
         Properties of the map that its file does not state; options of the treatment are not used.
     **given
-        Fields of `MapOptions`, in place of those of `options`.
+        Fields of `MapOptions`, which override `options`.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
 
 
 def open_map(path: FilePath, options: MapOptions) -> MapFile:
-    """Read a height map as far as possible, and list what is missing.
+    """Read a height map as far as possible, and list missing properties.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def open_map(path: FilePath, options: MapOptions) -> MapFile:
 
 
 def open_shared_map(path: FilePath, options: MapOptions, shared: Set[str]) -> MapFile:
-    """Read one of several maps that share some options; what this file says itself overrides those."""
+    """Read one of several maps that share some options; statements of this file override them."""
     found, said = None, set[str]()
     try:
         found = open_map(path, options)
@@ -149,7 +149,7 @@ def open_shared_map(path: FilePath, options: MapOptions, shared: Set[str]) -> Ma
 
 
 def path_problem(path: FilePath) -> str:
-    """Reason why a path is not that of a file with a map, empty if it may be."""
+    """Reason why a path does not lead to a file with a map, empty if it may."""
     if not os.path.exists(path):  # also of names that are too long, or with a null character
         return "no such file"
     if os.path.isdir(path):
@@ -237,7 +237,7 @@ def _first_readable(
     reasons = []
     if any(
         file.seek(offset) == offset and file.read(8) == HDF5 for offset in (0, 512)
-    ):  # 512 in those of MATLAB
+    ):  # 512 in files of MATLAB
         require(("h5py",))
         require_size(largest_chunk(file), options.max_memory)
     for form in possible:

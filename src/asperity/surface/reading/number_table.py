@@ -1,7 +1,7 @@
 """Tables of numbers in text: any separator, points or commas as decimal marks, header lines and comments.
 
 A word for missing data such as *No data*, and an empty field, are a point without data. Any other word in a
-table is refused with its line. Points x, y, z on a regular grid are a map; those not listed have no data. A
+table is refused with its line. Points x, y, z on a regular grid are a map; nodes not listed have no data. A
 field in quotation marks may hold the separator, as a decimal comma or between thousands.
 """
 

@@ -90,7 +90,7 @@ def _plain(name: str) -> str:
 
 
 def _require_checksum(what: str, content: bytes, stated: str) -> None:
-    """Raise `ValueError` if a checksum is stated that is not that of the content."""
+    """Raise `ValueError` if the content does not have the checksum that is stated, if there is one."""
     found = re.match(r"\s*([0-9a-fA-F]{32})\b", stated)
     if found and found[1].lower() != hashlib.md5(content, usedforsecurity=False).hexdigest():
         raise ValueError(f"damaged or changed: its {what} do not have the checksum that it states")

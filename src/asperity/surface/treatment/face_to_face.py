@@ -2,13 +2,13 @@
 
 Both maps were measured with their peaks upward. The lower one lies as it was measured. The upper one is
 turned over about an axis through the middle of its map, so that its peaks point down, and is laid on the
-lower one, middle on middle, moved by a shift. The gap before the first touch is the height of the upper
-face over the lower one: as the slopes are small, only the sum of both reliefs counts,
+lower one, middle on middle, moved by a shift. The gap before the first touch is the height of the upper face
+over the lower one: as the slopes are small, it depends on the sum of both reliefs alone,
 
     h(y, x) = −z_lower(y, x) − z_upper(y', x'),
 
 the lower face of an indenter as `asperity.solve_contact` takes it. Turned about the axis y, y' runs along y
-and x' against x. A map whose heights are those of a lower face already faces down and is not turned.
+and x' against x. A map that holds a lower face already faces down and is not turned.
 """
 
 from dataclasses import replace
@@ -41,7 +41,7 @@ class FacedMaps(NamedTuple):
     whole : bool
         True if the common area is all of the lower map.
     done : tuple of str
-        What was done, one sentence for each step.
+        The steps, a sentence for each.
     upper : HeightMap
         The part of the map that is the upper body's lower face.
     """
@@ -68,7 +68,7 @@ def face_to_face(
     turned_about : "y" | "x"
         Axis about which the upper map is turned over.
     shift : (y, x)
-        Position of the middle of the upper map over that of the lower one, in the unit of the maps.
+        Position of the middle of the upper map, from the middle of the lower one, in the unit of the maps.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def face_to_face(
         if surface.missing:
             raise MapError(surface.name, [f"{name}: {surface.missing} points have no data; fill them first"])
     if (lower.unit is None) != (upper.unit is None):
-        raise MapError(upper.name, ["the unit of one map is known and that of the other is not; give it"])
+        raise MapError(upper.name, ["the unit of one map is known and of the other is not; give it"])
     equal = np.allclose(lower.length, upper.length, rtol=ON_A_NODE, atol=0)
     if lower.periodic and upper.periodic and not equal:
         mine, its = (" x ".join(f"{edge:.6g}" for edge in surface.length) for surface in (lower, upper))
@@ -139,7 +139,7 @@ def face_to_face(
     whole = height.shape == lower.height.shape
 
     how = f"turned over about the axis {turned_about}"
-    how = how if turned else "not turned: its heights are those of a lower face"
+    how = how if turned else "not turned: it holds a lower face"
     moved = f" with a shift of {lower.shown_length(shift_y, shift_x, digits=4)}"
     done = [f"counter map {how}, and laid on the map{moved if shift_y or shift_x else ''}"]
     if not whole:
@@ -157,7 +157,7 @@ def face_to_face(
 def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -> tuple[slice, Array, bool]:
     """Nodes of the lower map that the upper one covers, their indices in it, and if these are its nodes.
 
-    Nodes are the middles of pixels, and an index counts pixels of the upper map from its first node.
+    Nodes are the middles of pixels, and an index is in pixels of the upper map from its first node.
     """
     nodes, step = lower.height.shape[axis], lower.spacing[axis]
     count, pixel = upper.height.shape[axis], upper.spacing[axis]
@@ -176,7 +176,7 @@ def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -
 
 
 def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, index: Array) -> Array:
-    """Matrix from values at the nodes of the upper map, along an axis, to those at fractional indices.
+    """Matrix from values at the nodes of the upper map, along an axis, to values at fractional indices.
 
     It sums the Fourier series of a period, or of a map continued by its mirror images, without waves that
     the lower map cannot hold.

@@ -35,13 +35,12 @@ def find_spikes(height: Array, threshold: float) -> Array:
     A spike differs from the local median by more than `threshold` robust standard deviations of the local
     roughness (1.4826 times the median of the absolute difference between height and local mean), and belongs
     to a connected group of such points that fits into a square of `LONGEST_SPIKE` points. The high peaks of a
-    skewed surface also fulfil this, but they are as smooth as its other waves, and are told apart from spikes
-    by `SHARPEST_PEAK`. Found spikes are replaced by the local median, and the search is repeated until it
-    finds no more. Mean and median are those
-    of `MEDIAN_POINTS` squared points; the median is taken of the medians of their rows (P. M. Narendra, IEEE
-    Trans. Pattern Anal. Mach. Intell. 3 (1981) 20, doi 10.1109/TPAMI.1981.4767047). The difference from the
-    mean is Gaussian for a Gaussian surface, so that its spread is a standard deviation; the difference from
-    the median is not.
+    skewed surface also fulfil this, but they are as smooth as its other waves, and `SHARPEST_PEAK` separates
+    them from spikes. Found spikes are replaced by the local median, and the search is repeated until it finds
+    no more. Mean and median are taken of `MEDIAN_POINTS` squared points; the median as the median of the
+    medians of their rows (P. M. Narendra, IEEE Trans. Pattern Anal. Mach. Intell. 3 (1981) 20, doi
+    10.1109/TPAMI.1981.4767047). The difference from the mean is Gaussian for a Gaussian surface, so that its
+    spread is a standard deviation; the difference from the median is not.
 
     Parameters
     ----------
@@ -68,7 +67,7 @@ def find_spikes(height: Array, threshold: float) -> Array:
             a, b, c, d, e = _neighbours(median, axis)
             low = np.maximum(np.minimum(a, b), np.minimum(c, d))
             high = np.minimum(np.maximum(a, b), np.maximum(c, d))
-            # The median is that of e and of the two middle values of the other four.
+            # The median of all five is the median of e and of the two middle values of the other four.
             median = np.maximum(np.minimum(low, high), np.minimum(e, np.maximum(low, high)))
         size = np.abs(smooth - mean)[~missing]
         sigma = 1.4826 * float(np.median(size)) if size.size else 0.0
@@ -109,7 +108,7 @@ def _spikes_among(marked: Array, height: Array, known: Array) -> Array:
 
     The sharpness of a group is the largest fourth difference of the heights at its points and their
     neighbours over the largest second difference there, along one axis or the other. Groups in the corners,
-    where there is no fourth difference, count as sharp.
+    where there is no fourth difference, are taken as sharp.
     """
     from scipy.ndimage import binary_dilation, find_objects, label
 

@@ -66,8 +66,8 @@ class MapTreatment:
     altered_fraction : float
         Share of the area that a window lowered.
     filtered_height, filtered_gradient : float
-        Rms height and rms gradient between neighbouring points after the Gaussian filters, over those before;
-        1 without a filter.
+        Rms height and rms gradient between neighbouring points after the Gaussian filters over before; 1
+        without a filter.
     edge_step_before, edge_step : float
         `asperity.surface.treatment.levelling.edge_step` of the levelled map and of the result.
     """
@@ -98,7 +98,7 @@ class TreatedMap:
         Shortest wavelength that was kept.
     treatment : MapTreatment
     done : tuple of str
-        What was done to the map, one sentence for each step.
+        The steps of the treatment, a sentence for each.
     name : str
         Name of the map.
     boundary : "periodic" | "free"
@@ -137,7 +137,7 @@ def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None,
         File of a map, whose unit has to be known, or a map.
     options : MapOptions, optional
     **given
-        Fields of `MapOptions`, in place of those of `options`.
+        Fields of `MapOptions`, which override `options`.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     options : MapOptions, optional
         Options on the content of a file are not used.
     **given
-        Fields of `MapOptions`, in place of those of `options`.
+        Fields of `MapOptions`, which override `options`.
 
     Raises
     ------
@@ -288,9 +288,9 @@ def _levelled(surface: HeightMap, options: MapOptions) -> _Levelled:
 
 
 def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
-    """What the heights are, and how their file was read."""
+    """Meaning of the heights, and the reading of their file."""
     if surface.orientation == LOWER_FACE:
-        yield "used as it is: the heights are those of an indenter's lower face"
+        yield "used as it is: the map holds an indenter's lower face"
     else:
         yield "turned upside down: the peaks of the map touch first"
     if surface.channel not in ("", UNNAMED):
@@ -301,7 +301,7 @@ def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
 
 
 def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelled) -> Iterator[str]:
-    """What was taken from the heights, and what was filled."""
+    """The parts removed from the heights, and the filled points."""
     if options.scan_lines is not None:
         rms = surface.shown_length(found.line_offset)
         yield f"scan lines along x levelled ({options.scan_lines}): rms offset {rms} removed"
@@ -322,8 +322,8 @@ def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelle
 
 
 def _words_on_period(surface: HeightMap, options: MapOptions, grid: Grid, step: float, altered: float) -> str:
-    """How the map became a period, its step at the edges before that, and the share that a window altered."""
-    stepped = f"edge step {step:.3g} times that between neighbouring points"
+    """Way in which the map became a period, its edge step before, and the share that a window altered."""
+    stepped = f"edge step {step:.3g} times the step between neighbouring points"
     ways = {
         None: f"taken as one period, as the file states: {stepped}",
         "declared": f"taken as one period, as declared: {stepped}",
@@ -345,13 +345,13 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
         are in units of the longer edge of the cell, which has twice the edges of the map if it is mirrored,
         and `points` are the nodes on that edge.
     **given
-        Fields of `MapOptions`, in place of those of `options`.
+        Fields of `MapOptions`, which override `options`.
 
     Returns
     -------
     TreatedMap
-        Its lengths, and those of its record, are in units of the longer edge of the cell. The grid of a
-        mirrored map has the nodes and the edges of the map alone.
+        Lengths, also in its record, are in units of the longer edge of the cell. The grid of a mirrored map
+        has the nodes and the edges of the map alone.
 
     Raises
     ------
