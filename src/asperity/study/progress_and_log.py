@@ -78,7 +78,7 @@ def job(snakemake: Any) -> Iterator[ProgressBar]:
     Parameters
     ----------
     snakemake : snakemake.script.Snakemake
-        What Snakemake gives to a script: the job has a log, and may have a parameter ``fft_engine``.
+        Object of a script; the job has a log, and may have a parameter ``fft_engine``.
     """
     log_to(snakemake.log[0])
     engine = snakemake.params.get("fft_engine")

@@ -4,7 +4,7 @@ This is the only cost model. The rules of the workflow declare it as their resou
 before it starts, and `asperity plan` states it. Memory and time are linear in the nodes of the grid and in
 the repetitions of a job (loads, Poisson's ratios, seeds); the memory has other slopes above `LARGE_GRID`.
 `jobs.csv` holds the coefficients, which ``python workflow/cost.py --store`` fits to the files of
-``benchmark:`` of a finished study (`asperity.study.cost.benchmark.fitted`). Times are those on the machine of
+``benchmark:`` of a finished study (`asperity.study.cost.benchmark.fitted`). Times hold for the machine of
 that study; `time_factor` compares this machine with it.
 """
 
@@ -120,7 +120,7 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     work : float
         Work over the work of the contact; see `asperity.engineering.run.work_of`.
     nodes : int
-        Nodes of the grid; a mirrored map counts alone, without its images.
+        Nodes of the grid; of a mirrored map without its images.
     boundary : "periodic" | "free"
     """
     from asperity.surface.treatment.treatment import BYTES_PER_NODE
@@ -146,7 +146,7 @@ def transform_seconds(points: int = TRANSFORM_POINTS, repetitions: int = 7) -> f
 
 
 def time_factor() -> float:
-    """Time of a Fourier transform on this machine now, divided by that on the machine of the measurement."""
+    """Time of a Fourier transform on this machine now, over its time on the machine of the measurement."""
     return transform_seconds() / coefficients()["transform"]["seconds"]
 
 
@@ -159,7 +159,7 @@ def announce(costs: Sequence[Cost], cores: int, factor: float | None = None) -> 
         Of all jobs of the run.
     cores : int
     factor : float, optional
-        Time on this machine over that on the machine of the measurement; by default `time_factor`.
+        Time on this machine over the time on the machine of the measurement; by default `time_factor`.
     """
     factor = time_factor() if factor is None else factor
     total = factor * sum(cost.seconds for cost in costs)

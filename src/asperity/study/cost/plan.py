@@ -1,13 +1,12 @@
 """Cost and errors of a calculation before it is made, and the cheapest settings that reach a target.
 
 `errors.csv` holds the largest errors of every output that ``benchmarks/tradeoff.py`` found on random
-surfaces, after the correction of the grid (`asperity.continuum_limit`). The bound of an output is the sum
-of those
-of the next coarser grid and of the next coarser settings that were measured, times a margin; for the mean
-over surfaces of one kind, a 95 % confidence interval from the spread of the seeds is added.
+surfaces, after the correction of the grid (`asperity.continuum_limit`). The bound of an output is a margin
+times the sum of its errors on the next coarser grid and with the next coarser settings that were measured;
+for the mean over surfaces of one kind, a 95 % confidence interval from the spread of the seeds is added.
 
-A proposal chooses the nodes on the shortest wavelength and the number of seeds. The other settings are those
-of the preset of the paper, whose errors are far smaller.
+A proposal chooses the nodes on the shortest wavelength and the number of seeds. The other settings are taken
+from the preset of the paper, whose errors are far smaller.
 """
 
 import math
@@ -282,7 +281,7 @@ def assess(
     one_surface : bool
         As in `Target`.
     factor : float, optional
-        Time on this machine over that on the machine of the measurement; by default
+        Time on this machine over the time on the machine of the measurement; by default
         `asperity.study.cost.model.time_factor`.
     """
     factor = time_factor() if factor is None else factor

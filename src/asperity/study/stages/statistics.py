@@ -1,6 +1,6 @@
 """Stage statistics: all numbers of the peaks, profiles and decays of one surface, in one dataset.
 
-`surface_statistics` joins the numbers of each seed (`seed_statistics`) along `seed` and adds what is pooled
+`surface_statistics` joins the numbers of each seed (`seed_statistics`) along `seed` and adds numbers pooled
 over seeds. Figures, captions, claims and the drift check read this dataset; none of them computes such a
 number again. `verify_seed` and `verify_statistics` compare the results with laws that they must obey.
 
@@ -28,7 +28,7 @@ from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pool
 from asperity.study.stages.contact import SOLID_ATTRIBUTES
 
 _HEIGHT_LIMITS = (-6.0, 6.0)
-"""Heights over their rms that are counted: a Gaussian surface has one node in 10⁹ beyond."""
+"""Largest height over the rms that is counted: a Gaussian surface has one node in 10⁹ beyond."""
 
 PEAKS_PER_BIN = 20
 """Least number of peaks for each bin of their densities: an average bin then has an error of a fifth."""
@@ -105,7 +105,7 @@ def surface_statistics(
     Returns
     -------
     dataset
-        Variables of `seed_statistics` along `seed`, those of
+        Variables of `seed_statistics` along `seed`, variables of
         `asperity.stress.statistics.pooling.pool_peaks`, the distribution of the heights of all seeds, and the
         mean load along the load-area curve.
     """
@@ -183,7 +183,7 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
 def stress_numbers(
     contact: xr.Dataset, stress: xr.Dataset, half: tuple[xr.Dataset, xr.Dataset] | None = None
 ) -> xr.Dataset:
-    """Numbers of the stress of one seed, and their continuum estimates with those of the contact.
+    """Numbers of the stress of one seed, and the continuum estimates of stress and contact.
 
     Parameters
     ----------
@@ -314,8 +314,7 @@ def verification_table(surface: str, parts: dict[str, Checks]) -> pd.DataFrame:
 def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
     """Checks of the contact and the stress of one seed: certificate, load path and peaks.
 
-    The conditions of contact are those of the certificate, which stage contact computes from the pressure
-    alone.
+    The conditions of contact come from the certificate, which stage contact computes from the pressure alone.
     """
     tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
     violations = {law: float(contact.attrs[f"certificate_{name}"]) for name, law in CERTIFIED.items()}

@@ -68,7 +68,7 @@ def compute_stress(
     layer_settings, stress_settings : mapping
         Sections ``layer`` and ``stress`` of the configuration.
     laterals : sequence of names
-        Conditions as of ``layer.lateral``, besides that of the layer itself.
+        Conditions as of ``layer.lateral``, besides the layer's own.
     quantities : sequence of names
         Quantities whose peaks are sought.
     progress : callable, optional

@@ -79,8 +79,8 @@ def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
     -------
     dataset
         Heights, roughness parameters and spectrum. The attributes are the shortest wavelength kept and the
-        `edge_step` of the period, and with the prefix ``map_`` what was done to the map. If the unit of
-        the map is known, ``map_cell_length`` is the longer edge of the cell in metres.
+        `edge_step` of the period, and with the prefix ``map_`` the treatment of the map. If the unit of the
+        map is known, ``map_cell_length`` is the longer edge of the cell in metres.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def moment_errors(
 
     They are √(6 ⟨ρ³⟩) and √(24 ⟨ρ⁴⟩), with the autocorrelation ρ of the surface averaged over the cell: the
     standard deviations of the means of the third and fourth Hermite polynomial of a Gaussian field, exact to
-    first order. Parameters are those of `asperity.surface.self_affine.target_spectrum`.
+    first order. Parameters as for `asperity.surface.self_affine.target_spectrum`.
     """
     wavenumber, power = target_spectrum(grid, hurst, wavelength_long, wavelength_short, rms_height)
     width = wavenumber[0]

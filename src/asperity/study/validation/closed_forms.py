@@ -90,10 +90,10 @@ def slab_load_area(
 ) -> xr.Dataset:
     """Load and contact area of bonded slabs of several heights, against the half-space (figure 2b, c).
 
-    Each slab is indented to the paper's depth. That depth, 0.02 (slab height × cell edge) / R, is reached
-    in equal steps of the contact radius; the first is at half of the last radius. The stiffening is the
-    load divided by that of a single Hertz contact with a half-space at the same approach: at the same
-    contact area the loads of slab and half-space nearly agree.
+    Each slab is indented to the paper's depth. That depth, 0.02 (slab height × cell edge) / R, is reached in
+    equal steps of the contact radius; the first is at half of the last radius. The stiffening is the load
+    over the load of a single Hertz contact with a half-space at the same approach: at the same contact area
+    the loads of slab and half-space nearly agree.
 
     Parameters
     ----------
@@ -206,8 +206,8 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
     The closed form is a single contact, the spectral solution a periodic one whose mean lateral stress is a
     choice: laterally confined, ``σ_xx = σ_yy = −ν/(1 − ν) p̄``, or free, zero. A sum of single contacts has
     ``−(½ + ν) p̄``, the mean over all directions of the kernels' limit q → 0. With this value ("array") the
-    largest stress differs from that of one contact only by the effect of the neighbours on the pressure, and
-    the two choices differ from it by known amounts.
+    largest stress differs from one contact's only by the effect of the neighbours on the pressure, and the
+    two choices differ from it by known amounts.
 
     Parameters
     ----------
@@ -220,8 +220,8 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
     -------
     Dataset
         Von Mises stress of both on a vertical plane through the axis (poisson, depth, x); its largest value
-        on the axis and the depth of that, for the mean stresses "confined", "free" and "array" and for the
-        closed form (poisson).
+        on the axis and the depth of this value, for the mean stresses "confined", "free" and "array" and for
+        the closed form (poisson).
     """
     poisson, contact_radius, reach = (0.0, 0.5), 0.1, 2.0
     grid = Grid((points, points))
@@ -375,7 +375,7 @@ def coating_indentation(points: int = 512) -> xr.Dataset:
     Dataset
         Contact radius and largest pressure, ``solved_`` and ``exact_`` (contact_ratio, modulus_ratio), at the
         load of the closed form. The contact ratio is the exact contact radius over the height of the coating,
-        the modulus ratio Young's modulus of the coating over that of the base.
+        the modulus ratio Young's modulus of the coating over the base's.
     """
     contact_ratios, modulus_ratios, poisson, contact_radius = [0.5, 1.0, 2.0], [0.25, 2.0, 4.0], 0.3, 0.05
     face = paraboloid(Grid((points, points)), CURVATURE_RADIUS)

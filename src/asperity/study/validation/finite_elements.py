@@ -15,7 +15,7 @@ COMPARED_FIELDS = {"displacement_z": 2, "stress_zz": 2, "stress_xx": 0, "stress_
 """Compared fields, with their index among the components of displacement or stress."""
 
 EDGE_DISTANCE = 0.05
-"""Points within this distance of the edge of contact, in cell edges, count as near it."""
+"""Points within this distance of the edge of contact, in cell edges, are near it."""
 
 APPROACH = indenter.INDENTATION / CURVATURE_RADIUS
 """The paper's indentation depth for the cubic slab."""
