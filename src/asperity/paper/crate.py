@@ -96,7 +96,7 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
 
 
 def _described(path: Path) -> dict[str, Any]:
-    """Properties of a file; those of a NetCDF file from its own attributes."""
+    """Properties of a file; of a NetCDF file from its own attributes."""
     found = {
         "name": path.stem.replace("_", " "),
         "encodingFormat": guess_type(path.name)[0] or "text/plain",

@@ -85,7 +85,7 @@ def write_page(
 def _groups(results: Path, figures: Mapping[str, Description]) -> dict[str, list[dict[str, str]]]:
     """Heading → pictures, in their order: name, title and caption as HTML, and the file as a data URI.
 
-    Those of the paper are sorted by number; those without a number follow, each with its variants.
+    Figures of the paper are sorted by number; figures without a number follow, each with its variants.
     """
     groups: dict[str, list[dict[str, str]]] = {name: [] for name in GROUPS}
     for figure in sorted(figures.values(), key=lambda one: (not one.number, one.number or 0, one.name)):

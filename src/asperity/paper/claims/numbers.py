@@ -2,9 +2,8 @@
 
 The number of a statement of `paper.yaml` is a `Number` of random surfaces, one for each seed, or the function
 of this module with the name of the statement. Numbers of random surfaces are the estimates at vanishing grid
-spacing where there are such; those of two surfaces are compared seed by seed.
-The paper leaves choices open; an *interpretation* takes one option of each
-(`asperity.paper.claims.sources.CHOICES`).
+spacing where there are such; two surfaces are compared seed by seed. The paper leaves choices open; an
+*interpretation* takes one option of each (`asperity.paper.claims.sources.CHOICES`).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,10 +17,10 @@ from asperity.elasticity.solid import Solid
 from asperity.paper.claims.sources import SKEWED, role_of_delta
 
 RESOLVED = 10
-"""Smallest radius of a circle of contact that counts as resolved, in grid spacings."""
+"""Smallest resolved radius of a circle of contact, in grid spacings."""
 
 COARSE_GRID = 32
-"""Nodes on an edge of the grid that the paper says to suffice."""
+"""Nodes on an edge of the grid that suffice according to the paper."""
 
 Options = Mapping[str, Any]
 """One interpretation of the paper: name of a choice → the option that is taken."""
@@ -109,8 +108,8 @@ class Evidence:
 class Number:
     """A variable of the statistics of one surface, or two of them compared.
 
-    If `of`, `quantity` or `poisson` has two entries, the number is the value of the first over that of the
-    second. If it has no level, quantiles of peaks are compared by their Kolmogorov distance.
+    If `of`, `quantity` or `poisson` has two entries, the number is the value of the first over the value of
+    the second. If it has no level, quantiles of peaks are compared by their Kolmogorov distance.
 
     Parameters
     ----------
@@ -125,7 +124,7 @@ class Number:
     level : float, optional
         Share of the peaks below a quantile.
     unscaled : bool
-        Multiply by ḡ_r, the rms gradient over the real contact: of stresses in units of E* instead of E* ḡ_r.
+        Multiply by ḡ_r, the rms gradient over the real contact: stresses are then in units of E*.
     factor : float
     depends_on : sequence of str
         Choices of the interpretation on which the number depends besides ``lateral`` and ``delta``.
@@ -172,7 +171,7 @@ class Number:
         return self.factor * terms[0] / terms[1]
 
     def _term(self, evidence: Evidence, number: int) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
-        """The first or the second term: on the grid, its best value, and the relative error of that."""
+        """The first or the second term: on the grid, its best value, and the relative error of the latter."""
         options = {name: evidence.options[name] for name in self.depends_on if name in evidence.options}
         statistics = evidence.statistics(self.of[number % len(self.of)])
         variable, chosen = self.variable, {}
@@ -201,7 +200,7 @@ class Number:
 def _kinds(
     statistics: xr.Dataset, variable: str, chosen: Mapping[str, Any]
 ) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
-    """A variable on the grid, its estimate at vanishing spacing, and the relative error of that.
+    """A variable on the grid, its estimate at vanishing spacing, and the relative error of the estimate.
 
     Where there is no estimate, the value on the grid is used in its place, with no error.
     """
@@ -223,7 +222,8 @@ def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
     """Largest difference between the shares of peaks below a value, for each seed, from their quantiles.
 
     Only values above the smallest peak of both are compared, because a grid finds no smaller peaks. The
-    distance is smaller than that of all peaks, by at most 0.0025 for ten thousand of them (`docs/claims.md`).
+    distance is smaller than the distance of all peaks, by at most 0.0025 for ten thousand of them
+    (`docs/claims.md`).
     """
     one, other = (found.transpose("seed", "level") for found in xr.align(one, other, join="inner"))
     levels, distances = one["level"].values, []
@@ -247,7 +247,7 @@ def hertz_area(evidence: Evidence) -> FixedNumber:
 
 
 def stiffness_of_poisson(evidence: Evidence) -> FixedNumber:
-    """Load over area at the largest Poisson's ratio over that at the smallest, the smallest of all loads."""
+    """Load over area at the largest ν over the same at the smallest ν, the smallest of all loads."""
     found = evidence.dataset("load_area").sortby("poisson")
     slope = found.imposed_mean_pressure_young / found.solved_area_fraction
     return FixedNumber(float((slope[-1] / slope[0]).min()))
@@ -260,14 +260,14 @@ def tractions_of_poisson(evidence: Evidence) -> FixedNumber:
 
 
 def slab_stiffer_at_depth(evidence: Evidence) -> FixedNumber:
-    """Load of a slab over that of the half-space at the same approach, the smallest over heights."""
+    """Load of a slab over the half-space's at the same approach, the smallest over heights."""
     return FixedNumber(float(evidence.dataset("slab_load_area").slab_stiffening.min()))
 
 
 def slab_stiffer_at_area(evidence: Evidence) -> FixedNumber:
     """Load of the cubic slab over the load of the half-space at the same, largest, area of contact.
 
-    The load is proportional to the cube of the radius, whose relative error is that on the half-space.
+    The load is proportional to the cube of the radius, whose relative error is taken from the half-space.
     """
     found = evidence.dataset("slab_load_area")
     cubic = found.isel(slab=int(np.abs(found.slab_height.values - 1).argmin()), step=-1)
@@ -295,7 +295,7 @@ def coarse_grid(evidence: Evidence) -> FixedNumber:
 
 
 def punch_of_poisson(evidence: Evidence) -> FixedNumber:
-    """Largest von Mises stress under a punch at the smallest ν over that at the largest.
+    """Largest von Mises stress under a punch at the smallest ν over the same at the largest ν.
 
     Uncertain by the difference to the closed form.
     """
@@ -307,11 +307,7 @@ def punch_of_poisson(evidence: Evidence) -> FixedNumber:
 def _element_difference(fields: Sequence[str], where: Sequence[str]) -> Measure:
     """Largest difference of fields to the finite elements; uncertain by the change over the last two meshes.
 
-    Parameters
-    ----------
-    fields : names
-    where : names
-        ``"edge"``: near the edge of contact; ``"away"``: farther away.
+    `where` holds ``"edge"``, near the edge of contact, ``"away"``, farther away, or both.
     """
 
     def measure(evidence: Evidence) -> FixedNumber:

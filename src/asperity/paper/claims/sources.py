@@ -66,7 +66,7 @@ def role_of_delta(role: str, delta: float) -> str:
 def surfaces_by_delta(
     by_role: Mapping[str, str], surfaces: Mapping[str, Mapping[str, Any]]
 ) -> dict[float, dict[str, str]]:
-    """Surfaces of study ``skewness`` and those that differ from them in their δ alone.
+    """Surfaces of study ``skewness``, and surfaces that differ from them in their δ alone.
 
     Parameters
     ----------

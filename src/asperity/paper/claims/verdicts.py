@@ -1,4 +1,4 @@
-"""Claims and verdicts: whether the number of a sentence of the paper lies in the region that the sentence
+"""Claims and verdicts: the number of a sentence of the paper is compared with the region that the sentence
 implies.
 
 The claims are read from `paper.yaml`. A claim is judged under every interpretation that the paper's text
@@ -66,13 +66,13 @@ class Claim:
     sentence : str
         In our words.
     compared : str
-        What the number is: a ratio of two quantities, or one with its unit.
+        The number: a ratio of two quantities, or one with its unit.
     region : str
         Region of the number if the sentence holds: a name of `REGIONS`, or ``alike``.
     measure : callable
         Takes the number from the evidence.
     untestable : str
-        Why our number cannot refute the sentence; empty if it can.
+        Reason why our number cannot refute the sentence; empty if it can.
     """
 
     identifier: str
@@ -136,7 +136,7 @@ class Judgement:
         Number of seeds; 0 if no random surface enters.
     verdict : one of `VERDICTS`
     missing : str
-        What is missing, if the verdict is *no data*.
+        The missing evidence, if the verdict is *no data*.
     """
 
     interpretation: Options
@@ -211,7 +211,7 @@ def decide(
 
 
 def judge(claim: Claim, evidence: Evidence) -> Judgement:
-    """Decide one claim under one interpretation, that of the evidence, by the rule of this module."""
+    """Decide one claim under the interpretation of the evidence, by the rule of this module."""
     options, region = evidence.options, claim.region_under(evidence.options)
     try:
         found = claim.measure(evidence)

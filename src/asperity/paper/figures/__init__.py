@@ -1,4 +1,4 @@
-"""The figures, a module for each kind of results; `figures.yaml` lists them and what each needs.
+"""The figures, a module for each kind of results; `figures.yaml` lists them and the results that each needs.
 
 A drawing is two functions of a module with the same arguments: ``draw_…`` returns a
 `matplotlib.figure.Figure`, ``caption_…`` reStructuredText, or the items of a list in it. The arguments are
@@ -137,7 +137,7 @@ def surfaces_with_load_area(config: Mapping[str, Any]) -> set[str]:
 
 
 def surfaces_with_ratios(config: Mapping[str, Any]) -> set[str]:
-    """Surfaces analysed at all Poisson's ratios; of the paper's surfaces those whose ratios are compared."""
+    """Surfaces analysed at all Poisson's ratios; the paper's surfaces only if their ratios are compared."""
     return _shown(config, lambda figure: figure.several_ratios or config["figures"] != "paper")
 
 

@@ -54,7 +54,7 @@ class FigureCase:
         return wavelength_short(self.statistics)
 
     def peaks(self, quantity: str) -> xr.Dataset:
-        """Statistics of the peaks of a quantity, of those peaks that figures and claims count."""
+        """Statistics of the peaks of a quantity that figures and claims count."""
         return self.statistics.sel(quantity=quantity, selection=selection_for(quantity))
 
     def peak_percentiles(self, quantity: str) -> str:

@@ -31,7 +31,7 @@ ZOOM = 0.125
 """Edge of the magnified part of a map of pressure, over the edge of the cell."""
 
 ALIKE = 0.1
-"""Largest difference of densities, over the largest density, at which curves are said to coincide."""
+"""Largest difference of densities, over the largest density, up to which curves coincide."""
 
 PIXELS = 512
 """Smallest number of pixels along an edge of a map, where the grid has as many nodes."""
