@@ -1,7 +1,7 @@
 """The fast method: an active-set iteration on nested grids that converges for every contact problem.
 
 The pressure 0 ≤ p ≤ p_H minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an
-approach δ, or over those of a given mean; by default the hardness p_H is infinite.
+approach δ, or over all p of a given mean; by default the hardness p_H is infinite.
 
     for each grid, from the coarsest to the finest:                                `solve`
         start from the pressure of the coarser grid, less its gap over             `Iterate.refined`
@@ -24,13 +24,13 @@ Hardness enters where a pressure is bounded (`iterate.with_load`) and where held
 single precision.
 
 It is related to the conjugate gradients of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1), which
-change the set of contact nodes in every iteration, to the bound-constrained conjugate gradients of
-Vollebregt (2014, 10.1007/s10957-013-0499-x) and of Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z),
-and most of all to the method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate
-gradients on a fixed set and changes of the set. Projected gradients as the step that guarantees
-convergence are known from Dostál & Schöberl (2005, 10.1007/s10589-005-4557-7); ``docs/contact.md`` has the
-proof with its assumptions. Starts from coarser grids are known from multigrid methods, and for rough
-surfaces from Bemporad & Paggi (2015, arXiv:1506.00532). New here are
+change the set of contact nodes in every iteration, to the bound-constrained conjugate gradients of Vollebregt
+(2014, 10.1007/s10957-013-0499-x) and of Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z), and most of all
+to the method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate gradients on a
+fixed set and changes of the set. Projected gradients as the step that guarantees convergence are known from
+Dostál & Schöberl (2005, 10.1007/s10589-005-4557-7); ``docs/contact.md`` has the proof with its assumptions.
+Starts from coarser grids are known from multigrid methods, and for rough surfaces from Bemporad & Paggi
+(2015, arXiv:1506.00532). New here are
 
 - the preconditioner with a coarse grid (`asperity.contact.operators`), which makes the number of iterations
   independent of the grid,
@@ -107,14 +107,14 @@ MAX_STIFFNESS_RATIO = 10.0
 LEAST_BALANCED = 0.1
 
 
-# Without an exact displacement candidates are solved to the error of theirs, and near an iterate no further
-# than to this fraction of its error, in at most so many steps.
+# Without an exact displacement candidates are solved to the error of their displacement, and near an iterate
+# no further than to this fraction of its error, in at most so many steps.
 CANDIDATE_ERROR, CANDIDATE_DROP, MAX_CANDIDATE_STEPS = 1e-3, 1e-4, 30
 
 
 @dataclass(frozen=True)
 class StoppingRule:
-    """When the outer loop ends on a grid.
+    """Conditions under which the outer loop ends on a grid.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
     if control.kind == "approach":
         return Pressure.of_field(np.zeros_like(height), np.nan)
     if control.kind == "mean_pressure":
-        # The level at which the overlap has that pressure, at most the hardness, by bisection.
+        # The level at which the overlap gives this pressure, at most the hardness, by bisection.
         low = float(height.min())
         level = float(height.max()) + control.value / stiffness
         for _ in range(60):

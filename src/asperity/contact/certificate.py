@@ -47,14 +47,14 @@ class Certificate:
     tension : float
         Largest tension max(−p), or excess over the hardness, relative to the largest pressure.
     load_imbalance : float
-        Relative difference between the mean pressure and the one imposed; 0 if the load is not imposed.
+        Relative difference between the mean pressure and the imposed one; 0 if the load is not imposed.
     complementarity : float
         Σ p |g| / Σ p, without the overlap of nodes at the hardness.
     iterations : int
         Applications of the compliance, on all grids.
     pairs : float
         Pairs of a forward and an inverse Fourier transform on the finest grid. Transforms on coarser grids
-        count in proportion to their numbers of nodes.
+        are weighted by their numbers of nodes.
     seconds : float
         Wall time of the solution.
     """
@@ -165,9 +165,7 @@ def verify_contact(
     height = field_in_double("height", real_array("height", height))
     pressure = field_in_double("pressure", real_array("pressure", pressure))
     if height.shape != pressure.shape:
-        raise ValueError(
-            f"pressure has the shape {pressure.shape}: {height.shape}, that of height, is needed"
-        )
+        raise ValueError(f"pressure has the shape {pressure.shape}: {height.shape}, as of height, is needed")
     grid = Grid(pressure.shape, length)  # type: ignore[arg-type]
     if approach is not None:
         approach = number("approach", approach, "a finite number", np.isfinite)
@@ -202,8 +200,8 @@ def checked_certificate(
     """The certificate of a state, in the units of its problem.
 
     An error of the pressure, relative to its norm, changes no gap by more than that fraction of the norm of
-    the pressure × √(displacement of a node per unit of its own pressure × that of the softest wave): for each
-    pressure x, (G x)ᵢ² ≤ Gᵢᵢ x·G x.
+    the pressure × √(displacement of a node per unit of its own pressure × displacement of the softest wave
+    per unit of its pressure): for each pressure x, (G x)ᵢ² ≤ Gᵢᵢ x·G x.
 
     Parameters
     ----------
@@ -221,7 +219,7 @@ def checked_certificate(
     Raises
     ------
     ConvergenceError
-        If a field is not finite, or the certificate exceeds what the tolerance and rounding allow.
+        If a field is not finite, or the certificate exceeds the allowance for tolerance and rounding.
     """
     response, pressure = problem.response, state.pressure.astype(float, copy=False)
     rounding = MAX_ROUNDINGS * float(np.finfo(problem.fourier.real).eps)
@@ -321,7 +319,7 @@ def _squared_deviation(values: Any, mean: float) -> float:
 def _measures_of_contact(pressure: Any, gap: Any, hardness: float) -> tuple[float, ...]:
     """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
 
-    A NaN in the fields makes Σ p or Σ g NaN. Where p is at the hardness an overlap counts as no gap.
+    A NaN in the fields makes Σ p or Σ g NaN. Where p is at the hardness an overlap is no gap.
     """
     least, largest = pressure[0], pressure[0]
     least_gap, contact_gap = np.inf, 0.0

@@ -9,7 +9,7 @@ of one row or column at each edge.
 A stencil is a kernel of short range. The map is taken in strips of rows, which stay in the processor's cache.
 The values of a strip and of the rows around it are written to an array with a margin that repeats the map,
 mirrors it, or is zero if nothing surrounds the map. The weights of a stencil for odd rows and columns are the
-mirror image of those for even ones.
+mirror image of the weights for even ones.
 """
 
 import math
@@ -102,7 +102,7 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
 
 
 def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
-    """For each of some nodes, the sum of the number given for its row and the one given for its column.
+    """For each of some nodes, the sum of the numbers of its row and of its column.
 
     Parameters
     ----------
@@ -140,8 +140,8 @@ def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
     shape : (ny, nx)
         Nodes of the map.
     width : int
-        Columns of the field on the coarse-grid nodes with its margin. The index is that of the coarse-grid
-        node in the row and the column before, in this field, flattened.
+        Columns of the field on the coarse-grid nodes with its margin. The index, in this flattened field,
+        belongs to the coarse-grid node in the row and the column before.
     """
     rows, columns = (np.arange(count, dtype=np.uint32) for count in shape)
     of_row = 4 * ((rows + 1) // 2 * np.uint32(width)) + 2 * (rows % 2)
@@ -191,7 +191,7 @@ class StencilProduct:
         False if nothing surrounds the map.
     threads : int
     radius : int
-        Of the stencils, one of those above.
+        Radius of the stencils, one of the radii above.
     """
 
     def __init__(self, grid: Grid, repeats: bool, threads: int = 1, radius: int = RADIUS) -> None:
@@ -250,12 +250,12 @@ class StencilProduct:
 
 
 def whole_stencil(weights: Array) -> Array:
-    """Weights of a stencil for each parity of row and column, from those for even rows and columns.
+    """Weights of a stencil for each parity of row and column, from the weights for even rows and columns.
 
     Parameters
     ----------
     weights : (2 radius + 1, 2 radius + 1) array
-        For an even row and column. Those for an odd row or column are the mirror image.
+        For an even row and column; for an odd row or column they are mirrored.
     """
     out = np.zeros((4, weights.shape[0], weights.shape[0] + 1), np.float32)
     out[:, :, :-1] = weights, weights[:, ::-1], weights[::-1], weights[::-1, ::-1]
@@ -336,8 +336,8 @@ def _apply_in_strips(
     nodes, first, values
         The nodes that bear values, and the index of the first one in each row.
     shape, period
-        Numbers of nodes of the map, and those after which the values repeat: twice as many if they are
-        mirrored, 0 if nothing surrounds the map.
+        Numbers of nodes of the map, and numbers of nodes after which the values repeat: twice as many if they
+        are mirrored, 0 if nothing surrounds the map.
     weights : array
         The stencil.
     begin, end : int
@@ -378,7 +378,7 @@ def _place_of(place: int, count: int, period: int) -> int:
 
 @compiled
 def _write_row(nodes: Any, values: Any, start: int, line: Any, radius: int, period: int) -> None:
-    """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
+    """Write the values of a row, whose first node has the index `start`, and repeat them in its margin."""
     columns = line.size - 2 * radius
     for k in range(nodes.size):
         line[np.int64(nodes[k]) - start + radius] = values[k]

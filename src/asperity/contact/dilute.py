@@ -5,10 +5,10 @@ The convolution with the compliance G is divided as in particle-mesh Ewald sums 
 
     near = erfc(α r) / (π E* r)      in Fourier space      2 erf(q/2α) / (E* q),
 
-falls off like a Gaussian, and what is left of G has no short waves. The near part is a stencil of radius 15.
-The far part is a convolution on a grid of four or eight times the spacing, to which pressures are distributed
-by cubic B-splines, and from which displacements are interpolated by the same splines; its factors make the
-mean square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, chapter 8).
+falls off like a Gaussian, and the rest of G has no short waves. The near part is a stencil of radius 15. The
+far part is a convolution on a grid of four or eight times the spacing, to which pressures are distributed by
+cubic B-splines, and from which displacements are interpolated by the same splines; its factors make the mean
+square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, chapter 8).
 
 Displacements are right to about 1e-3, or to a per cent in inner solves. The outer loop evaluates the gap of
 the whole grid exactly, so that only the change of the pressure since has this error (`CandidateProblem`).
@@ -37,8 +37,8 @@ from asperity.fourier.grid import Fourier, Grid
 # at most so many times as many. Above, the transforms of the whole grid take less time.
 MAX_AREA, MAX_CANDIDATES = 0.015, 4.0
 
-# Nodes outside the contact may touch if their gap on the coarser grid is at most this times what the mean
-# pressure of the contact closes at a node that alone is in contact.
+# Nodes outside the contact may touch if their gap on the coarser grid is at most this times the gap that the
+# mean pressure of the contact closes at a node that alone is in contact.
 FIRST_MARGIN = 1.0
 
 # Nodes along an axis to which a B-spline distributes a pressure.
@@ -52,8 +52,8 @@ MIN_POINTS = 1024
 # number times as many terms as the grid has nodes.
 MAX_TERMS = 20.0
 
-# Of waves shorter than the far field's grid holds, the compliance differs from that of a half-space with the
-# modulus of the surface by at most this fraction.
+# Of waves shorter than the far field's grid holds, the compliance differs by at most this fraction from a
+# half-space's with the modulus of the surface.
 MAX_DEVIATION = 1e-3
 
 
@@ -123,7 +123,7 @@ class SplitResponse:
         ----------
         pressure : (count,) array
         nodes, at : (count,) arrays of unsigned integers
-            Sorted indices in the flattened map, of the nodes that bear pressure and of those displaced.
+            Sorted indices in the flattened map, of the nodes that bear pressure and of the displaced nodes.
         """
         field, splines = self._field, self._splines
 
@@ -158,7 +158,7 @@ class CandidateResponse(InnerResponse):
 class CandidateProblem(Problem):
     """The contact problem of candidate nodes, near an iterate of the whole grid.
 
-    All indices are those of candidates: nodes that touch, and those that may.
+    All indices are indices of candidates: nodes that touch, and nodes that may.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ class CandidateProblem(Problem):
     candidates : (count,) array of unsigned integers
         Sorted indices in the flattened grid.
     split : SplitResponse
-        Of that grid.
+        Of the whole grid.
     iterate : Iterate, optional
         Of the whole grid; without it displacements are not corrected.
     """
@@ -186,7 +186,7 @@ class CandidateProblem(Problem):
             self._pressure[np.searchsorted(candidates, iterate.nodes)] = iterate.pressure
 
     def displacement(self, nodes: Array, values: Array, out: Array | None = None) -> Array:
-        """Displacement of all candidates: that of the iterate, and that by the change of the pressure."""
+        """Displacement of all candidates: the iterate's, plus the effect of the change of the pressure."""
         change = -self._pressure
         change[nodes] += values
         if np.abs(change).max() <= 4 * np.finfo(change.dtype).eps * self._pressure.max():
@@ -217,7 +217,7 @@ class CandidateProblem(Problem):
         """The step of the whole grid to a pressure of the candidates."""
         change = -self._pressure
         change[found.nodes] += found.values
-        some = np.flatnonzero((self._pressure > 0) | (change > 0))  # those released, too
+        some = np.flatnonzero((self._pressure > 0) | (change > 0))  # released nodes, too
         before, level = self._pressure[some], self.height[some] + self._displacement[some]
         return Step(self.candidates[some], before, level, change[some], before == 0, approach)
 
@@ -245,7 +245,7 @@ def candidates_of(iterate: Iterate, system: ContactSystem) -> Array:
 
 
 def can_be_split(response: Response) -> bool:
-    """True if the grid is large enough, pixels are nearly square, and short waves those of a half-space."""
+    """True if the grid is large, pixels are nearly square, and the solid is a half-space for short waves."""
     grid, solid = response.grid, response.solid
     ratio = max(grid.spacing) / min(grid.spacing)
     if min(response.mode_grid.shape) < MIN_POINTS or ratio > MAX_SPACING_RATIO:
@@ -279,7 +279,7 @@ def _near_field(response: Response, alpha: float) -> Array:
 
 
 def _far_field(response: Response, far: Grid, alpha: float) -> Array:
-    """Factors of the coefficients on the far field's grid, divided by those of the splines."""
+    """Factors of the coefficients on the far field's grid, divided by the coefficients of the splines."""
     grid, modulus = response.grid, response.solid.effective_modulus
     if response.repeats:
         modes = response.on_grid(far).compliance - _near_modes(far, alpha, modulus)

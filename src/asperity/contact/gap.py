@@ -30,7 +30,7 @@ class Percolation:
     constriction : (float, float)
         Smallest gap on the path along y, and along x, whose smallest gap is largest; 0 without a path.
     place : (2, 2) tuple
-        Position (y, x) of the node with that gap on the path along y, and along x; NaN without a path.
+        Position (y, x) of the node with this gap on the path along y, and along x; NaN without a path.
     """
 
     contact: tuple[bool, bool]
@@ -40,7 +40,7 @@ class Percolation:
 
 
 def percolation(contact: Contact) -> Percolation:
-    """Percolation of contact and gap along both axes, and how narrow the gap is at the least.
+    """Percolation of contact and gap along both axes, and the narrowest constriction of the gap.
 
     The constriction is found by bisection over the sorted gaps: it is the largest gap g for which the
     nodes with gaps ≥ g percolate.

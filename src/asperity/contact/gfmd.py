@@ -20,8 +20,8 @@ therefore has no elastic stiffness. It is stabilised by the growth of the contac
 
 Under an imposed approach, a solid without uniform displacement has to keep the mean of its displacement at
 zero. A spring pulls the mean back, and a load is adjusted until the spring is relaxed. The change of the load
-per change of the mean is estimated along the way. It sets the speed of the adjustment and gives the
-remaining error of the load, which counts in the error.
+per change of the mean is estimated along the way. It sets the speed of the adjustment and gives the remaining
+error of the load, which is a part of the error.
 """
 
 import math
@@ -39,11 +39,11 @@ from asperity.fourier.grid import mean_square
 # Time step, as a fraction of the stability limit.
 TIME_STEP_FRACTION = 0.9
 
-# Damping, as a fraction of the critical damping of the slowest mode: that of the paper.
+# Damping of the paper, as a fraction of the critical damping of the slowest mode.
 DAMPING_FRACTION = 0.99
 
-# Stiffness of the spring that holds the mean displacement at zero, over that of the softest mode. Found by
-# trial: with half of it or twice as much 1.1 times the steps are needed.
+# Stiffness of the spring that holds the mean displacement at zero, over the stiffness of the softest mode.
+# Found by trial: with half of it or twice as much 1.1 times the steps are needed.
 MEAN_SPRING = 4
 
 # Change of the load per step, over damping × mean displacement × estimated change of the load per change of
@@ -198,7 +198,7 @@ class DampedDynamics:
         self._before = self._now.copy()
 
     def advance(self) -> None:
-        """Take one time step under the load, which follows the mean if that has to be held."""
+        """Take one time step under the load, which follows the mean displacement if that has to be held."""
         fourier = self._problem.fourier
         kappa = self._slowest_kappa()
         gamma = self._damping_fraction * 2 * math.sqrt(kappa - kappa**2 / 4)
@@ -220,7 +220,7 @@ class DampedDynamics:
     def pressure_and_error(self) -> tuple[Array, float]:
         """Pressure on the contact nodes, and its error, estimated from all other tractions, over its norm.
 
-        The other tractions vanish in equilibrium. Those that are distributed evenly over all nodes are still
+        The other tractions vanish in equilibrium. Tractions that are spread evenly over all nodes are still
         to be carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the
         numbers of nodes.
         """

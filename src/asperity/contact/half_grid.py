@@ -42,7 +42,7 @@ def solve_on_half(
 def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
     """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
 
-    The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
+    It is the share of the squared gradient in waves that half of the nodes along both edges do not hold.
     """
     half = replace(grid, shape=(max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)))
     modes = Fourier(grid).forward(height)

@@ -1,11 +1,10 @@
 """The inner linear solve: preconditioned conjugate gradients on a fixed set of contact nodes.
 
 On the contact nodes the correction x of the pressure solves G x = r, where G is the compliance restricted to
-these nodes and r the overlap that is left. G is applied to a per cent, by a stencil and on a coarser grid
-(`asperity.contact.operators`). The iteration is that of Polonsky & Keer (1999,
-10.1016/S0043-1648(99)00113-1), who change the set of contact nodes in every iteration. Here, as in the
-method of Moré & Toraldo (1991, 10.1137/0801008), it is fixed for a few iterations, so that the directions
-stay conjugate.
+these nodes and r the remaining overlap. G is applied to a per cent, by a stencil and on a coarser grid
+(`asperity.contact.operators`). The iteration is due to Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1),
+who change the set of contact nodes in every iteration. Here, as in the method of Moré & Toraldo (1991,
+10.1137/0801008), it is fixed for a few iterations, so that the directions stay conjugate.
 
 At a given load the corrections sum to zero. For that, the multiple of M 1 that makes the sum vanish is
 subtracted from the preconditioned residual M r; with M = 1 this is the mean that Polonsky & Keer subtract.
@@ -76,7 +75,7 @@ class Correction:
     displacement : (count,) array
         Its displacement of the contact nodes, to the rounding of the residual.
     approach : float
-        Change of the approach that goes with it, zero at a given approach.
+        Change of the approach with it, zero at a given approach.
     iterations : int
     """
 
@@ -120,13 +119,13 @@ class InnerSolver:
                 self.layer_stiffness = out
 
     def with_response(self, response: InnerResponse) -> "InnerSolver":
-        """The same with other displacements."""
+        """The solver with other displacements."""
         other = copy(self)
         other._response, other.layer_stiffness = response, None
         return other
 
     def operators(self, nodes: Array, before: Operators | None = None) -> Operators:
-        """Operators on contact nodes; those before if the nodes are the same."""
+        """Operators on contact nodes; the operators before if the nodes are the same."""
         if before is not None and before.response is self._response and np.array_equal(nodes, before.nodes):
             return before
         return Operators(nodes, self._response, self._preconditioner)
@@ -143,7 +142,7 @@ class InnerSolver:
     ) -> Correction:
         """Solve a system until the norm of its residual has dropped by a factor, or for some iterations.
 
-        The norm is that of the preconditioner, √(r·M r).
+        The norm is √(r·M r), with the preconditioner M.
         """
         operators, threads, free = system.operators, self._threads, system.has_free_approach
         residual, z, weight = system.residual.copy(), system.preconditioned, operators.uniform
@@ -185,7 +184,7 @@ class InnerSolver:
         if length:
             # The last step, which no next direction has followed.
             apply(add_multiple, threads, x, direction, length)
-        # The part of the residual that is left which a change of the approach removes.
+        # The part of the remaining residual that a change of the approach removes.
         excess = level + sum_parts(dot, threads, weight, residual) / operators.uniform_sum if free else 0.0
         displacement = system.residual - residual
         displacement -= np.float32(level)

@@ -1,7 +1,7 @@
 """The iterate of the active-set solver, its linear system and error, and the steps between iterates.
 
-An iterate is a pressure 0 ≤ p ≤ p_H with the gap it causes. Its *contact nodes* have p > 0; those below the
-hardness p_H are *elastic*, those at it *plastic*. Nodes at a bound are *held* there.
+An iterate is a pressure 0 ≤ p ≤ p_H with the gap it causes. Its *contact nodes* have p > 0; nodes below the
+hardness p_H are *elastic*, nodes at it *plastic*. Nodes at a bound are *held* there.
 """
 
 import math
@@ -40,14 +40,14 @@ class Pressure:
     nodes : (count,) array of unsigned integers
         Sorted indices in the flattened grid.
     values : (count,) array
-        Non-negative. Those of plastic nodes may exceed the hardness, by the pressure that their overlap
-        corresponds to.
+        Non-negative. Pressures of plastic nodes may exceed the hardness, by the pressure that corresponds to
+        their overlap.
     load : float
         Mean pressure to which they are brought at a given load.
     is_projected : bool
         True if this is done by the projection onto the admissible pressures, not by scaling.
     includes_candidates : bool
-        True if the nodes without pressure are those that may touch.
+        True if the nodes without pressure are nodes that may touch.
     """
 
     nodes: Array
@@ -143,14 +143,14 @@ class Iterate:
         return cls(problem, nodes, values, load, level, displacement, largest)
 
     def without_free_nodes(self) -> "Iterate":
-        """The same without the nodes that bear no pressure."""
+        """The iterate without the nodes that bear no pressure."""
         left = self.pressure > 0
         if left.all():
             return self
         return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], level=self.level[left])
 
     def elastic_and_plastic(self, fixed_load: bool) -> tuple[Array | slice, Array]:
-        """Indices in `nodes` of pressures below the hardness, and of those at it.
+        """Indices in `nodes` of pressures below the hardness, and of pressures at it.
 
         At a given load one node has to fix the approach: the plastic one with the least overlap, if all are
         plastic.
@@ -185,7 +185,7 @@ class Iterate:
         return HeldNodes(inserted(nodes, at, own), inserted(level, at, self.level[plastic]), sides)
 
     def with_overlap(self, approach: float) -> Pressure:
-        """The pressure, that of plastic nodes with the pressure that their overlap corresponds to."""
+        """The pressure; at plastic nodes the pressure that corresponds to their overlap is added."""
         values, plastic = self.pressure, self.pressure >= self.problem.hardness
         if plastic.any():
             overlap = np.where(plastic, approach - self.level, 0) / self.problem.own_compliance
@@ -229,11 +229,11 @@ class ContactSystem:
     linear : System
         For the correction of the pressure of the elastic nodes.
     elastic : slice or (count,) array
-        Indices of these nodes in those of the iterate.
+        Indices of these nodes among the nodes of the iterate.
     plastic : (count,) array
         Indices of the plastic nodes.
     approach : float
-        Imposed, or the one for which the first correction leaves the load as it is.
+        Imposed, or chosen so that the first correction does not change the load.
     error, rounding : float
         Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
     bound : float
@@ -264,7 +264,7 @@ class ContactSystem:
         inner : InnerSolver
             Of the same grid.
         before : Operators, optional
-            Those of the system before, which are kept if its elastic nodes are the same.
+            Operators of the system before, which are kept if its elastic nodes are the same.
         """
         problem = iterate.problem
         elastic, plastic = iterate.elastic_and_plastic(control.fixes_load)
@@ -316,15 +316,15 @@ class OverlapOfHeld:
 
 @dataclass(frozen=True)
 class Step:
-    """A step from a pressure, on the nodes in contact before it and those that enter.
+    """A step from a pressure, on the nodes in contact before it and the nodes that enter.
 
     Attributes
     ----------
     nodes, pressure, level : (count,) arrays
         Before the step.
     change : (count,) array
-        Change of the pressure; that of a held node is its overlap over the displacement of a node per unit of
-        its own pressure.
+        Change of the pressure; at a held node its overlap over the displacement of a node per unit of its own
+        pressure.
     enters : (count,) array of bool
         True at nodes that enter the contact.
     approach : float
@@ -370,7 +370,7 @@ class Step:
     def gradient(cls, iterate: Iterate, system: ContactSystem) -> "Step":
         """The step along the projected gradient: each pressure changes by its overlap / nodal compliance.
 
-        At a given load the overlap is that at the mean level of the elastic nodes: the projection onto the
+        At a given load the overlap is taken at the mean level of the elastic nodes: the projection onto the
         load, which changes all by a common amount, then lowers the approach, so that no other node enters.
         """
         rise = float(system.linear.residual.mean(dtype=float)) if system.linear.fixed_load else 0.0
@@ -400,9 +400,9 @@ class Step:
         return Pressure(self.nodes, pressure, load, self.is_projected)
 
     def least_energy(self, after: Iterate) -> tuple[float, float]:
-        """Fraction of the way to an iterate at which the energy is least, and how far it falls until there.
+        """Fraction of the way to an iterate at which the energy is least, and its fall until there.
 
-        The pressures before and after are both admissible, and so are those between them: adding nodes to the
+        The pressures before and after are both admissible, and so are all between them: adding nodes to the
         contact and releasing nodes in tension can raise the energy, which a correction on a fixed set of
         contact nodes cannot (compare the projected searches of Moré & Toraldo 1991, 10.1137/0801008).
         """
@@ -430,7 +430,7 @@ def with_load(
     """Nodes and pressures of a given mean, between zero and the hardness.
 
     Pressures below the hardness are scaled. If some reach it, or on demand, all change by a common amount
-    instead, and those beyond a bound are at it: this is the projection onto the admissible pressures.
+    instead, and pressures beyond a bound are set to it: this is the projection onto the admissible pressures.
     If these nodes cannot bear the load at the hardness, released nodes, and then the lowest nodes of the
     surface, bear the rest. If no node bears pressure, the lowest node bears the load.
     """
@@ -474,11 +474,11 @@ def _error(
 ) -> tuple[float, float]:
     """Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
 
-    The solution p* of the contact problem and a pressure p differ by the pressure that removes the
-    violations of p: the residual on the contact nodes, the penetration of nodes without pressure, and the
-    gap of plastic nodes. The error estimate is the norm of that pressure, as the preconditioner M gives
-    it; a node that penetrates, or a plastic one with a gap, counts with that length over the displacement
-    of a node per unit of its own pressure. The estimate is at least as large as two lower bounds:
+    The solution p* of the contact problem and a pressure p differ by the pressure that removes the violations
+    of p: the residual on the contact nodes, the penetration of nodes without pressure, and the gap of plastic
+    nodes. The error estimate is the norm of that pressure, as the preconditioner M gives it; a node that
+    penetrates, or a plastic one with a gap, contributes that length over the displacement of a node per unit
+    of its own pressure. The estimate is at least as large as two lower bounds:
 
     - In a layer that is much stiffer than the half-space a residual corresponds to a much larger pressure
       than M gives, because M is made for the half-space. The norm of the pressure with which the whole

@@ -38,8 +38,8 @@ MAX_TANGENT_ITERATIONS = 300
 # Contact nodes may differ from the number asked for by one half, or by this fraction of it.
 AREA_TOLERANCE = 1e-4
 
-# Loads that differ by less than this fraction of the pressure's tolerance, or of the load of one node, count
-# as equal. With 10 instead of 0.1 area control takes twice the transforms on 1024² nodes.
+# Loads that differ by less than this fraction of the pressure's tolerance, or of the load of one node, are
+# equal. With 10 instead of 0.1 area control takes twice the transforms on 1024² nodes.
 LOAD_RESOLUTION = 0.1
 
 # Largest relative change of the load in one step.
@@ -58,7 +58,7 @@ class Tangent:
     pressure : (ny, nx) array
         On the nodes that move, zero elsewhere; its mean is one.
     closing : (ny, nx) array
-        Change of the overlap: of the approach less that of the displacement.
+        Change of the overlap: change of the approach less change of the displacement.
     approach : float
         Change of the approach.
     """
@@ -165,7 +165,7 @@ class AreaControl:
     target : int
         Number of contact nodes asked for.
     resolution : float
-        Relative difference below which two loads count as equal.
+        Relative difference below which two loads are taken as equal.
     """
 
     def __init__(
@@ -186,12 +186,12 @@ class AreaControl:
         return abs(count - self.target) > self._allowed and not self._closed
 
     def may_change(self) -> bool:
-        """True if the load may change before the pressure has converged; each call counts."""
+        """True if the load may change before the pressure has converged; the number of calls is limited."""
         self._early_changes += 1
         return self._early_changes <= MAX_EARLY_CHANGES
 
     def log_ratio(self, count: int) -> float:
-        """Logarithm of the area asked for over that of a number of contact nodes."""
+        """Logarithm of the imposed area over the area of a number of contact nodes."""
         return math.log(self.target / max(1, count))
 
     def power_law(self, load: float, count: int) -> float:
@@ -205,10 +205,10 @@ class AreaControl:
         return load * math.exp(min(max(exponent * self.log_ratio(count), -limit), limit))
 
     def bracketed(self, load: float, count: int, guess: float) -> float | None:
-        """Next load after the pressure has converged at a load; None if that load is kept.
+        """Next load after the pressure has converged at a load; None if the load is kept.
 
-        It is the guess, if that lies within the bracket and the bracket shrinks fast, or the bracket's
-        middle. Once the bracket has closed, it is the end with the nearer area.
+        It is the guess, if it lies within the bracket and the bracket shrinks fast, or the bracket's middle.
+        Once the bracket has closed, it is the end with the nearer area.
         """
         if guess == load:
             return None
@@ -238,7 +238,7 @@ def extended_to_area(
     converged: bool,
     effort: tuple[float, int] | tuple[()] = (),
 ) -> tuple[Correction, OverlapOfHeld, float] | None:
-    """Extend a correction to the load at which the number of contact nodes is that asked for.
+    """Extend a correction to the load at which the number of contact nodes is the target.
 
     The tangent is found with an effort, as of `InnerSolver.solve`.
 
@@ -321,15 +321,8 @@ def _approximate_tangent(
 def _change_to(target: int, edges: Iterable[Array], least: float, most: float, shortest: float) -> float:
     """Change below which `target` edges lie, or the nearest stable number of them; 0 if no change is needed.
 
-    Parameters
-    ----------
-    target : int
-    edges : arrays
-        Changes at which the number of contact nodes grows.
-    least, most : float
-        Range of the change.
-    shortest : float
-        Numbers that hold over a shorter range are skipped.
+    `edges` are changes at which the number of contact nodes grows, and `least` and `most` the range of the
+    change. Numbers that hold over a shorter range than `shortest` are skipped.
     """
     first, within = 0, []
     for some in edges:

@@ -11,15 +11,14 @@ where P interpolates linearly from the nodes of a coarser grid, each in the midd
 axes, `far` is a convolution on those nodes, and `near` is a stencil on all nodes. The far field takes one
 pair of transforms of a quarter of the nodes, in single precision. It is G, divided by the square of the
 transform of P, cos³(q × spacing / 2) along each axis, and smoothly cut off towards the shortest wave of the
-coarser grid. The stencil is what of G is missing within its radius. Since coarse-grid nodes lie behind even
-nodes and before odd ones, the stencils of both are mirror images. The
-division into a near field and a coarser grid is that of Brandt & Lubrecht (1990,
-10.1016/0021-9991(90)90171-V), and a stencil that corrects the near field of the coarser grid is known from
-Phillips & White (1997, 10.1109/43.662670).
+coarser grid. The stencil is the missing part of G within its radius. Since coarse-grid nodes lie behind even
+nodes and before odd ones, the stencils of both are mirror images. The division into a near field and a
+coarser grid is due to Brandt & Lubrecht (1990, 10.1016/0021-9991(90)90171-V), and a stencil that corrects the
+near field of the coarser grid is known from Phillips & White (1997, 10.1109/43.662670).
 
-**Inverse.** That of a half-space's compliance is E* |q| / 2, whose kernel in real space decays as r⁻³. Cut
-off at a few nodes and restricted to the contact nodes it is a sparse matrix S that is cheap to apply. It is
-related to the FFT-based preconditioner of Vollebregt (J. Comput. Phys. 257 (2014) 333). What S lacks is the
+**Inverse.** The inverse of a half-space's compliance is E* |q| / 2, whose kernel in real space decays as r⁻³.
+Cut off at a few nodes and restricted to the contact nodes it is a sparse matrix S that is cheap to apply. It
+is related to the FFT-based preconditioner of Vollebregt (J. Comput. Phys. 257 (2014) 333). S lacks the
 elastic interaction of distant contacts: it removes a uniform residual by the pressure w = S 1, as if every
 contact patch stood alone. For residuals that vary over lengths much longer than the patches that pressure is
 too large.
@@ -88,8 +87,8 @@ _TILE = 64
 # nodes a solution takes 7 % more transforms, with 8 as many, but the coarse grid is four times larger.
 CELL_NODES = 16
 
-# Under a coating: where the solid is softer for long waves than for short ones, S overestimates the stiffness
-# for waves shorter than those of the other cells, too.
+# Under a coating: where the solid is softer for long waves than for short ones, S also overestimates the
+# stiffness of waves too short for cells of `CELL_NODES`.
 CELL_NODES_UNDER_COATING = 4
 
 # The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, or,
@@ -138,7 +137,7 @@ class Operators:
         return self.response.indices(self.nodes)
 
     def displacement(self, pressure: Array, at: Array | None = None) -> Array:
-        """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
+        """Displacement under pressures on the contact nodes, at these or at others given by their indices."""
         return self.response.displacement(pressure, self.nodes, self._indices, at)
 
 
@@ -491,16 +490,16 @@ def inverse_stencil(
     """The inverse of the compliance in real space as a stencil, in units of the nodal compliance.
 
     It is zero beyond a radius in nodes, and the same for all nodes. On a half-space it is E* |q| / 2, and
-    under a coating one over the compliance, unless what the radius leaves of it is not positive definite, as
+    under a coating one over the compliance, unless the part within the radius is not positive definite, as
     where a stiff coating bends like a plate, or has large positive weights, as where a soft one is thin and
-    incompressible. The stencil is then that of a half-space that is at least as stiff as the solid for every
+    incompressible. The stencil is then made for a half-space that is at least as stiff as the solid for every
     wave: the preconditioner is positive definite, and its coarse grid lowers the stiffness of long waves.
 
     Returns
     -------
     stencil : (2 RADIUS + 1, 2 RADIUS + 1) array
     stiffness : float
-        E* of that half-space over that of the solid; 0 if the stencil is one over the compliance.
+        E* of this half-space over the E* of the solid; 0 if the stencil is one over the compliance.
     """
     tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
     fourier = Fourier(tile, engine=engine)

@@ -38,7 +38,7 @@ def contact_patches(contact: Array, periodic: bool = True, diagonals: bool = Tru
     ----------
     contact : (ny, nx) boolean array
     periodic : bool
-        True if opposite edges of the cell are neighbours. Those of a mirrored map are not: a patch at its
+        True if opposite edges of the cell are neighbours. The edges of a mirrored map are not: a patch at an
         edge touches its own mirror image.
     diagonals : bool
         True if nodes are neighbours along diagonals, too, not along edges only.

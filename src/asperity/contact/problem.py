@@ -1,9 +1,9 @@
 """The contact problem in units of its own, the imposed quantity, and the result of a method.
 
-A problem is solved in units in which its numbers are near one: lengths in that of the map's edge, heights in
-that of the displacement that the load can cause, pressures in that of modulus × height / length. Heights are
-measured from a datum near those that touch, and heights that cannot matter are clipped (`reach`), so that
-neither the datum nor such heights set a scale or reduce the accuracy of the others.
+A problem is solved in units in which its numbers are near one: lengths in units of the map's edge, heights in
+units of the displacement that the load can cause, pressures in units of modulus × height / length. Heights
+are measured from a datum near the nodes that touch, and heights that cannot matter are clipped (`reach`), so
+that neither the datum nor such heights set a scale or reduce the accuracy of the others.
 """
 
 import math
@@ -51,7 +51,7 @@ class State:
     pressure : (ny, nx) array
         Non-negative.
     approach : float
-        Imposed, or that of the last evaluation.
+        Imposed, or of the last evaluation.
     load : float
         Mean pressure, NaN under an imposed approach.
     error : float
@@ -85,7 +85,7 @@ class Problem:
     Attributes
     ----------
     has_whole_grid : bool
-        False if the heights are those of some of the grid's nodes.
+        False if the heights belong to some of the grid's nodes.
     """
 
     has_whole_grid: ClassVar[bool] = True
@@ -176,7 +176,7 @@ class Units:
     Attributes
     ----------
     length, height, stress : float
-        In the unit of lengths and in that of Young's modulus.
+        In the units of lengths and of Young's modulus.
     datum : float
         Height from which heights and the approach are measured.
     below, above : float
@@ -197,7 +197,7 @@ class Units:
         return cls(length, length, _power_of_two(solid.effective_modulus))
 
     def for_problem(self, height: Array, control: Control, hardness: float, response: Response) -> "Units":
-        """Units for an imposed quantity, given a response in those of the solid."""
+        """Units for an imposed quantity, given a response in the units of the solid."""
         datum, below, above = reach(height, control, hardness / self.stress, response, self)
         lowest, highest = float(height.min()), float(height.max())
         if lowest >= datum - below and highest <= datum + above:
@@ -258,8 +258,8 @@ def reach(
 ) -> tuple[float, float, float]:
     """Datum, and the distances below and above it beyond which every node, or none, touches.
 
-    A node is displaced by at most the whole load times the largest displacement of a node per unit of a
-    force on it alone: the compliance is positive semidefinite, so that no element exceeds those on its
+    A node is displaced by at most the whole load times the largest displacement of a node per unit of a force
+    on it alone: the compliance is positive semidefinite, so that no element exceeds the largest one on its
     diagonal. At a given load the approach then lies within that bound of the height of a certain node: the
     lowest one, or under a hardness the highest of the lowest nodes that together can bear the load. At a
     given approach the energy bounds the displacement. The proofs are in ``docs/contact.md``. Under an imposed
@@ -275,7 +275,7 @@ def reach(
     response : Response
         In units of the solid.
     units : Units
-        Those of the solid.
+        Units of the solid.
 
     Returns
     -------

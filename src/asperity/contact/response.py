@@ -40,8 +40,8 @@ class Response:
         True if the mean displacement is left out: at a given load it is known, and for a tall layer far
         larger than all others.
     half_compliance : array, optional
-        Factors of the coefficients with ky ≥ 0, to which those of −ky are equal, of the grid's `half_shape`;
-        by default the solid's.
+        Factors of the coefficients with ky ≥ 0, the same for −ky, of the grid's `half_shape`; by default the
+        solid's.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Response:
 
     @cached_property
     def half_compliance(self) -> Array:
-        """Real factors that turn coefficients of a pressure, ky ≥ 0, into those of its displacement."""
+        """Real factors from coefficients of a pressure, ky ≥ 0, to coefficients of its displacement."""
         modes = np.empty(self.grid.half_shape, self.fourier.real)
 
         def fill(strip: slice) -> None:
@@ -167,7 +167,7 @@ class Response:
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
         """Transforms on one thread, and factors in double precision, for fields on coarse cells of the map.
 
-        The grid of the transforms may be larger than that of the cells; fields are zero there.
+        The grid of the transforms may be larger than the grid of the cells; fields are zero there.
         """
         response = type(self)(self.solid, self.transforms(cells), self.omits_mean)
         return Fourier(response.mode_grid, np.float32, 1, self.fourier.work), response.compliance

@@ -8,8 +8,8 @@ distance. Pores that no path joins to the flow are left out of the equations.
 The conductances K span many orders of magnitude, since they grow with g³. The equations are solved by
 conjugate gradients with algebraic multigrid (J. W. Ruge, K. Stüben, in S. F. McCormick, Multigrid Methods,
 1987, ch. 4) of pyamg; the second pass of the choice of coarse nodes keeps the number of steps at about a
-dozen. The flow rate is taken from the dissipated power Σ K (pᵢ − pⱼ)², whose error is the square of that of
-the pressure, and which a wide basin before a narrow constriction does not round off.
+dozen. The flow rate is taken from the dissipated power Σ K (pᵢ − pⱼ)², whose error is the square of the error
+of the pressure, and which a wide basin before a narrow constriction does not round off.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ DELAY = 4
 Numer. Anal. 13 (2002) 56)."""
 
 MAX_STEPS = 500
-"""Most conjugate gradient steps; usually there are 10 to 20. `FilmFlow.conservation_error` tells the rest."""
+"""Most conjugate gradient steps; usually 10 to 20. `FilmFlow.conservation_error` shows the error left."""
 
 COARSEST = 500
 """Nodes of the coarsest grid, which is solved directly."""
@@ -56,7 +56,7 @@ class FilmFlow:
     flow_rate : float
         Volume per time through the width of the map; 0 if the contact seals the gap.
     flow_factor : float
-        Flow rate over that between parallel plates at the mean gap.
+        Flow rate over the flow rate between parallel plates at the mean gap.
     flux : (2, ny, nx) array
         Volume per time and width along y and x.
     pressure : (ny, nx) array

@@ -9,17 +9,17 @@ under a constant load P is the difference of two pressures without friction,
 with the tangential displacement Δ of the bodies and the approach δ (M. Ciavarella, J. Mech. Phys. Solids 46
 (1998) 2349, DOI 10.1016/S0022-5096(98)00024-X; J. Jäger, Arch. Appl. Mech. 68 (1998) 493): the faces stick
 where they touch under the smaller load. The slip is μ r times the gap g* under that load. In a cycle between
-−Q and Q every node slips there and back by twice that against μ p: the energy lost in a cycle is therefore
-4 μ² r ∫ p g* dA, without the difference of large numbers that gives the area of the loop.
+−Q and Q every node slips there and back by twice this slip against μ p: the energy lost in a cycle is
+therefore 4 μ² r ∫ p g* dA, without the difference of large numbers that gives the area of the loop.
 
 What is neglected
 -----------------
-The compliance of a half-space for a traction along its wave is that for a pressure, and for a traction
-across its wave 1/(1 − ν) times that. The superposition is exact for waves all along or all across the
-force (a line contact), for ν = 0, and in the stick zone of circles and ellipses; r is the energy of the
-pressure distribution applied as a shear traction, over the energy of the pressure itself; for a circle it
-is Mindlin's (2 − ν)/(2 − 2ν). In other contacts the displacements of the nodes that stick should be equal
-but are not, and `PartialSlip.deviation` measures by how much. The change of the pressure by the shear
+The compliance of a half-space for a traction along its wave equals the compliance for a pressure, and for a
+traction across its wave is 1/(1 − ν) times as large. The superposition is exact for waves all along or all
+across the force (a line contact), for ν = 0, and in the stick zone of circles and ellipses; r is the energy
+of the pressure distribution applied as a shear traction, over the energy of the pressure itself; for a circle
+it is Mindlin's (2 − ν)/(2 − 2ν). In other contacts the displacements of the nodes that stick should be equal
+but are not, and `PartialSlip.deviation` measures the difference. The change of the pressure by the shear
 traction is neglected as in full sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
 
 Mirrored maps
@@ -151,7 +151,7 @@ class PartialSlip:
 
     @cached_property
     def deviation(self) -> float:
-        """Root mean square deviation of the displacements of the nodes that stick from a common value.
+        """Root mean square deviation of the displacements of the sticking nodes from a common value.
 
         It is relative to the tangential displacement: the error of the superposition. NaN if none sticks.
         """
@@ -180,7 +180,7 @@ class PartialSlip:
         -------
         dataset
             Along `state`, from the force to its opposite and back: ``tangential_force`` and
-            ``tangential_displacement``; along `step` those of first loading, ``first_force`` and
+            ``tangential_displacement``; along `step`, of first loading, ``first_force`` and
             ``first_displacement``.
         """
         steps = whole_number("steps", steps, "a whole number ≥ 1", lambda count: count >= 1)
@@ -262,7 +262,7 @@ def partial_slip(
     >>> slip = asp.contact.partial_slip(contact, friction=0.4, tangential_force=0.2 * contact.force)
     >>> print(f"{slip.sticking_area:.2f} of the contact sticks, exactly {0.5 ** (2 / 3):.2f}")
     0.64 of the contact sticks, exactly 0.63
-    >>> round(slip.compliance_ratio, 4), round((2 - 0.3) / (2 - 0.6), 4)  # that of Mindlin
+    >>> round(slip.compliance_ratio, 4), round((2 - 0.3) / (2 - 0.6), 4)  # Mindlin's
     (1.2143, 1.2143)
     >>> stress = asp.analyse_stress(slip.in_body("lower"), friction=slip.friction, sliding_direction="x")
     """

@@ -32,15 +32,15 @@ SHOWN_ERROR = 0.01
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contact:
-    """A solved contact; stresses are in the unit of Young's modulus, lengths in that of the heights.
+    """A solved contact; stresses are in the unit of Young's modulus, lengths in the unit of the heights.
 
     Attributes
     ----------
     height, pressure, displacement, gap : (ny, nx) arrays
         Lower face of the indenter, contact pressure, downward displacement of the solid's surface, and gap.
-        For two bodies, the displacement is the sum of those of both surfaces.
+        For two bodies, the displacements of both surfaces are added.
     grid : Grid
-        Of the map; fields are those of the map alone, also if its mirror images continue it.
+        Of the map; fields are given on the map alone, also if its mirror images continue it.
     solid : Solid or TwoBodies
     boundary : "periodic" | "free"
         Condition at the edge of the map; "periodic" of a mirrored one.
@@ -54,16 +54,16 @@ class Contact:
     certificate : Certificate
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
     control_error : float
-        Relative difference between the imposed area or load and the one reached. Only an area can be missed:
-        if several nodes touch at the same load, as the lowest ones of a flat or stepped surface, or if one
-        node is more than the area asked for. Then the area is the nearest that the surface allows.
+        Relative difference between the imposed and the reached area or load. Only an area can be missed: if
+        several nodes touch at the same load, as the lowest ones of a flat or stepped surface, or if one node
+        is more than the area asked for. Then the area is the nearest that the surface allows.
     method : str
     rtol : float
     hardness : float
         Largest pressure, infinite in an elastic contact.
     plastic_depth : (ny, nx) array or None
         Depth by which the surface is flattened where the pressure is the hardness: the overlap of the bodies,
-        zero elsewhere. The gap is that of the flattened surface. None without a hardness.
+        zero elsewhere. The gap is measured from the flattened surface. None without a hardness.
     fft_engine : str
         Library of the Fourier transforms, its version and plans.
 
@@ -285,12 +285,12 @@ class Contact:
         Parameters
         ----------
         resistivity : float
-            Sum ρ of those of both bodies; that of heat is one over the conductivity.
+            Sum ρ of the resistivities of both bodies; for heat, of one over the conductivity.
 
         Raises
         ------
         ValueError
-            If it is not above 0, or the solid is a layer, whose stiffness contains that of its height.
+            If it is not above 0, or the solid is a layer, whose own compression is a part of the stiffness.
 
         Examples
         --------
@@ -314,8 +314,8 @@ class Contact:
         """One body under the contact pressure, for the stress inside it.
 
         Depth is measured from the surface into the body, also in the upper one, and z points out of the body.
-        In the upper body the shear stresses yz and xz therefore have the opposite sign of those in the
-        coordinates of the lower one; all other components are the same.
+        The shear stresses yz and xz in the upper body therefore have the opposite sign in the coordinates of
+        the lower one; all other components are the same.
 
         Parameters
         ----------
@@ -356,5 +356,5 @@ def _inverse(found: Tangent | None) -> float:
 
 
 def _settings(layer: Solid) -> dict[str, Any]:
-    """Parameters of a layer; only its height may be None, that of a half-space."""
+    """Parameters of a layer; only its height may be None, for a half-space."""
     return {name: value for name, value in asdict(layer).items() if value is not None or name == "height"}

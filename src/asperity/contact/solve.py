@@ -89,9 +89,9 @@ def solve_contact(
     solid : Solid or TwoBodies
         One elastic solid under a rigid indenter, or two elastic bodies.
     length : float or (length_y, length_x)
-        Edges of the map, number of nodes × spacing: those of the cell if it repeats. A map that its mirror
-        images continue needs ``asp.Grid(shape, length, mirrored=True)``: the contact is that of the map and
-        its three images.
+        Edges of the map, number of nodes × spacing, and of the cell if it repeats. A map that its mirror
+        images continue needs ``asp.Grid(shape, length, mirrored=True)``: its three images are in contact,
+        too.
     area_fraction : float
         Contact nodes over all nodes, met to a relative error of 1e-4, or to the nearest number of nodes
         that the surface allows.
@@ -263,9 +263,9 @@ def solve_load_path(
     height, solid, length
         As for `solve_contact`.
     area_fractions, mean_pressures, forces, approaches : sequence of float
-        Exactly one of them. With a hardness they rise: each contact is that of first loading.
+        Exactly one of them. With a hardness they rise: each contact is a first loading.
     progress : callable, optional
-        Called as progress(done, total), where a load counts as one.
+        Called as progress(done, total), in loads.
     **settings
         Passed to `solve_contact`.
 
@@ -389,7 +389,7 @@ def _state_of(
     progress: Progress | None,
     initial: Array | None,
 ) -> State:
-    """The state under a load; an imposed area is at least that of the lowest nodes, which touch together."""
+    """The state under a load; an imposed area includes at least the lowest nodes, which touch together."""
     if control.kind == "approach" and control.value <= (lowest := problem.lowest):
         return State(np.zeros_like(problem.height), control.value, 0.0)
     if control.kind == "mean_pressure" and control.value == 0:
@@ -411,7 +411,7 @@ def _state_of(
 
 
 class _Asked(NamedTuple):
-    """What a contact states of its call: in the units of the caller, with the time at which it began."""
+    """Arguments of the call that a contact states, in the units of the caller, and the time of its start."""
 
     grid: Grid
     solid: Solids
@@ -424,15 +424,7 @@ class _Asked(NamedTuple):
 def _contact_of(
     problem: Problem, control: Control, state: State, values: Array, units: Units, asked: _Asked
 ) -> Contact:
-    """The certified contact in the units of the caller, without what the caller imposed.
-
-    Raises
-    ------
-    ConvergenceError
-        If the certificate is not fulfilled.
-    ValueError
-        If the precision of the fields does not hold the numbers in these units.
-    """
+    """The certified contact in the units of the caller; an error if the certificate is not fulfilled."""
     response, threads, hardness = problem.response, problem.fourier.threads, problem.hardness
     displacement = state.displacement
     if displacement is None:
@@ -444,8 +436,8 @@ def _contact_of(
     mean_pressure, approach = total_pressure / problem.grid.size, state.approach
     if control.kind != "approach" and elastic:
         approach = total_level / elastic
-    # Problem and state are not needed any more. New arrays in place of theirs would raise the peak of the
-    # memory of `solve_contact` on 2048² nodes from 0.51 to 0.57 GB.
+    # Problem and state are not needed any more. New arrays in place of their arrays would raise the peak of
+    # the memory of `solve_contact` on 2048² nodes from 0.51 to 0.57 GB.
     gap, exact_gap = _gap_of(problem, state.pressure, displacement, approach)
     largest = max(part[4] for part in parts)
     load = state.load if control.kind == "mean_pressure" else None
@@ -509,7 +501,7 @@ def _gap_of(problem: Problem, pressure: Array, displacement: Array, approach: fl
 
 
 def _control_error(imposed: Control, area_fraction: float, mean_pressure: float) -> float:
-    """Relative difference between the imposed load or area and the one reached."""
+    """Relative difference between the imposed and the reached load or area."""
     reached = {"area_fraction": area_fraction, "mean_pressure": mean_pressure}
     if imposed.kind not in reached or imposed.value == 0:
         return 0.0
@@ -537,7 +529,7 @@ def _require_held(contact: Contact, units: Units, nodes: int) -> None:
 def _levels_of_contact(
     pressure: Any, height: Any, displacement: Any, hardness: Any
 ) -> tuple[float, int, int, float, float]:
-    """Σ (h + u) of elastic nodes, their number, that of contact nodes, Σ p, largest |h| + |u| of contact."""
+    """Σ (h + u) of elastic nodes, numbers of them and of contact nodes, Σ p, largest |h| + |u| in contact."""
     total_level, elastic, count, total, largest = 0.0, 0, 0, 0.0, 0.0
     for i in range(pressure.size):
         total += np.float64(pressure[i])
