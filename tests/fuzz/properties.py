@@ -302,7 +302,7 @@ stresses = st.fixed_dictionaries(
 def try_stress(case):
     """Planes with their peaks, sections and boxes: finite, and peaks within the cell.
 
-    Planes of a mirrored map on its own grid are those of the map and its mirror images.
+    Planes of a mirrored map on its own grid equal the planes of the map and its mirror images.
     """
     solid = loaded_solid(case)
     chosen = {name: case[name] for name in ("fields", "poisson", "tolerance", *sliding)}
@@ -327,13 +327,13 @@ def try_stress(case):
 
 
 def require_alike(grid, plane, cell):
-    """Raise `PromiseError` unless a plane of a mirrored map is that of its whole cell."""
+    """Raise `PromiseError` unless a plane of a mirrored map equals the plane of its whole cell."""
     require(plane.grid.whole_cell.shape == cell.grid.shape or not plane.grid.mirrored, "another grid")
     if plane.grid.shape == grid.shape:
         scale = max(np.abs(field).max() for field in cell.fields.values())
         for name, field in plane.fields.items():
             difference = field - cell.fields[name][:, : grid.shape[0], : grid.shape[1]]
-            require(np.abs(difference).max() <= 1e-5 * scale, "not that of the cell")
+            require(np.abs(difference).max() <= 1e-5 * scale, "not equal to the cell's")
 
 
 def require_finite_dataset(data):
@@ -542,7 +542,7 @@ dtype = 'float32': cannot hold
 mean_pressure = .*: at least .*float32
 """,
     "stress": rf"""{STRESSED}
-poisson = .*: (.*, that of the contact|given . times)
+poisson = .*: (.*, as in the contact|given . times)
 poisson: one of
 poisson has the shape
 depths\[\d\] = .*: a depth from 0 to

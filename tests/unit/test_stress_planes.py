@@ -25,7 +25,7 @@ def both(contact, depths, one, other, **settings):
 @pytest.mark.parametrize("layer", [HALF_SPACE, replace(HALF_SPACE, lateral="free"), BONDED, FRICTIONLESS])
 @pytest.mark.parametrize("shape", [(32, 30), (33, 35)])
 def test_components_are_those_of_the_layers_modes(layer, shape):
-    """Of a half-space for another ratio than that of the contact."""
+    """Of a half-space for another ratio than the contact's."""
     contact = spots(shape, (0.7, 1.1), layer)
     layer = layer if layer.height else replace(layer, poisson=0.45)
     grid, fourier = contact.grid, Fourier(contact.grid)
@@ -135,7 +135,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: planes(depths=[0.1, 0.1]), r"depths\[1\] = 0.1: more than depths\[0\] = 0.1 is needed"),
     (lambda: planes(depths=np.linspace(0, 1, 10**6)), r"depths has the shape \(1000000,\): 1 to 10000"),
     (lambda: planes(poisson=[0.1, 0.1]), "poisson = 0.1: given 2 times"),
-    (lambda: planes(spots(layer=BONDED), poisson=0.3), r"poisson = 0\.3: 0\.4, that of the contact"),
+    (lambda: planes(spots(layer=BONDED), poisson=0.3), r"poisson = 0\.3: 0\.4, as in the contact"),
     (lambda: planes(spots(layer=BONDED), [0.31]), r"depths\[0\] = 0\.31: a depth from 0 to 0\.3"),
     (lambda: planes(EIGHT), "contact = array.*: an object with pressure, grid and layer"),
     (lambda: planes(fields=("von mises",)), "fields = 'von mises': names from xx, yy"),
@@ -144,7 +144,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: planes(loaded(layer=SLIDING), friction=0.2), r"friction = 0\.2: 0 is needed in a layer"),
     (lambda: loaded(1e70 * EIGHT), r"pressure: its largest magnitude is 1e\+70; 0 or a value from 1e-60"),
     (lambda: loaded(np.diag([np.nan, np.inf, *range(6)])), "pressure: 2 of 64 nodes are not finite"),
-    (lambda: loaded(np.ones((8, 9))), r"pressure has the shape \(8, 9\): that of its grid, \(8, 8\)"),
+    (lambda: loaded(np.ones((8, 9))), r"pressure has the shape \(8, 9\): \(8, 8\), as of its grid"),
     (lambda: loaded(length=1e70), r"grid\.length = 1e\+70: an edge from"),
     (lambda: loaded(layer=SLIDING, boundary="free"), "boundary = 'free': a half-space is needed"),
     (lambda: grid_of_depths(spacing=0.0), "spacing = 0.0: a positive finite"),

@@ -1,13 +1,12 @@
 """Analysis of the stress in the whole solid in one stream of planes: peaks, depth profile, covariances.
 
 A plane is computed, reduced and discarded: its fields are searched for peaks, and its von Mises stress gives
-one point of the depth profile and the covariance of Eq. 22 with the reference plane, that of the largest von
-Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept, or
-computed again.
+one point of the depth profile and the covariance of Eq. 22 with the reference plane, which has the largest
+von Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept,
+or computed again.
 
-On a mirrored map planes are those of the map alone. Where the stress is no mirror image
-(`PlaneStream.solid`), they are those of the whole cell, and so are the profile and the covariances; peaks are
-those on the map.
+On a mirrored map planes cover the map alone. Where the stress is no mirror image (`PlaneStream.solid`),
+planes, profile and covariances cover the whole cell; peaks are counted on the map alone.
 
 The condition of the mean (q = 0) mode (`Solid.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
 of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
@@ -61,8 +60,8 @@ ROUNDING_SHARE = 1e-12
 """Maxima below this share of the root mean square of σ_zz of their plane are rounding errors."""
 
 PLASTIC_CONTACT = (
-    "the hardness limits the pressure; the stress under it is that of an elastic solid, without plastic "
-    "strain and residual stress"
+    "the hardness limits the pressure; the stress under it is elastic, without plastic strain and residual "
+    "stress"
 )
 """Attribute ``plastic_contact`` of a stress under a contact that reaches its hardness."""
 
@@ -89,8 +88,8 @@ def analyse_stress(
     contact : object with ``pressure``, ``grid`` and ``layer``
         A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array, optional
-        Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer, and
-        below them to where a background has its largest stresses.
+        Rising from 0, the surface; by default from `depth_grid`, down to the bottom of the layer, and below
+        to where a background has its largest stresses.
     poisson, tolerance, threads, work, friction, sliding_direction
         As for `stress_planes`.
     quantities : names
@@ -110,12 +109,11 @@ def analyse_stress(
     dataset
         Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
         and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and
-        largest von Mises
-        stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
-        The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
-        the arguments; ``plastic_contact``, where the pressure reaches the hardness, says what that means.
-        On a mirrored map under friction the profile and the covariances are those of the map and its three
-        images, which all slide the same way, and `observe` gets planes of this cell.
+        largest von Mises stress, and the covariance with the plane of the largest. Along `lag`, the
+        covariance in that plane. The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and
+        ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure reaches the hardness,
+        states the consequence. On a mirrored map under friction the profile and the covariances cover the map
+        and its three images, which all slide the same way, and `observe` gets planes of this cell.
 
     Raises
     ------
@@ -178,7 +176,7 @@ def analyse_lateral_conditions(
 class _Field(NamedTuple):
     """A field that is computed in every plane.
 
-    The uniform parts over the mean pressure are those at the surface and, under a coating, in its base.
+    The uniform parts over the mean pressure are given at the surface and, under a coating, in its base.
     """
 
     name: str
@@ -245,7 +243,7 @@ class _Analysis:
     def run(
         self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None
     ) -> dict[str, xr.Dataset]:
-        """Take all planes, and those above the reference planes again that were not kept."""
+        """Take all planes, and once more the planes above the reference planes that were not kept."""
         self._take_all(progress, observe)
         if missing := int(self._references.missing.max()):
             self._take_again(missing)
@@ -284,7 +282,7 @@ class _Analysis:
         self._references.compare(number, self._search.sums, self._references.missing > number)
 
     def _settle(self, memory: Array) -> None:
-        """Compare all planes on the grid of the contact with the references, if these lie on that grid.
+        """Compare all planes on the grid of the contact with the references, if these lie on it.
 
         From then on the references need the memory of coarser grids only.
         """
@@ -296,7 +294,6 @@ class _Analysis:
             self._references.settle(memory)
 
     def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> PlaneFields:
-        """Some of the fields in a plane."""
         names, ratios, uniforms = zip(*(self._fields[number] for number in chosen), strict=True)
         in_base = plane.depth > (plane.solid.layer.interface or np.inf)
         return plane.fields(names, ratios, [uniform[in_base] for uniform in uniforms])

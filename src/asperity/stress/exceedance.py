@@ -1,7 +1,7 @@
 """Volume of a solid in which a field of the stress exceeds a limit, from a stream of planes, and its error.
 
 Each node stands for a box that reaches halfway to its neighbours in its plane and to the adjacent planes. In
-the box the field is the quadratic through the node and 18 of its 26 neighbours, that of the peaks between
+the box the field is the quadratic through the node and 18 of its 26 neighbours, as for the peaks between
 nodes (`asperity.stress.peaks.maxima`). Along the depth the part of the box above a limit is in closed form;
 in the plane it is sampled. A volume smaller than a box, as at the onset of yield, is found like a large one.
 
@@ -43,8 +43,8 @@ SHARES = 1 - np.array([0.15, 0.04, 0.0])
 
 
 OF_ALL, OF_ONE, OF_PLASTIC = 0.4, 0.6, 1.2
-"""Error of the stress at all peaks, and that of a single one, over the stated error of the largest peak;
-factor of both under a hardness (`benchmarks/volume.py`)."""
+"""Error of the stress at all peaks, and at a single one, over the stated error of the largest peak; factor of
+both under a hardness (`benchmarks/volume.py`)."""
 
 RESOLVED = 0.14
 """`resolution` below which these errors fall with its square."""
@@ -66,7 +66,7 @@ class Exceedance:
     ----------
     limit : float
     periodic : bool
-        Whether planes repeat sideways.
+        True if planes repeat sideways.
     """
 
     def __init__(self, limit: float, periodic: bool) -> None:
@@ -86,7 +86,7 @@ class Exceedance:
         return (float(self._depths[0]), float(self._depths[1])) if self.volume else None
 
     def error(self, estimates: xr.Dataset, peaks: int) -> float:
-        """Error of the volume over the area, by pixels and planes; NaN where that of the peaks is not known.
+        """Error of the volume over the area, by pixels and planes; NaN where the peaks' error is not known.
 
         Parameters
         ----------

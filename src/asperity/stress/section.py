@@ -2,9 +2,9 @@
 
 The basis fields A and B of each plane are interpolated along y and x; the named fields are made from the
 interpolated ones, never interpolated themselves. Over a periodic boundary the interpolation is the
-trigonometric one, exact for the modes of the plane, on a mirrored map that of the map and its images. Over a
-free boundary it is Lagrange's on the `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are
-asked for, they are taken as they are.
+trigonometric one, exact for the modes of the plane; a mirrored map is continued by its images. Over a free
+boundary it is Lagrange's on the `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked
+for, they are taken as they are.
 """
 
 from __future__ import annotations
@@ -176,9 +176,9 @@ def stress_section(
     along : "x" | "y"
         Horizontal axis of the section.
     at : float, optional
-        Position of the section on the other axis, within the cell; by default that of the largest pressure.
+        Position of the section on the other axis, within the cell; by default through the largest pressure.
     depths : (planes,) array, optional
-        By default those of `depth_grid`.
+        By default from `depth_grid`.
     progress : callable, optional
         Called as progress(done, total) after each plane.
     **settings

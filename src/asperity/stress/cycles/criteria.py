@@ -106,7 +106,7 @@ class Criteria:
             number("residual_stress", self.residual_stress, "a finite number", lambda value: True)
 
     def at(self, depth: float) -> Criteria:
-        """The limits with the residual stress at a depth; beyond its table it is that of the table's end."""
+        """The limits with the residual stress at a depth; beyond its table it is constant."""
         if not isinstance(self.residual_stress, tuple):
             return self
         return replace(self, residual_stress=float(np.interp(depth, *self.residual_stress)))
@@ -144,7 +144,7 @@ class Criteria:
         return 1 - rank / dang_van.size
 
     def power_means(self, dang_van: Array) -> Array:
-        """Power means, (exponents,), of the Dang Van stress over the limit; negative ones count as 0."""
+        """Power means, (exponents,), of the Dang Van stress over the limit; negative ones are set to 0."""
         share = np.maximum(self.over_limit(dang_van), 0.0)
         return power_means(np.broadcast_to(share[:, None], (share.size, FATIGUE_EXPONENTS.size)))
 
@@ -203,7 +203,7 @@ class CycleMaps:
         along : (5, rows) array, optional
             Places of the points along the rows.
         dang_van : (points,) array, optional
-            Dang Van stress of all points; by default that of the rows.
+            Dang Van stress of all points; by default of the rows.
         first : float
             Distance of the first row from the edge of the plane, in rows.
         """
@@ -259,7 +259,7 @@ def in_double_precision(states: Array) -> Array:
 def reduce_rows(states: Any, unloaded: bool, fatigue: bool, shakedown: bool, alpha: float, out: Any) -> None:
     """Fill `out`, (5, rows), from stresses (6, rows, nodes): range of σ_xz, Dang Van, squared radii.
 
-    The stresses are those of `in_double_precision`.
+    The stresses come from `in_double_precision`.
     """
     nodes = states.shape[2]
     points = np.zeros((DIMENSIONS, nodes + (1 if unloaded else 0)))
@@ -323,7 +323,7 @@ def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> 
 
 @compiled
 def _may_exceed(points: Any, n: int, centre: Any, second: float, limit: float) -> bool:
-    """Whether the Tresca shear stress of a deviator less the centre, with J₂ `second`, exceeds `limit`."""
+    """True if the Tresca shear stress of a deviator less the centre, with J₂ `second`, may exceed `limit`."""
     share = limit * limit / second
     if limit < 0 or share <= 0.75:
         return True

@@ -1,8 +1,8 @@
 """Hertz contact of two smooth bodies, in which a far smaller rough cell lies at one position.
 
 Scales are separate: over the cell the Hertz pressure hardly changes. The cell is solved as periodic, under
-the Hertz pressure at its position as mean pressure. The stress below it is the sum of the stress of the
-cell and that of the smooth contact at this position, less the mean (q = 0) mode, which both contain.
+the Hertz pressure at its position as mean pressure. The stress below it is the stress of the cell plus the
+stress of the smooth contact at this position, less the mean (q = 0) mode, which both contain.
 
 Below an ellipse
 ----------------

@@ -46,7 +46,7 @@ STATES_BYTES = 2**29
 """Memory for the states of some rows of a plane; the planes are computed again for the next rows."""
 
 EXACT_ABOVE = 0.5
-"""Share of the largest Dang Van stress above which that of every point is computed, for the distribution."""
+"""Share of the largest Dang Van stress above which every point is computed, for the distribution."""
 
 ERROR_OVER_CHANGE = 2.0
 """Error of the worst values over their change with half of the states: the estimate holds in 11 of 12 cases
@@ -65,7 +65,7 @@ class MovingPressure:
     pressures : sequence of (ny, nx) arrays
         None where there is no contact.
     grid : Grid
-        That of a mirrored map is replaced by its whole cell.
+        A mirrored grid is replaced by its whole cell.
     layer : Solid
     direction : "x", "y" or float
         Of the motion, as `sliding_direction` of `asperity.stress_planes`.

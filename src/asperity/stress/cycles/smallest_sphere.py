@@ -1,12 +1,12 @@
 """The smallest sphere that encloses points in five dimensions, its centre anywhere or in a subspace.
 
-With the centre c in the subspace of the first coordinates, the squared distance of a point is that to its
-projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). At most one point more
-than the subspace has dimensions determines the optimum (E. Welzl, LNCS 555 (1991) 359). It is reached by
-exchange, as in P. Wolfe, Math. Program. 11 (1976) 128: the farthest point is added to those that fix the
-sphere, and the centre moves towards the point equally far from all of them; a point whose weight in the
-centre falls to 0 on the way is dropped. The radius grows with every added point, so that no set of points
-recurs.
+With the centre c in the subspace of the first coordinates, the squared distance of a point is its squared
+distance from its projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). At
+most one point more than the subspace has dimensions determines the optimum (E. Welzl, LNCS 555 (1991) 359).
+It is reached by exchange, as in P. Wolfe, Math. Program. 11 (1976) 128: the farthest point is added to the
+points that fix the sphere, and the centre moves towards the point equally far from all of them; a point whose
+weight in the centre falls to 0 on the way is dropped. The radius grows with every added point, so that no set
+of points recurs.
 """
 
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from asperity.core.compiled import compiled_with_arrays
 
 DIMENSIONS = 5
-"""Dimensions of the space, that of the stress deviators."""
+"""Dimensions of the space of the stress deviators."""
 
 RADIUS_ROUNDING = 1e-13
 """Relative tolerance on the squared radius: of points outside, and of its rise in a step."""

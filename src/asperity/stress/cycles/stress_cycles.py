@@ -121,14 +121,14 @@ def stress_cycles(
     depths, tolerance, threads, progress
         As for `analyse_stress`; the first depth need not be 0.
     poisson : float, optional
-        By default that of the contact.
+        By default the contact's.
     fatigue_torsion, fatigue_bending : float, optional
         Fatigue limits in fully reversed torsion and bending, in the unit of the pressure; both or none.
         Torsion over bending is 0.5 to 1.
     yield_stress : float, optional
         In the unit of the pressure.
     friction, sliding_direction
-        As for `stress_planes`; the direction is also that of the motion, along x or along y.
+        As for `stress_planes`; the direction is also the direction of the motion, along x or along y.
     residual_stress : float or (depths, stresses)
         Equal normal stress along x and y in the unloaded body, compression negative, or a table of it over
         depth, which is linear between its rows and constant beyond them. The cycle after

@@ -15,7 +15,7 @@ Where the grid changes between two planes, each plane compares on its own nodes,
 claim a peak between them. There, of two matched maxima of the planes (within a spacing of the coarser grid)
 the one with the larger refined in-plane value is kept.
 
-Peaks of a signed field are those of its magnitude; the value keeps the sign.
+Peaks of a signed field are peaks of its magnitude; the value keeps the sign.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class SearchedPlane(NamedTuple):
     def exceeded(
         self, maxima: Maxima, grid: Grid, decided: Array, wins: Array, threads: int
     ) -> tuple[Array, Array]:
-        """Which maxima in a plane on `grid` are above the nine values here, and these.
+        """Maxima in a plane on `grid` that are above the nine values here, and these values.
 
         For the maxima `decided`, `wins` is the answer, whatever the values are.
         """
@@ -131,7 +131,7 @@ class PeakFinder:
         self._depth_above = np.nan
 
     def peaks(self, field: int = 0) -> Peaks:
-        """Peaks of a field found so far: those of every plane but the last."""
+        """Peaks of a field found so far, in every plane but the last."""
         of_field = [peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found]
         return Peaks.join([NO_PEAKS, *of_field])
 
@@ -214,7 +214,7 @@ def _refined(
 ) -> Peaks:
     """Peaks from maxima of a plane, refined in it alone where no plane above is known.
 
-    `below` are the values at and around the nodes in the plane below, `depths` those of the three planes.
+    `below` are the values at and around the nodes in the plane below, `depths` belong to the three planes.
     """
     if maxima.above is None or below is None:
         value, *offsets = refine_in_plane(maxima.here)
@@ -251,13 +251,7 @@ def _matched_maxima(
     """Matched maxima of neighbouring planes on different grids, and where the upper one is the larger.
 
     Two maxima match if their refined positions are within a spacing of the coarser grid, and no other ones
-    are nearer.
-
-    Returns
-    -------
-    upper, lower : (pairs,) integer arrays
-        Indices of the two maxima of each pair.
-    wins : (pairs,) bool array
+    are nearer. Returns the indices of both maxima of each pair, and a truth value, (pairs,) each.
     """
     spacing = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
     cell = np.array(upper_plane.grid.length) / spacing
@@ -299,7 +293,7 @@ def _places_of_fields(maxima: Maxima, plane: SearchedPlane, spacing: Array) -> t
 
 
 def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "periodic") -> Peaks:
-    """Maxima of |field| above their 8 neighbours in a plane; of equal neighbours the first one counts.
+    """Maxima of |field| above their 8 neighbours in a plane; of equal neighbours the first one is taken.
 
     Parameters
     ----------
@@ -361,7 +355,7 @@ def find_peaks(
     floor : float
         Maxima of a magnitude at or below it are left out.
     boundary : "periodic" | "free"
-        That of the contact.
+        Boundary of the contact.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from asperity.core.compiled import compiled
 from asperity.core.types import Array
 
 MIN_DETERMINANT = 1e-12
-"""A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
+"""A smaller determinant of the second derivatives, over the product of its diagonal, is rounding."""
 
 
 class Entries:
@@ -40,7 +40,7 @@ class Entries:
 
 @dataclass
 class Maxima(Entries):
-    """Maxima of fields of one plane over their neighbours in it; those of a field by rising rows and columns.
+    """Maxima of fields of one plane over their neighbours in it; of each field by rising rows and columns.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Maxima(Entries):
     here : (maxima, 3, 3) array
         Values at and around the nodes.
     above : (maxima, 3, 3) array or None
-        Those in the plane above, if the maxima exceed them.
+        Values in the plane above, if the maxima exceed them.
     """
 
     field: Array
@@ -72,7 +72,7 @@ def refine_in_plane(values: Array) -> Array:
     Parameters
     ----------
     values : (maxima, 3, 3) array
-        Along y and x, the node in the middle. Where that is negative, the sign of all nine is changed.
+        Along y and x, the node in the middle. Where it is negative, the sign of all nine is changed.
     """
     out = np.empty((3, len(values)))
     _refine_in_plane(values, out)
@@ -82,13 +82,12 @@ def refine_in_plane(values: Array) -> Array:
 def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float, ...]) -> Array:
     """Magnitude, depth and offsets y, x, (4, maxima), of the maxima of quadratics through 3 × 3 × 3 values.
 
-    The quadratic is that of 19 of the 27 values: the mixed derivatives need no corners of the adjacent
-    planes.
+    The quadratic uses 19 of the 27 values: the mixed derivatives need no corners of the adjacent planes.
 
     Parameters
     ----------
     above, here, below : (maxima, 3, 3) arrays
-        Of three planes, along y and x, the node in the middle of `here`. Where that is negative, the sign of
+        Of three planes, along y and x, the node in the middle of `here`. Where it is negative, the sign of
         all values is changed.
     depths : tuple of float
         Of the three planes, which may be unequally spaced.
@@ -150,14 +149,8 @@ def _step_to_maximum(gradient: Any, second: Any, reach: float) -> tuple[float, f
     """Newton's step to the maximum of a quadratic.
 
     Where it has no maximum within `reach` along the first axis and one spacing along the others, the axis
-    that gains most is refined alone, by at most half a spacing.
-
-    Parameters
-    ----------
-    gradient : three numbers
-    second : six numbers
-        Second derivatives: the upper triangle of their matrix, row by row.
-    reach : float
+    that gains most is refined alone, by at most half a spacing. `second` is the upper triangle of the matrix
+    of second derivatives, row by row.
     """
     u, v, w = gradient
     a, b, c, d, e, f = second

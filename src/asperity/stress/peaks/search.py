@@ -1,7 +1,7 @@
 """Search of a plane for the maxima of its fields, and sums of its rows, while these are in the cache.
 
-Of adjacent nodes of a plane with the same value the upper and then the left one counts as larger: whether one
-of them is the peak does not depend on rounding. A node of a mirrored map counts before its mirror image.
+Of adjacent nodes of a plane with the same value the upper and then the left one is taken as larger, so that
+the choice of the peak does not depend on rounding. A node of a mirrored map is taken before its mirror image.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Lower(Entries):
     Parameters
     ----------
     number : (candidates,) integer array
-        Which of the candidates, rising.
+        Rising numbers of the candidates.
     values : (candidates, 3, 3) array
     """
 
@@ -73,7 +73,7 @@ class PlaneSearch:
         Whole numbers, by which the first fields are multiplied.
     kept : KeptArrays, optional
     above : PlaneFields, optional
-        Those of the plane above, if it is in memory and on the same grid: maxima that do not exceed it are
+        Fields of the plane above, if it is in memory and on the same grid: maxima that do not exceed it are
         left out.
     candidates : Maxima, optional
         Maxima of the plane above, by rising rows, if it is on the same grid: they are compared with this
@@ -82,7 +82,7 @@ class PlaneSearch:
     Attributes
     ----------
     sums : (summed, ny, `SUMS`) array
-        For each row of the first fields the sum, the sum of squares and, in its place 3, that of products
+        For each row of the first fields the sum, the sum of squares and, in its place 3, the sum of products
         with the references; the largest values of some rows stand in the first of them, in its place 2.
     """
 
@@ -137,7 +137,7 @@ class PlaneSearch:
         return _joined(Lower, [vars(found) for _, found in parts])
 
     def maxima(self, floor: float) -> Maxima:
-        """Maxima above a floor; those of a field are in the order of rising rows and columns."""
+        """Maxima above a floor, of each field in the order of rising rows and columns."""
         if self._found:
             self.lower()
         high = np.concatenate([found.magnitude for found in self._maxima]) > floor

@@ -37,10 +37,10 @@ SAME_RATIO = 1e-9
 """Poisson's ratios that differ by less are the same: room for numbers such as 0.1 + 0.2."""
 
 ROUNDING = 1e-9
-"""Of the number of peaks above a quantile."""
+"""Rounding error of the number of peaks above a quantile."""
 
 HIGHEST_SHARE = 0.1
-"""Share of the peaks that counts as the highest ones."""
+"""Share of the peaks that are the highest ones."""
 
 _LABELS = ("peak_quantity", "peak_poisson")
 
@@ -119,7 +119,7 @@ def is_selected(stress: xr.Dataset, selection: str) -> Array:
 def selection_for(quantity: str) -> str:
     """The selection of `select_peaks` that figures and claims count for a quantity.
 
-    They count peaks under a contact, and those in the surface only of quantities that are largest there.
+    They count peaks under a contact, in the surface only for quantities that are largest there.
     """
     return "at_contact" if quantity in LARGEST_AT_SURFACE else "under_contact"
 
@@ -127,13 +127,13 @@ def selection_for(quantity: str) -> str:
 def has_percentile(count: ArrayLike, share: ArrayLike) -> Any:
     """True where one of `count` peaks or more lies above the quantile at `share`: 100 at 99 %.
 
-    Of fewer peaks that quantile is the largest one, or lies between the two largest.
+    Of fewer peaks the quantile is the largest one, or lies between the two largest.
     """
     return np.asarray(count) * (1 - np.asarray(share)) >= 1 - ROUNDING
 
 
 def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:
-    """The one of the known Poisson's ratios that is meant; it may be left out if there is only one."""
+    """The known Poisson's ratio nearest to the given one, which may be left out if only one is known."""
     accepted = f"one of {', '.join(f'{nu:g}' for nu in known)}"
     if poisson is None:
         if len(known) > 1:
@@ -167,8 +167,8 @@ def peak_numbers(
     levels : sequence of float
         Shares of the peaks at which quantiles are taken.
     all_peaks : data array, optional
-        Along `quantity` and `poisson`, the number of peaks of which those found are the highest, for the
-        quantiles. Peaks that were not found count as equal to the smallest one.
+        Along `quantity` and `poisson`, the number of all peaks, for the quantiles: the peaks found are the
+        highest of them, and the others are taken as equal to the smallest one.
 
     Returns
     -------

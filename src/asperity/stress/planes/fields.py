@@ -35,8 +35,8 @@ from asperity.fourier.grid import EVEN, Grid
 MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""
 
-# Places in `FIELDS`, which are their numbers in the compiled functions; those of the components are also
-# places in `BASIS`, of their fields A.
+# Places in `FIELDS`, which are their numbers in the compiled functions; the components have the same places
+# in `BASIS`, for their fields A.
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 _VON_MISES, _LARGEST_SHEAR, _PRINCIPAL_1, _PRINCIPAL_2, _PRINCIPAL_3, _HYDROSTATIC = range(6, 12)
 
@@ -53,7 +53,7 @@ there is none, the neighbour on the other side; on a mirrored map the node itsel
 field is odd."""
 
 Visit = Callable[[int, int, int], None]
-"""Called with a band, see `bands_of`, and the first row and last row + 1 of those that have been computed."""
+"""Called with a band, see `bands_of`, and the first row and last row + 1 of the computed rows."""
 
 
 class BasisField(NamedTuple):
@@ -207,8 +207,8 @@ class PlaneFields:
     ) -> tuple[Array, Array]:
         """Nodes where a magnitude is above the nine values at and around a node, and these values.
 
-        On another grid than that of the plane, the basis fields are interpolated in double precision by
-        Lagrange's formula on the six nearest nodes along each axis.
+        On another grid than the plane's, the basis fields are interpolated in double precision by Lagrange's
+        formula on the six nearest nodes along each axis.
 
         Parameters
         ----------
@@ -222,7 +222,7 @@ class PlaneFields:
         Returns
         -------
         kept : (kept nodes,) integer array
-            Which nodes these are.
+            Indices of these nodes.
         values : (kept nodes, 3, 3) array in the precision of the plane
         """
         basis, numbers = self.basis, np.arange(len(BASIS))
@@ -318,7 +318,7 @@ def neighbour(node: int, nodes: int, edges: int) -> int:
 
 @inlined
 def image_sign(kind: int, row: int, column: int, shape: Any, edges: int) -> int:
-    """Factor of a field at a node from that at its `neighbour`: −1 at the image of a node of an odd field."""
+    """A field at a node over its value at the `neighbour`: −1 at the image of a node of an odd field."""
     sign = 1
     if edges == MIRRORED and not 0 <= row < shape[0] and kind in (_YZ, _XY):
         sign = -sign
@@ -399,7 +399,7 @@ def value_at(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: 
     zz = values[index[_ZZ], row, column]
     trace = xx + yy + zz
     if kind == _HYDROSTATIC:
-        # The trace of B is that of A without its uniform part.
+        # The trace of B is the trace of A without its uniform part.
         return (trace + ratio * (trace + mean) + uniform + uniform) / 3.0
     slope = values[index[_SLOPE_XX], row, column]
     slope_yy = trace + mean - slope
@@ -438,7 +438,7 @@ def _fill_row(basis: Any, kind: int, ratio: Any, uniform: Any, row: int, out: An
 def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, line: int) -> None:
     """Fill one line of all von Mises stresses, the first of the fields, with a row.
 
-    What they share is computed once, in the array `shared`, (5, `BLOCK`). Loops that read and write few
+    Their common parts are computed once, in the array `shared`, (5, `BLOCK`). Loops that read and write few
     arrays are turned into operations on vectors, one long loop is not.
     """
     values, columns, index, mean = basis
@@ -504,10 +504,10 @@ def fill_rows(
 
 @compiled
 def sum_row(line: Any, references: Any, m: int, row: int, largest: Any, lanes: Any, out: Any) -> None:
-    """Sum one row of a field: the sum, the sum of squares, and that of products with a reference.
+    """Sum one row of a field: the sum, the sum of squares, and the sum of products with a reference.
 
     Numbers are added by lanes, as operations on vectors do it: the order of additions, and so the rounding,
-    does not depend on what the compiler makes of the loop, nor on the process that has compiled it.
+    does not depend on the compiler's choices, nor on the process that compiled the loop.
 
     Parameters
     ----------

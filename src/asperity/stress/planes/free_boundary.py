@@ -11,11 +11,11 @@ Coarse planes
 -------------
 A deep plane is smooth, and is computed on a coarser grid. The pressure, in a cell three times as long as the
 map, keeps the modes that the coarse grid holds; they are divided by the transform of a coarse pixel and
-multiplied by that of a fine one, because the influence is that of a coarse pixel. The influence is exact up
-to the distance of two nodes of the map. Beyond, it falls smoothly to zero over half a map's length, so that
-its transform has no slow tail. The error has two parts, both bounded from the spectrum of the pressure as in
-`asperity.stress.planes.truncation`: the modes dropped, and the short waves of the influence that appear as
-long ones at the coarse nodes (aliasing).
+multiplied by the transform of a fine one, because the influence belongs to a coarse pixel. The influence is
+exact up to the distance of two nodes of the map. Beyond, it falls smoothly to zero over half a map's length,
+so that its transform has no slow tail. The error has two parts, both bounded from the spectrum of the
+pressure as in `asperity.stress.planes.truncation`: the modes dropped, and the short waves of the influence
+that appear as long ones at the coarse nodes (aliasing).
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from asperity.stress.planes.rectangle import rectangle_stress
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 PADDING = 3
-"""Length of the padded cell of coarse planes over that of the map: the influence falls to zero and rises
-again between the map and its image."""
+"""Length of the padded cell of coarse planes over the length of the map: the influence falls to zero and
+rises again between the map and its image."""
 
 TAPER_STEEPNESS = 4.0
 """The influence falls as the error function from −4 to 4, whose ends differ from 1 and 0 by 8e-9."""
@@ -53,9 +53,9 @@ ALIASES = 4.0
 class FreePlanes:
     """Transforms of basis fields of the stress under a pressure on an isolated map.
 
-    Parameters and attributes are those of `asperity.stress.planes.periodic.PeriodicPlanes`; each node of the
-    grid is the centre of a pixel. The tolerance of coarse planes refers to the root mean square of σ_zz in
-    the padded cell. Without coarse planes there is no such error.
+    Parameters and attributes as for `asperity.stress.planes.periodic.PeriodicPlanes`; each node of the grid
+    is the centre of a pixel. The tolerance of coarse planes refers to the root mean square of σ_zz in the
+    padded cell. Without coarse planes there is no such error.
     """
 
     mean_pressure = 0.0
@@ -72,7 +72,7 @@ class FreePlanes:
     ) -> None:
         grid = self._grid = solid.grid
         self._threads, self._work = threads, work
-        # Load along z, x and y over a pressure, and that pressure.
+        # Load along z, x and y over a pressure, and the pressure.
         self._loads = [((1.0, *traction), solid.pressure)]
         if solid.sticking_pressure is not None and any(traction):
             self._loads = [((1.0, 0.0, 0.0), solid.pressure), ((0.0, *traction), solid.sliding_pressure)]

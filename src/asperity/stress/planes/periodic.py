@@ -1,9 +1,9 @@
 """Basis fields of the stress in planes under a periodic pressure, transformed from its modes.
 
-On a mirrored map the coefficients are real: those of cosines, and of sines along the axes on which a
-component is odd (`asperity.stress.planes.fields.ODD`). Those of sines begin with the first wave, as the
-engines take them, so that their indices are one lower. An odd component has, for each such axis, a factor
-i q_x or i q_y in the coefficients of exponentials, and −q_x or −q_y in those of cosines.
+On a mirrored map the coefficients are real: of cosines, and of sines along the axes on which a component is
+odd (`asperity.stress.planes.fields.ODD`). Coefficients of sines begin with the first wave, as the engines
+take them, so that their indices are one lower. An odd component has, for each such axis, a factor i q_x or i
+q_y for exponentials, and −q_x or −q_y for cosines.
 """
 
 from __future__ import annotations
@@ -285,7 +285,6 @@ class PeriodicPlanes:
         return self._fourier.grid.half_wavenumber(columns=columns).astype(self.dtype)
 
     def _mean(self, field: BasisField) -> float:
-        """The mean of a basis field."""
         along_x, along_y = (share * self._mean_sliding for share in self._traction)
         means = {"zz": -self.mean_pressure, "xz": along_x, "yz": along_y}
         return field.constant * means.get(field.component, 0.0)
@@ -365,7 +364,7 @@ def _fill_xz(
         q_x depth/2.
     start, stop : int
     trace : array
-        Any values; its size is that of a row of coefficients.
+        Any values, as many as in a row of coefficients.
     values : (fields, ny, at least as many) array
         Real and imaginary parts in turn, or real coefficients.
     """
@@ -411,7 +410,7 @@ def _fill_spectra(
         Number of rows with q_y ≥ 0, for which factors are computed: all of a mirrored map.
     is_layer : bool
     kernels : (3, rows, columns) array
-        Z, L and T of a layer; those of the half-space are computed here.
+        Z, L and T of a layer; for the half-space they are computed here.
     memory : tuple
         Arrays with any values: (3, numbers) in double precision, the memory of its third row as integers, and
         (10, numbers) in that of the planes, where `numbers` is a multiple of the number of columns.
@@ -431,7 +430,8 @@ def _fill_spectra(
             kind, factor = kinds[n], shared[0, : (last - first) * columns]
             _fill_factors(kind, factors[n, 0], factors[n, 1], shared, factor)
             if length == columns:  # real coefficients
-                # Two derivatives of an exponential change its sign, those of cosines along x and y do not.
+                # Two derivatives of an exponential change its sign; one of a cosine along x and one along y
+                # do not.
                 sign, shift = -one if kind == _XY else one, 1 if kind in (_YZ, _XY) else 0
                 for j in range(max(first, shift), last):
                     own, line = factor[(j - first) * columns :], modes[j, left : left + columns]
@@ -447,7 +447,7 @@ def _fill_spectra(
             for j in range(first, last):
                 own = twice[(j - first) * length : (j - first + 1) * length]
                 _multiply(own, one, modes[j, left : left + length], is_turned, out[n, j])
-                # The row of −qy has the same factors; those odd in qy change their sign.
+                # The row of −qy has the same factors; factors odd in qy change their sign.
                 if 0 < j < ny - j:
                     sign = -one if kind in (_YZ, _XY) else one
                     opposite = modes[modes.shape[0] - j, left : left + length]

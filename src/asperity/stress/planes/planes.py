@@ -1,7 +1,7 @@
 """Fields of the stress inside the solid, plane by plane, on grids no finer than the depth needs.
 
 Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in the unit of
-the contact pressure, which is that of Young's modulus. The names of the fields:
+the contact pressure, which is also the unit of Young's modulus. The names of the fields:
 
 - ``xx, yy, zz, yz, xz, xy``: the components;
 - ``von_mises``: the equivalent stress of von Mises;
@@ -13,10 +13,10 @@ Sliding
 -------
 With ``friction`` μ > 0 the solid also bears the shear traction t = μ p along ``sliding_direction``: full
 sliding, with the traction on this solid in the direction in which the other body moves over it. The pressure
-stays that of the contact without friction. This is exact for two equal bodies, and for incompressible
-half-spaces against each other or a rigid body. Otherwise, and on a bonded layer or a coating for every ν,
-the normal displacement by the traction is neglected: `asperity.elasticity.two_bodies.sliding_coupling` says
-how large it is. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
+stays as in the contact without friction. This is exact for two equal bodies, and for incompressible
+half-spaces against each other or a rigid body. Otherwise, and on a bonded layer or a coating for every ν, the
+normal displacement by the traction is neglected: `asperity.elasticity.two_bodies.sliding_coupling` says how
+large it is. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ COATING_PLANES = 4
 
 DEEP_GROWTH = 0.06
 """Distance between planes below the depth of the cell, relative to their depth, where only a background
-changes: the largest stress of a Hertz contact is that of a plane to 0.1 %."""
+changes: a plane meets the largest stress of a Hertz contact to 0.1 %."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -95,18 +95,18 @@ def stress_planes(
         Rising depths ≥ 0, in a layer of at most its height. `Solid.interface` is the lower face of a coating,
         the next larger number (`numpy.nextafter`) the upper face of its base.
     poisson : float or sequence, optional
-        Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
-        of finite height only that of the contact, on which its pressure depends. With a coating it is that of
-        the coating; the base keeps its own.
+        Poisson's ratios, on the half-space any number at once; by default the contact's. In a layer of finite
+        height only the contact's, on which the pressure depends. With a coating the ratio of the coating; the
+        base keeps its own.
     fields : names
-        Any of those in the description of the module. Only what they need is computed.
+        Any names in the description of the module. Only the basis fields that they need are computed.
     tolerance : float
         Largest error of any field at any node where a plane is computed on a coarser grid, relative to the
         root mean square of σ_zz in that plane. 0 computes every plane on the grid of the contact.
     threads : int
         The result does not depend on it.
     progress : callable, optional
-        Called as progress(done, total) after each plane; planes count by their nodes.
+        Called as progress(done, total) after each plane; in proportion to the nodes of the planes.
     work : Work, optional
         Where the transforms are counted.
     friction : float

@@ -109,7 +109,7 @@ class LinearPlane:
 
     @property
     def first_node(self) -> tuple[float, float]:
-        """Position y, x of the first node, where that of the grid of the contact is at 0."""
+        """Position y, x of the first node, relative to the first node of the grid of the contact."""
         return self.grid.first_node(self.solid.grid)
 
     def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> PlaneFields:
@@ -167,7 +167,7 @@ def uniform_part(layer: Solid, poisson: float, depth: float) -> float:
 class PlaneStream:
     """Planes of the stress in a solid, from the surface downward.
 
-    The arguments are those of `asperity.stress_planes`, and are checked here.
+    Arguments as for `asperity.stress_planes`; they are checked here.
 
     Attributes
     ----------
@@ -224,7 +224,7 @@ class PlaneStream:
 
     @property
     def keeps_planes(self) -> bool:
-        """Whether the basis fields of two planes are kept side by side at all depths."""
+        """True if the basis fields of two planes are kept side by side at all depths."""
         source = FreePlanes if self.solid.boundary == "free" else PeriodicPlanes
         fields, grid = len(self._basis_fields()[0]), self.solid.grid
         size = fields * grid.shape[0] * source.row_length(grid)
@@ -237,11 +237,11 @@ class PlaneStream:
         watch: Callable[[LinearPlane], Visit] | None = None,
         at: Sequence[float] | None = None,
     ) -> Iterator[LinearPlane]:
-        """The planes one after the other, or the first `count` of them, or those at some other depths.
+        """The planes one after the other, or the first `count` of them, or planes at some other depths.
 
         `watch` is called with every plane before it is computed, and returns a function that is called when
         some of its rows are computed. The basis fields of a plane stay in memory while the next plane is
-        computed, those of planes beyond `KEPT_BYTES` do not; `LinearPlane.refresh` computes them again.
+        computed, unless they exceed `KEPT_BYTES`; `LinearPlane.refresh` computes them again.
         """
         depths = self.depths[:count] if at is None else _checked_depths(at, self.solid)
         source, (basis_fields, indices) = self._source, self._basis_fields()
@@ -273,7 +273,7 @@ class PlaneStream:
 
     @cached_property
     def _source(self) -> PeriodicPlanes | FreePlanes:
-        """Where the basis fields come from; it keeps the modes of the pressure."""
+        """Source of the basis fields; it keeps the modes of the pressure."""
         solid, tolerance = self.solid, self._tolerance
         envelope = partial(envelope_of, solid.layer, min(self.ratios), float(np.hypot(*self._traction)))
         arguments = solid, tolerance, envelope, self._traction, self.threads, self.work
@@ -305,7 +305,7 @@ class PlaneStream:
 class _Memory:
     """Memory for the basis fields of one plane after the other.
 
-    Planes of even numbers begin at its start, those of odd numbers end at its end. Neighbours lie side by
+    Planes of even numbers begin at its start, planes of odd numbers end at its end. Neighbours lie side by
     side up to `KEPT_BYTES`; larger ones share memory.
     """
 
@@ -351,7 +351,7 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Solid) -> lis
             raise ValueError(f"poisson = {nu!r}: given {ratios.count(nu)} times, every ratio is needed once")
         if layer.height is not None and nu != layer.poisson:
             raise ValueError(
-                f"poisson = {nu!r}: {layer.poisson!r}, that of the contact, is needed in a layer of finite "
+                f"poisson = {nu!r}: {layer.poisson!r}, as in the contact, is needed in a layer of finite "
                 "height, because the pressure depends on it"
             )
     return ratios

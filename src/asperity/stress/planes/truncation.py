@@ -5,13 +5,13 @@ Bound
 A pressure mode of amplitude |p̂| and wavenumber q has, at depth d, no field (component, principal, largest
 shear, hydrostatic or von Mises stress) larger than K (1 + q d) e^(−q d) |p̂|, with the constant K of
 `envelope_of`. No field changes by more than the fields of the modes that are dropped: the largest shear and
-the von Mises stress are seminorms, and principal stresses move by at most the spectral norm of the change
-(H. Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops
-therefore bounds the error of every field at every node. ``docs/method.md`` has the proof of K in a
-half-space; that of a layer is computed from its kernels. The grid chosen is the coarsest whose bound is below
-the tolerance times the root mean square of σ_zz in that plane,
-which Parseval's theorem gives beforehand and which is at most the largest |σ_zz| there. What is left of the
-tolerance bounds the columns of modes that are left out of the transforms along y.
+the von Mises stress are seminorms, and principal stresses move by at most the spectral norm of the change (H.
+Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops therefore
+bounds the error of every field at every node. ``docs/method.md`` has the proof of K in a half-space; for a
+layer K is computed from its kernels. The grid chosen is the coarsest whose bound is below the tolerance times
+the root mean square of σ_zz in that plane, which Parseval's theorem gives beforehand and which is at most the
+largest |σ_zz| there. The rest of the tolerance bounds the columns of modes that are left out of the
+transforms along y.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 
 ENVELOPE_MARGIN = 0.01
-"""Allowance for the wavenumbers between those at which the bound of a layer is computed; the largest found by
+"""Allowance for wavenumbers between which the bound of a layer is computed; the largest found by
 ``benchmarks/bound.py`` is 1e-4."""
 
 MIN_NODES = 16
@@ -63,7 +63,7 @@ class Truncation:
     pressure : array
         Coefficients of the contact pressure, of the `mode_shape` of the first grid.
     grids : sequence of Grid
-        Grids to choose from, finest first: that of the coefficients, and coarser ones of the same cell.
+        Grids to choose from, finest first: the grid of the coefficients, and coarser ones of the same cell.
     layer : Solid
     tolerance : float
         Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
@@ -159,7 +159,7 @@ def envelope_of(layer: Solid, poisson: float, friction: float, depth: float) -> 
     """The constant K at a depth, under pressure and a shear traction `friction` times it.
 
     In a half-space it is the same at every depth, and holds for all ratios ≥ `poisson`. In a layer it is the
-    largest ratio of the bound of a mode, from its kernels, to that of the half-space without K, at
+    largest ratio of the bound of a mode, from its kernels, to the bound of the half-space without K, at
     wavenumbers so close that it changes by less than `ENVELOPE_MARGIN` between them; in a coated half-space
     of all that are not zero at the depth.
     """
@@ -168,7 +168,7 @@ def envelope_of(layer: Solid, poisson: float, friction: float, depth: float) -> 
     half_space = float(of_pressure + friction * of_traction)
     if layer.height is None:
         return half_space
-    # Below these the kernels have their limits for thin layers, above them those of the half-space.
+    # Below these the kernels have their limits for thin layers, above them their values in the half-space.
     wavenumber, ratio = np.geomspace(1e-4, 40.0, 500) / layer.height, layer.poisson
     if (base := layer.base) is not None:
         # Stiff or soft coatings have their limits at longer waves, the base at shorter ones.
@@ -203,8 +203,8 @@ def _mode_bound(z: Array, along: Array, across: Array, shear: Array) -> Array:
 def coarser_grids(grid: Grid) -> list[Grid]:
     """The grid and coarser ones of the same cell: 7/8, 6/8, 5/8, 4/8 of its nodes, and so on by halves.
 
-    Every number of nodes is one whose transform is fast, and at least `MIN_NODES` or that of the grid. These
-    are numbers along a period: those of a mirrored map are half as many.
+    Every number of nodes is one whose transform is fast, and at least `MIN_NODES`, or as many as the grid
+    has. These are numbers along a period: a mirrored map has half as many.
     """
     grids, images, nodes = [grid], 2 if grid.mirrored else 1, grid.whole_cell.shape
     halving = 1.0

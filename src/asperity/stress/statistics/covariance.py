@@ -1,4 +1,4 @@
-"""Covariances of Eq. 22: within a plane, and of planes with that of the largest von Mises stress."""
+"""Covariances of Eq. 22: within a plane, and of planes with the plane of the largest von Mises stress."""
 
 from __future__ import annotations
 
@@ -23,10 +23,9 @@ MOST_KEPT = 8
 class References:
     """For several fields, the plane with the largest value so far, and the covariance of all planes with it.
 
-    The planes come one by one, each on a grid no finer than the one before. Those above the reference are
-    kept as long as the largest value rises from every plane to the next, and compared with the reference
-    when it no longer does. Where it rises again later, or none is kept, the planes above are to be added
-    again.
+    The planes come one by one, each on a grid no finer than the one before. Planes above the reference are
+    kept as long as the largest value rises from every plane to the next, and compared with the reference when
+    it no longer does. Where it rises again later, or none is kept, the planes above are to be added again.
 
     Parameters
     ----------
@@ -37,7 +36,7 @@ class References:
     dtype : "float32" | "float64"
         Precision of the planes.
     keeps : bool
-        Whether there is memory for planes above the reference, and for the modes of the references.
+        True if there is memory for planes above the reference, and for the modes of the references.
     threads : int
     work : Work
         Where transforms are counted.
@@ -45,7 +44,7 @@ class References:
     Attributes
     ----------
     number : (fields,) array
-        Which plane of the stream is the reference of each field.
+        Number of the plane of the stream that is the reference of each field.
     covariance : (fields, planes) array
         Mean of the product of the fields of each plane and of the reference, less the product of their means.
     missing : (fields,) array
@@ -304,12 +303,7 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
 
 
 class _Rings:
-    """Rings of lag vectors of a grid, and the autocovariances that are averaged over them.
-
-    Attributes
-    ----------
-    lag : (lags,) array
-    """
+    """Rings of lag vectors of a grid, and the autocovariances that are averaged over them."""
 
     def __init__(self, grid: Grid) -> None:
         self._grid, width, cell = grid, min(grid.spacing), grid.whole_cell

@@ -1,11 +1,11 @@
 """Extrapolation to vanishing grid spacing, from a contact and the same contact on half as many nodes.
 
-The largest error of a contact on a grid is usually that of the grid. Each of its parts is corrected by what
-theory gives and many random surfaces show (``docs/continuum.md``):
+The largest error of a contact on a grid is usually the discretisation error. Each of its parts is corrected
+by theory and by results of many random surfaces (``docs/continuum.md``):
 
 Area
-    A node in contact counts with the whole of its pixel, so that every patch is too wide by a share of the
-    spacing along its boundary. The boundary, counted in edges between nodes inside and outside, times
+    The whole pixel of a node in contact is counted, so that every patch is too wide by a share of the spacing
+    along its boundary. The boundary, counted in edges between nodes inside and outside, times
     `BOUNDARY_SHARE` is subtracted. (Yastrebov, Anciaux and Molinari 2017,
     https://doi.org/10.1016/j.triboint.2017.04.023, derive a share of 0.118 for random cuts.)
 Slopes and depths
@@ -85,43 +85,43 @@ COMMON = "pressure", "von_mises"
 """Quantities whose peaks enter the change of the sizes of every other quantity, too."""
 
 LOST_DEPTH = 5
-"""Added to the share of the mean depth, per share of the squared gradient that is lost on half of the
-nodes."""
+"""c in the factor 1 + c l of the error of the mean depth; l: share of the squared gradient lost on half of
+the nodes."""
 
 OF_AREA = 0.43, 0.043
-"""Relative error of the area over the change of its estimate from half of the nodes to all, and over its
-correction; the sum counts."""
+"""a, b of the relative error of the area: a |A/A_half − 1| + b |A/A₀ − 1|. A is its estimate from all nodes,
+A_half from half of them, and A₀ the area of the nodes in contact."""
 
 OF_GRADIENT = 0.38, 0.5, 4.5, 0.012
-"""Relative error of the gradient over its correction: at small areas; the addition in proportion to the
-squared area fraction; and the addition in proportion to the lost squared gradient at small areas. The last
-number is relative to the correction of the area, and its result is added."""
+"""a, b, c, d of the relative error of the gradient: (a + b A² + c l (1 − A)²) |g/g₀ − 1| + d |A/A₀ − 1|.
+g and A are the estimates of gradient and area, g₀ and A₀ their values on the nodes; l as in `LOST_DEPTH`."""
 
 OF_PROPORTIONALITY = 0.9
-"""Relative error of κ_r over the root of the sum of squares of those of its factors."""
+"""Relative error of κ_r over √(error of the area² + error of the gradient²)."""
 
 OF_MISSED = {"pressure": 0.16, "von_mises": 0.16}
-"""Quantity → relative error of its highest peaks over the share of peaks that the grid missed."""
+"""Quantity → c of the relative error of a quantile of its peaks, (c + `LOWER_PEAKS` (1 − level)) m, with the
+share m of the peaks that the grid missed."""
 
 OF_MISSED_COMPONENT = 0.3
 """`OF_MISSED` for other quantities, whose number of peaks rises more from grid to grid."""
 
 LOWER_PEAKS = 1.5
-"""Added to these factors in proportion to the share of higher peaks."""
+"""See `OF_MISSED`."""
 
 OF_PLASTIC_AREA, OF_PLASTIC_GRADIENT = 2.5, 1.0
-"""Where the pressure reaches the hardness: factor of the relative error of the area, and least relative error
-of the gradient over the correction of the area."""
+"""Under a hardness: factor of the relative error of the area, and least relative error of the gradient over
+|A/A₀ − 1|."""
 
 OF_PLASTIC_SIZE = {"p90": 0.14, "p99": 0.12, "largest": 0.13, "largest_von_mises": 0.13}
-"""There, least relative error of stresses over the fourth root of the relative correction of the area per
-share of the area out of contact: the pressure falls from the hardness to zero over less than a pixel, and the
-stress is largest below that edge. Shares of 60 random surfaces (`benchmarks/answers.py`)."""
+"""Under a hardness: c of the least relative error of stresses, c (|A/A₀ − 1|/(1 − A))^(1/4). The pressure
+falls from the hardness to zero over less than a pixel, and the stress is largest below that edge. From 60
+random surfaces (`benchmarks/answers.py`)."""
 
 ANISOTROPY, KURTOSIS = (0.1, 0.3), (0.1, 0.5)
-"""From the first number on a surface departs from an isotropic Gaussian one, and from the second on fully: of
-the anisotropy of the squared gradient, 0 to 1, and of the difference of the kurtosis of the curvature from 3.
-Of random isotropic Gaussian surfaces nine in ten are below 0.08 and 0.14."""
+"""Anisotropy of the squared gradient (0 to 1), and |kurtosis of the curvature − 3|, at which the departure
+from an isotropic Gaussian surface is 0 and 1; linear between. Nine in ten random isotropic Gaussian surfaces
+are below 0.08 and 0.14."""
 
 OF_DEPARTURE = {
     "area_fraction": (0.7, 0.8, 0.0),
@@ -131,10 +131,10 @@ OF_DEPARTURE = {
     "decay_length_depth": (1.1, 0.0, 0.5),
     "decay_length_plane": (1.3, 0.0, 1.1),
 }
-"""Number → additions to the relative error of a surface that departs fully from an isotropic Gaussian one:
-over the error itself, over the cuts of straight boundaries, and over the unresolved gradient. Quantile
-regression of 95 % on 120 surfaces of eight kinds at 2, 4 and 8 nodes on the shortest wave: grooves, powers,
-cut heights, squares, crests, bumps, deep valleys and bands of waves."""
+"""Number → a, b, c: its relative error rises by departure × (a × error + b × s + c × u), with s of
+`_straight_boundary` and u, ``unresolved``, of `_of_surface`. Quantile regression of 95 % on 120 surfaces of
+eight kinds at 2, 4 and 8 nodes on the shortest wave: grooves, powers, cut heights, squares, crests, bumps,
+deep valleys and bands of waves."""
 
 OF_DEPARTURE_OF_PRESSURE = 0.5, 0.5, 0.55
 """`OF_DEPARTURE` for the peaks of the pressure."""
@@ -175,7 +175,7 @@ class OnGrid(NamedTuple):
     is_plastic : bool
         True if the pressure reaches a hardness.
     height : (ny, nx) array, optional
-        Without it the surface counts as an isotropic Gaussian one.
+        Without it the surface is taken as an isotropic Gaussian one.
     """
 
     pressure: Array
@@ -188,9 +188,9 @@ class OnGrid(NamedTuple):
 
 
 def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0, mirrored: bool = False) -> str:
-    """Why a periodic contact allows no estimate; empty if it does.
+    """Reason why a periodic contact allows no estimate; empty if it does.
 
-    Nodes of a mirrored map count four times.
+    Nodes of a mirrored map are counted four times.
     """
     if plastic_area > 0:
         return "the pressure reaches the hardness, and the errors of a study are known for elastic contacts"
@@ -208,7 +208,7 @@ def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0, mi
 
 
 def reason_against_stress(found: xr.Dataset, error: xr.Dataset) -> str:
-    """Why peaks allow no estimate, from their numbers and errors; empty if they do."""
+    """Reason why peaks allow no estimate, from their numbers and errors; empty if they do."""
     if found["along_lines"] <= STRAIGHT:
         return "the ridges are straight, and the peaks along them are rounding errors"
     if not error["largest_von_mises"].notnull().any():
@@ -217,7 +217,7 @@ def reason_against_stress(found: xr.Dataset, error: xr.Dataset) -> str:
 
 
 def second_differences(height: Array, mirrored: bool = False) -> Array:
-    """Curvature of periodic heights, or of those of a mirrored map, times the squared spacing."""
+    """Curvature of periodic or mirrored heights times the squared spacing."""
     found = -4 * height
     for axis, nodes in enumerate(height.shape):
         beyond = [(int(axis == other),) * 2 for other in (0, 1)]
@@ -243,7 +243,7 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
     lost : float
         Share of the squared gradient of the surface in waves that the coarse grid does not hold.
     reason : str
-        Why there is no estimate; empty if there is one.
+        Reason why there is no estimate; empty if there is one.
     """
     other = numbers_on(coarse)
     if reason:
@@ -274,7 +274,7 @@ def extrapolated_numbers(
     lost : float
         Share of the squared gradient of the surface in waves that the other grid does not hold.
     levels : sequence of float
-        Shares of the peaks at which quantiles are taken, those of `PERCENTILES` included.
+        Shares of the peaks at which quantiles are taken, with the levels of `PERCENTILES`.
     """
     found = numbers_on(fine, levels)
     best = found.copy()
@@ -329,7 +329,7 @@ def extrapolated_numbers(
     for name in {*best} & {*error}:
         error[name] = error[name].where(best[name].notnull() & (error[name] <= LARGEST_ERROR))
         best[name] = best[name].where(error[name].notnull())
-    if fine.stress is not None:  # a grid that misses the depths misses that of the highest peaks, too
+    if fine.stress is not None:  # a grid that misses the depths misses the depth of the highest peaks, too
         for kind in (best, error):
             kind["mean_depth_highest"] = kind["mean_depth_highest"].where(best["mean_depth"].notnull())
     return found, best, error
@@ -338,7 +338,7 @@ def extrapolated_numbers(
 def _of_departure(error: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
     """Relative errors of a surface that may not be isotropic and Gaussian.
 
-    ``least`` is the addition to that of the largest von Mises stress.
+    ``least`` is the addition to the error of the largest von Mises stress.
     """
 
     def added(shares: tuple[float, float, float], own: Any) -> Any:
@@ -379,7 +379,7 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> xr.D
 
 
 def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEVELS) -> xr.Dataset:
-    """Numbers of the contact, and those of the peaks and the decay of its stress, on one grid."""
+    """Numbers of the contact, and of the peaks and the decay of its stress, on one grid."""
     touching = results.pressure > 0
     in_cell = with_mirror_images(touching, results.grid)
     edges = sum(np.count_nonzero(in_cell != np.roll(in_cell, 1, axis)) for axis in (0, 1))
@@ -425,10 +425,10 @@ def _straight_boundary(touching: Array) -> float:
 
 
 def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
-    """Departure from an isotropic Gaussian surface, 0 to 1, and what half of the nodes do not resolve.
+    """Departure from an isotropic Gaussian surface, 0 to 1, and waves that half of the nodes do not resolve.
 
-    ``unresolved`` is the root of u/(1 + u), where u is the squared gradient over the contact of waves that
-    half of the nodes along both edges do not hold, over that of all waves.
+    ``unresolved`` is the root of u/(1 + u), where u is the share of the squared gradient over the contact in
+    waves that half of the nodes along both edges do not hold.
     """
     if results.height is None:
         return {"departure": 0.0, "unresolved": 0.0}
@@ -458,7 +458,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
 
 
 def _quantiles(of_peaks: xr.Dataset) -> xr.Dataset:
-    """Quantiles of the peaks at all levels, and those of `PERCENTILES` by name."""
+    """Quantiles of the peaks at all levels, and at the levels of `PERCENTILES` by name."""
     quantile = of_peaks["peak_quantile"]
     named = {name: quantile.sel(level=level, drop=True) for name, level in PERCENTILES.items()}
     return xr.Dataset({"peak_quantile": quantile, **named})

@@ -1,10 +1,10 @@
 """Largest peak on an area that was not measured, from the peaks of maps of the same surface.
 
-Excesses of peaks over a high threshold follow a generalised Pareto distribution (J. Pickands, Ann. Statist.
-3 (1975) 119, https://doi.org/10.1214/aos/1176343003). With λ such peaks per area the largest one on an area S
-is below x with probability exp(−λ S (1 − F(x))), where F is that distribution. Median and interval are those
-of the predictive distribution: this probability, averaged over all shapes, scales and rates by their
-likelihood. With the most likely ones alone both are too low.
+Excesses of peaks over a high threshold follow a generalised Pareto distribution (J. Pickands, Ann. Statist. 3
+(1975) 119, https://doi.org/10.1214/aos/1176343003). With λ such peaks per area the largest one on an area S
+is below x with probability exp(−λ S (1 − F(x))), where F is that distribution. Median and interval belong to
+the predictive distribution: this probability, averaged over all shapes, scales and rates by their likelihood.
+With the most likely ones alone both are too low.
 """
 
 from collections.abc import Sequence
@@ -23,12 +23,12 @@ TAIL = 0.15
 """Share of the peaks above the threshold, between these numbers."""
 
 MAX_AREA_RATIO = 100
-"""Largest area over that of the sample; `benchmarks/largest.py` measures the intervals up to 39."""
+"""Largest area over the area of the sample; `benchmarks/largest.py` measures the intervals up to 39."""
 
 SHAPE_PRIOR = -0.1, 0.2, 0.2
 """Mean and standard deviation of the shape ξ before any peak is known, since tails of stresses are nearly
 exponential, and the probability that ξ is anywhere in `SHAPES`: under a hardness tails end abruptly. Chosen
-on cells of other surfaces than those of `benchmarks/largest.py`."""
+on cells of surfaces that `benchmarks/largest.py` does not use."""
 
 SHAPES = -2 + 0.0325 * (np.arange(80) + 0.5)
 """Shapes over which the average is taken."""
@@ -40,23 +40,23 @@ NEGLIGIBLE_WEIGHT = 1e-6
 """Likelihood over the largest one below which shape and scale are left out."""
 
 QUANTILES = 0.5, 0.025, 0.975
-"""Of the largest value: its median, and the ends of the interval."""
+"""Probabilities of the median of the largest value, and of the ends of its interval."""
 
 
 class Largest(NamedTuple):
-    """Largest value on an area, with what it follows from.
+    """Largest value on an area, with its interval and the fitted tail of the peaks.
 
     Attributes
     ----------
     value, low, high : float
         Median, and 95 % interval, of the largest value on one such area: it holds the scatter of the largest
-        value from area to area and that of the maps. Of one map the interval is NaN.
+        value from area to area and the scatter of the maps. Of one map the interval is NaN.
     threshold, shape : float
         Threshold of the peaks, and mean shape ξ of the generalised Pareto distribution.
     peaks : int
         Peaks of the sample above the threshold.
     times : float
-        Area over that of the sample.
+        Area over the area of the sample.
     """
 
     value: float
@@ -71,9 +71,10 @@ class Largest(NamedTuple):
 def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> Largest:
     """Largest peak on an area, from the peaks of maps of the same surface.
 
-    Peaks of one map are alike. The likelihood is that of fewer independent peaks, by the ratio of the
-    variances of number and sum of the excesses over the maps to those of independent peaks. On an area as
-    large as the maps or larger, median and upper end are not below the largest peak of the maps.
+    Peaks of one map are alike. The likelihood is therefore reduced to fewer independent peaks, by the ratio
+    of the variances of number and sum of the excesses over the maps to the variances for independent peaks.
+    On an area as large as the maps or larger, median and upper end are not below the largest peak of the
+    maps.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     sample_area : float
         Of all maps together, in m².
     area : float
-        In m², too; at most `MAX_AREA_RATIO` times that of the sample.
+        In m², too; at most `MAX_AREA_RATIO` times the area of the sample.
 
     Raises
     ------
@@ -121,7 +122,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
 
     def below(excess: float) -> float:
         beyond = np.maximum(1 + shapes * excess / scales, 0) ** (-1 / shapes)
-        # The mean over the rate, whose distribution is that of Gamma after `count` independent peaks.
+        # The mean over the rate, which has a Gamma distribution after `count` independent peaks.
         return float(weights @ (1 + times * dependence * beyond) ** (-count / dependence))
 
     most = 1.0
@@ -160,6 +161,6 @@ def check_area(area: float, sample_area: float) -> None:
     if not 0 < area <= MAX_AREA_RATIO * sample_area * (1 + 1e-9):
         given, most = (shown_si(value, "m^2") for value in (area, MAX_AREA_RATIO * sample_area))
         raise ValueError(
-            f"area = {given}: an area > 0 and ≤ {most} is needed, {MAX_AREA_RATIO} times that of all maps "
-            "together"
+            f"area = {given}: an area > 0 and ≤ {most} is needed, {MAX_AREA_RATIO} times the area of all "
+            "maps together"
         )

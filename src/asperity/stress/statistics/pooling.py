@@ -248,8 +248,8 @@ def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bo
 def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
     """Median depth of all peaks and of the highest ones, from their counts by value and depth.
 
-    The highest peaks are those in the bins of the largest values that hold at most `HIGHEST_SHARE` of all.
-    Within a bin of depth peaks are taken to be distributed evenly.
+    The highest peaks lie in the bins of the largest values that hold at most `HIGHEST_SHARE` of all. Within a
+    bin of depth peaks are taken to be distributed evenly.
     """
     above = np.cumsum(joint.sum(axis=1)[::-1])[::-1]
     highest = above <= HIGHEST_SHARE * joint.sum()
@@ -257,7 +257,7 @@ def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
 
 
 def _median(counts: Array, edges: Array) -> float:
-    """Median of what is counted in bins; NaN if nothing is."""
+    """Median of values counted in bins; NaN without any."""
     total = counts.sum()
     if not total:
         return float("nan")
@@ -277,7 +277,7 @@ def mean(weights: Array, values: Array) -> Array:
 def _percentiles(values: Sequence[Array], bootstrap: Bootstrap) -> Array:
     """Percentiles of the magnitudes of all values, and their bands, (3, percents); NaN of too few values.
 
-    The percentiles are exact, those of the resamples are found in fine bins.
+    The percentiles are exact, and of the resamples are found in fine bins.
     """
     magnitudes = [np.abs(v) for v in values]
     pooled = np.concatenate(magnitudes)
