@@ -54,7 +54,7 @@ def pytest_sessionstart(session):
 
 
 def pytest_generate_tests(metafunc):
-    """Run marked tests with every engine, those of the default first."""
+    """Run marked tests with every engine, the default first."""
     if metafunc.definition.get_closest_marker("engines") and not metafunc.config.getoption("--fft-engine"):
         metafunc.fixturenames.insert(0, "chosen_engine")
         metafunc.parametrize("chosen_engine", ENGINES, indirect=True, scope="module")

@@ -66,7 +66,7 @@ def order(points, errors):
 
 
 def difference(found, exact):
-    """Norm of the difference of two fields over that of the second."""
+    """Norm of the difference of two fields over the norm of the second."""
     return np.linalg.norm(found - exact) / np.linalg.norm(exact)
 
 

@@ -52,7 +52,7 @@ const away = (other) => Math.hypot(x[other] - x[number], y[other] - y[number]);
 const near = Math.min(...[...x.keys()].filter((other) => other !== number).map(away));
 return [edge.left + x[number], edge.top + y[number], near];
 """
-"""Where a peak is drawn in the window, and the distance of the nearest other one, in pixels."""
+"""Place of a peak in the window, and the distance of the nearest other one, in pixels."""
 
 TALLEST = 1500
 

@@ -42,7 +42,7 @@ def page(chromium, answer, tmp_path_factory):
 
 
 def text_at(page, *place):
-    """What the page shows for a pointer at a place of an element."""
+    """Values that the page shows for a pointer at a place of an element."""
     page.execute_script(UNDER_POINTER, *place)
     page.execute_async_script(  # what is unpacked, and shown in the next frame
         "requestAnimationFrame(() => requestAnimationFrame(arguments[0]))"

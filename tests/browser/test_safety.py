@@ -24,7 +24,7 @@ UPGRADE = {
 
 
 def ask(app, path="", method="GET", body=None, **headers):
-    """Status, headers and content of the reply to one request; the path is below that of the token."""
+    """Status, headers and content of the reply to one request; the path is below the path of the token."""
     connection = http.client.HTTPConnection("127.0.0.1", app.port, timeout=20)
     token = app.address.rsplit("/", 2)[1]
     headers = {name.replace("_", "-"): value for name, value in headers.items()}

@@ -74,7 +74,7 @@ def write_x3p(path, raw, valid=None, **given):
 
 
 def write_bruker(path, raw, size, *, listed=None, aspect="1:1", lines=None, slow="", keys=str):
-    """`size` is that of the image, `listed` are the lines of the scan, and `aspect` is its ratio."""
+    """`size` is the size of the image, `listed` are the lines of the scan, and `aspect` is its ratio."""
     ny, nx = raw.shape
     points = raw.astype("<i4").tobytes()
     scan = [
@@ -205,7 +205,7 @@ def write_nms(path, raw, pixel):
 
 
 def write_gsf(path, height, edges, *, units=("m", "m"), padding=0):
-    """Heights in the unit of z, edges (y, x) in that of x and y; `padding` makes the heading longer."""
+    """Heights in the unit of z, edges (y, x) in the unit of x and y; `padding` makes the heading longer."""
     ny, nx = height.shape
     lines = [
         "Gwyddion Simple Field 1.0",

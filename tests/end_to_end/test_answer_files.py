@@ -80,7 +80,7 @@ def untouched(_):
 
 @pytest.mark.parametrize("damage", [untouched, copied_table, cut_table, deleted_result, other_version])
 def test_resume_keeps_whole_answers_alone(pool, damage, capsys):
-    """The others are computed again: the means are those of the maps."""
+    """The others are computed again: the means follow from the maps."""
     before = (pool / "sample.csv").read_bytes()
     damage(pool)
     capsys.readouterr()

@@ -21,7 +21,7 @@ COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--mean-pressure", "400 MPa", "-
 
 @pytest.fixture(scope="module", autouse=True)
 def without_pictures():
-    """They take most of the time, and are those of one map (`test_run_command`)."""
+    """They take most of the time, and `test_run_command` draws them."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("asperity.engineering.output.pictures", lambda _: [])
         yield

@@ -171,7 +171,7 @@ def test_links_modes_and_other_files_are_kept(two_answers, tmp_path, without_pic
 
 @pytest.fixture
 def refused(capsys):
-    """What is printed on stderr when a command is refused."""
+    """Text on stderr when a command is refused."""
 
     def found(*command):
         with pytest.raises(SystemExit, match=r"^2$"):

@@ -56,7 +56,7 @@ def is_refusal(error):
     """True for a refusal of the package's own, in printable lines that are not too long.
 
     A ValueError or TypeError is the package's own if the last line of its traceback is a ``raise`` of the
-    package: those of compiled functions have a line of the package as their last one too, which calls them.
+    package: errors of compiled functions have a line of the package as their last one too, which calls them.
     """
     last = traceback.extract_tb(error.__traceback__)[-1]
     is_raised = last.filename.startswith(PACKAGE) and (last.line or "").startswith("raise ")

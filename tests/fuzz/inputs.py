@@ -43,7 +43,7 @@ extreme, wrong = st.sampled_from(EXTREME), st.sampled_from(WRONG)
 
 
 def among(good, *bad):
-    """Arguments of a strategy, and in odd cases sometimes those of others."""
+    """Arguments of a strategy, and in odd cases sometimes arguments of others."""
     return odd.flatmap(lambda is_odd: st.one_of(*[good] * 6, *bad) if is_odd else good)
 
 

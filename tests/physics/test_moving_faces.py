@@ -195,7 +195,7 @@ test_wrong_argument_is_refused = refuses(
 
 
 def test_run_moves_two_maps():
-    """The faces are those of both maps, the upper one turned over; each body has cycles of its own."""
+    """Both maps make the faces, the upper one turned over; each body has cycles of its own."""
     edge = 24e-6
     low, high = (
         asp.self_affine((16, 16), 0.8, edge / 2, edge / 4, 2e-8, seed, length=edge) for seed in (1, 2)

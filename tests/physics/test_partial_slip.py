@@ -78,7 +78,7 @@ def test_stress_is_that_of_two_sliding_spheres(body, tolerance):
 
 @pytest.mark.parametrize("solid", [HALF_SPACE, LAYER])
 def test_stress_over_a_periodic_boundary_is_superposed(solid):
-    """That of p with full sliding less that of p* and its shear; rounding, and the bound of coarse planes."""
+    """Stress of p in full sliding less that of p* and its shear; rounding, and the bound of coarse planes."""
     contact = asp.solve_contact(rough(), solid, mean_pressure=2e-3)
     slip = asp.contact.partial_slip(contact, FRICTION, tangential_force=0.5 * FRICTION * contact.force)
     settings = {"friction": FRICTION, "sliding_direction": 20.0}

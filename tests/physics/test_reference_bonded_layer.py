@@ -13,7 +13,7 @@ from asperity.reference.state_space import StateSpace
 
 @cache
 def compliance_ratio(poisson, scaled):
-    """Surface compliance over that of the half-space, by the state-space solution of a mode."""
+    """Surface compliance over the half-space's, by the state-space solution of a mode."""
     mode = StateSpace(scaled, 0, 1 - poisson**2, poisson, 1, digits=30)
     return float(-mode.displacement(0)[2].real * scaled / 2)
 

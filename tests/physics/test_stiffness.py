@@ -51,7 +51,7 @@ def test_full_contact_has_that_of_the_solid():
 
 
 def test_conductance_is_that_of_all_touching_nodes():
-    """Unloading moves plastic nodes, too: the conductance is that of the flattened surface; solver error."""
+    """Unloading moves plastic nodes, too: the flattened surface has the same conductance; solver error."""
     contact = hardened(rough(), 0.3, rtol=1e-10)
     flattened = contact.flattened_height()
     again = asp.solve_contact(flattened, HALF_SPACE, mean_pressure=contact.mean_pressure, rtol=1e-10)

@@ -131,7 +131,7 @@ def line():
 def test_line_contact_without_friction(line):
     """Johnson (1985), sections 4.2 and 9.3: τ_xz = ±p₀/4 at the depth b/2, shakedown at 4 k.
 
-    The neighbours of the cell change the stress by (b/L)² = 0.25 %, the depth is that of a plane.
+    The neighbours of the cell change the stress by (b/L)² = 0.25 %, the depth is the depth of a plane.
     """
     contact, largest, half = line
     depths = half * np.linspace(0.4, 0.6, 21)
@@ -160,7 +160,7 @@ def closed_form(x, z, friction, poisson):
 
 @pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
 def test_line_contact_with_friction(line, friction):
-    """Factors against those of McEwen's closed form in the same depths; images change 0.25 %."""
+    """Factors against McEwen's closed form in the same depths; images change 0.25 %."""
     contact, largest, half = line
     depths = half * np.linspace(0.2, 0.6, 9)
     cycles = asp.stress.stress_cycles(contact, depths, yield_stress=np.sqrt(3), friction=friction)

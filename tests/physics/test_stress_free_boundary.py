@@ -31,7 +31,7 @@ def ellipse(a, b, shape, length=1.0):
 def test_sphere_at_rest_and_sliding(friction):
     """All components at every node against Hertz, and Hamilton and Goodman (J. Appl. Mech. 33 (1966) 371).
 
-    The error is that of the pixels, of order h².
+    The error comes from the pixels, of order h².
     """
     radius, points, errors = 0.3, [48, 96], []
     sphere = SlidingSphere(Hertz(radius, curvature_radius=2 / np.pi * radius), friction)

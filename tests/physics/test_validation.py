@@ -22,7 +22,7 @@ SETTINGS = {
     "coating_indentation": {"points": 256},
     "metal_contacts": {"points": 64},
 }
-"""Settings other than the defaults; those of the paper take longer."""
+"""Settings other than the defaults; the paper's take longer."""
 
 
 @cache

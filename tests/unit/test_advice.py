@@ -15,7 +15,7 @@ STEEL = Body(young=210e9, poisson=0.3, yield_stress=2e9)
 
 @pytest.fixture(scope="module")
 def sound():
-    """An answer about which nothing is to be said: that of a surface which both of its grids resolve."""
+    """An answer without advice: both grids resolve its surface."""
     height = asp.self_affine((128, 128), 0.8, 16e-6, 8e-6, rms_height=1e-8, seed=1, length=128e-6)
     surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, unit="m", name="ground")
     answer = run(surface, STEEL, area_fraction=0.05)

@@ -1,4 +1,4 @@
-"""`analyse_stress`: peaks, profiles and covariances against those of the planes, one by one."""
+"""`analyse_stress`: peaks, profiles and covariances against values from the planes, one by one."""
 
 from dataclasses import replace
 
@@ -189,7 +189,7 @@ def test_large_planes_are_computed_again(contact, monkeypatch, tolerance):
     one = asp.analyse_stress(contact, **settings)
     packed = [name for name in both if name.startswith("covariance")]
     xr.testing.assert_identical(one.drop_vars(packed), both.drop_vars(packed))
-    # The steps of 16 bits are 3e-5 of the largest value, those of 32 bits 5e-10.
+    # The steps of 16 bits are 3e-5 of the largest value, of 32 bits 5e-10.
     steps = 1e-5 if tolerance == 1e-4 else 1e-10
     for name in packed:
         np.testing.assert_allclose(one[name], both[name], rtol=0, atol=steps * float(both[name].max()))

@@ -63,7 +63,7 @@ def test_friction_without_a_direction_slides_along_the_lay():
 
 
 def test_blocks_give_the_interval_of_a_ratio():
-    """Under equal loads that of Student's t for independent blocks, a tenth wider."""
+    """Under equal loads Student's t interval for independent blocks, a tenth wider."""
     means = np.random.default_rng(1).random((5, 4)) + 1
     found = Blocks((5, 4), np.full((5, 4), 3.0)).error(means)
     interval = stats.t.interval(0.95, 19, means.mean(), stats.sem(means, axis=None))

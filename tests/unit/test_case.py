@@ -136,7 +136,7 @@ def test_every_setting_is_explained():
 
 @pytest.fixture
 def small_maps(tmp_path, monkeypatch):
-    """Three maps of 24 x 24 points of 4 µm in place of those of the templates; nothing is drawn."""
+    """Three maps of 24 x 24 points of 4 µm in place of the maps of the templates; nothing is drawn."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     for number in (1, 2, 3):
@@ -218,7 +218,7 @@ def test_material_by_name_with_other_constants(tmp_path):
     assert (body.young, body.poisson) == (210e9, 0.28)
     assert set(body.of_table) == known.keys() - {"poisson", "fatigue_torsion", "fatigue_bending"}
     coated = asp.Body(material="100Cr6", coating={"thickness": 1e-6, **STEEL})
-    assert coated.hardness is None  # that of the material is not that of the coated body
+    assert coated.hardness is None  # the hardness of the material does not hold for the coated body
     surface = asp.HeightMap(1e-9 * np.random.default_rng(1).normal(size=(16, 16)), (16e-6, 16e-6), name="a")
     answer = asp.run(surface, asp.Body(material="100Cr6", hardness="inf"), mean_pressure=20e6)
     with pytest.MonkeyPatch.context() as patch:

@@ -96,7 +96,7 @@ def test_a_missing_package_is_one_line(tmp_path, name, command, program):
 
 
 def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
-    """In SI units, and as numbers in those of the study."""
+    """In SI units, and as numbers in the units of the study."""
     surface, out = str(tmp_path / "s.nc"), str(tmp_path / "c.nc")
     lengths = ["--wavelength-long", "20um", "--wavelength-short", "10um", "--rms-height", "80nm"]
     main(["surface", "--hurst", "0.8", *lengths, "--length", "80um", "--points", "32", "--out", surface])

@@ -61,7 +61,7 @@ def test_answer_tells_the_materials_apart(answer):
 
 
 def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
-    """The section from the file is that of the answer, the bodies and the case are the same."""
+    """The section from the file equals the answer's, the bodies and the case are the same."""
     monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     write_answer(answer, tmp_path / "answer")
     dataset = asp.read_result(tmp_path / "answer" / "contact.nc")
@@ -137,7 +137,7 @@ def test_command_refuses_a_coating(options, message, capsys, tmp_path):
 
 
 def test_study_of_a_coating():
-    """The study computes both materials, and a section from its file is that of its contact."""
+    """The study computes both materials, and a section from its file equals the section of its contact."""
     settings = LAYER_SETTINGS | {"height": 0.02, "base": {"modulus_ratio": 0.25, "poisson": 0.2}}
     found = results_of(1, settings)
     layer, record = solid(settings)

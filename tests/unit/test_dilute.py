@@ -164,7 +164,7 @@ def test_dilute_contact_takes_five_pairs():
 
 
 def test_an_area_that_a_flat_cannot_have_is_sought_on_the_whole_grid(small_grids):
-    """Candidates take ten times as many steps to the nearest area, that of the flat."""
+    """Candidates take ten times as many steps to the nearest area, the flat."""
     height = np.ones((256, 256))
     height[:4, :6] = 0
     grid = asp.Grid(height.shape, (256.0, 256.0), mirrored=True)

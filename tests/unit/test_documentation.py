@@ -147,7 +147,7 @@ def test_modules_and_pages_that_texts_name_exist():
 
 
 def test_programs_have_a_source_and_a_date():
-    """A cell without a link has that of its program."""
+    """A cell without a link has the link of its program."""
     table = (ROOT / "README.md").read_text("utf-8").split("## Beside other programs")[1]
     rows = [row.split(" | ") for row in re.findall(r"^\| (.*) \|$", table, re.MULTILINE)]
     assert len(rows) == 8

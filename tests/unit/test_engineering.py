@@ -166,7 +166,7 @@ def test_neighbouring_balls_are_compared_with_one_alone():
 
 
 def test_cylinder_along_a_period_is_line_contact():
-    """The stress is that of Hertz and the lateral stress ν p̄/(1 − ν) of the confined cell, which is told."""
+    """The stress is Hertz's plus the lateral stress ν p̄/(1 − ν) of the confined cell, which a note states."""
     flat = HeightMap(1e-12 * np.random.default_rng(0).normal(size=(8, 128)), (10e-6, 160e-6), periodic=True)
     roller = {"radius": 1e-3, "form": "cylinder", "cylinder_axis": "y"}
     answer = run({"file": flat, "detrend": "none", **roller}, STEEL, force=0.1)

@@ -7,7 +7,7 @@ from samples import HALF_SPACE, difference, refuses, rough
 import asperity as asp
 
 HUGE = 10**400
-"""A whole number beyond those of floating point."""
+"""A whole number beyond floating point."""
 
 
 def noise(shape=(32, 32)):
@@ -43,7 +43,7 @@ def test_units_by_powers_of_two_change_no_bit(boundary, heights, lengths, moduli
     ],
 )
 def test_single_precision_is_refined_in_double(height, settings, bound):
-    """Where rounding alone is above the bound: of an offset of 1000 rms heights, or of a contact of 1 %."""
+    """Rounding alone is above the bound: of an offset of 1000 rms heights, or of a contact of 1 %."""
     single, double = (
         asp.solve_contact(height, HALF_SPACE, dtype=d, **settings) for d in ("float32", "float64")
     )
@@ -116,7 +116,7 @@ test_argument_out_of_range_is_refused = refuses(
 
 
 def test_long_narrow_cells_agree_along_both_axes():
-    """Rings of wavenumbers between those of the modes are left out: here 16 million of 16 million."""
+    """Rings of wavenumbers without modes are left out: here 16 million of 16 million."""
     pressure = np.random.default_rng(0).random((16, 16))
     long = asp.LoadedSolid(pressure, asp.Grid((16, 16), (1.0, 1e-6)), HALF_SPACE)
     wide = asp.LoadedSolid(pressure.T, asp.Grid((16, 16), (1e-6, 1.0)), HALF_SPACE)

@@ -26,7 +26,7 @@ LOWER, UPPER = noise(1), noise(2)
 
 @pytest.mark.parametrize(("axis", "turn"), [("y", np.s_[:, ::-1]), ("x", np.s_[::-1])])
 def test_upper_map_is_turned_over_about_the_axis(axis, turn):
-    """What lies at the right of the upper map touches the left of the lower one, turned about y.
+    """The right of the upper map touches the left of the lower one, turned about y.
 
     From below left and right are exchanged; a lower face is not turned.
     """

@@ -22,7 +22,7 @@ def ground():
 
 @pytest.mark.parametrize("load", [{"mean_pressure": 2e8}, BALL])
 def test_no_share_is_the_dry_answer(ground, load):
-    """To the bit: every number but those of the film."""
+    """To the bit: every number but the film's."""
     dry = asp.run(ground, STEEL, STEEL, load=load, sliding={"friction": 0.1})
     wet = asp.run(ground, STEEL, STEEL, load=load, sliding={"friction": 0.1}, film={"load_share": 0.0})
     numbers = [answer.frame().query("group != 'film'").reset_index(drop=True) for answer in (dry, wet)]

@@ -415,7 +415,7 @@ def test_doubts_about_edges_are_named():
 
 
 def test_shared_options_fill_what_files_omit(tmp_path):
-    """Also those of a map and its counter map, and a channel that only one of the files has."""
+    """Also options of a map and its counter map, and a channel that only one of the files has."""
     own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
     foreign_files.write_x3p(own, RAW)
     np.savez(bare, z=1e-3 * RAW, mask=RAW)
@@ -438,7 +438,7 @@ def test_shared_options_fill_what_files_omit(tmp_path):
 
 
 def test_options_of_the_counter_map_itself_override_its_file(tmp_path):
-    """With a note, as those of the map."""
+    """With a note, as for the map."""
     own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
     foreign_files.write_x3p(own, RAW)
     np.savez(bare, z=1e-3 * RAW[::-1])

@@ -33,7 +33,7 @@ def signalling(number, genuine):
     ("command", "number"), [*((command, signal.SIGINT) for command in COMMANDS), ("stress", signal.SIGTERM)]
 )
 def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypatch):
-    """When everything is computed, before a file gets its name or the answer is printed."""
+    """After the computation, before a file gets its name or the answer is printed."""
     np.savetxt(tmp_path / "map.txt", np.random.default_rng(1).normal(size=(16, 16)))
     files, out = {**chain, "map": tmp_path / "map.txt"}, tmp_path / "out"
     out.mkdir()

@@ -19,7 +19,7 @@ SUPPORTED.append(Solid(1.3, 0.3, 0.2, base=SUPPORTED[0]))
 @pytest.mark.parametrize("layer", SUPPORTED)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_fields_broadcast_and_keep_their_precision(layer, dtype):
-    """Kernels in single precision are those in double precision, rounded."""
+    """Kernels in single precision equal the kernels in double precision, rounded."""
     q = np.linspace(0, 5, 4, dtype=dtype)[:, None]
     depth = np.linspace(0, 0.375, 3, dtype=dtype)
     complex_type = np.result_type(dtype, np.complex64)
@@ -150,7 +150,7 @@ STEEL, BRONZE, COATING = Solid(210e9, 0.3), Solid(110e9, 0.34), Solid(3e9, 0.4, 
 
 
 def test_two_half_spaces_are_one():
-    """The effective modulus is that of Hertz."""
+    """The effective modulus is Hertz's."""
     both, q = TwoBodies(STEEL, BRONZE), np.array([1.0, 1e3, 1e6])
     expected = 1 / ((1 - 0.3**2) / 210e9 + (1 - 0.34**2) / 110e9)
     assert both.effective_modulus == pytest.approx(expected, rel=1e-14)
@@ -224,7 +224,7 @@ def test_green_tensor_is_hermitian_positive_and_symmetric(layer, exponent, angle
 
 @given(solids, st.floats(-4, 4))
 def test_kernels_stay_below_their_envelope(layer, exponent):
-    """The bound used to drop modes at a depth: (1 + d) e^(−d), twice that in a layer."""
+    """The bound used to drop modes at a depth: (1 + d) e^(−d), twice as large in a layer."""
     reach = layer.height or 1.0
     depth = np.linspace(0, reach, 41)
     decay = 10.0**exponent / reach * depth

@@ -132,7 +132,7 @@ def test_smaller_hardness_counts():
 
 
 def test_yield_stress_suggests_a_hardness():
-    """The answer is that of the elastic contact, with the plastic one beside it."""
+    """The answer describes the elastic contact, with the plastic one beside it."""
     elastic, answer = answer_of(), answer_of(yield_stress=4e9 / 3)
     np.testing.assert_array_equal(answer.contact.pressure, elastic.contact.pressure)
     assert rows(elastic) == {}

@@ -249,7 +249,7 @@ def test_a_mirrored_map_has_the_grid_of_the_map():
 
 @pytest.mark.parametrize("points", [None, 40, 90])
 def test_mirror_images_have_places_on_the_map(points):
-    """Also on other nodes than those of the map, to which the mirrors stand half a spacing away, too."""
+    """Also on other nodes than the map's; the mirrors stand half a spacing away from them, too."""
     treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored", points=points)
     grid = treated.grid
     assert grid.shape[1] == (points or 64) // 2

@@ -1,4 +1,4 @@
-"""The stress under a mirrored map is that under the map and its three mirror images."""
+"""The stress under a mirrored map equals the stress under the map and its three mirror images."""
 
 from dataclasses import replace
 

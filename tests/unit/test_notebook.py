@@ -1,4 +1,4 @@
-"""What a notebook user guesses: representations, plot, section, files, and dataset.asperity."""
+"""Names that a notebook user guesses: representations, plot, section, files, and dataset.asperity."""
 
 import base64
 import re

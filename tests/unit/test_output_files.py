@@ -186,7 +186,7 @@ def answer():
 def test_names_of_an_answer_are_known_before(answer, tmp_path):
     written = [path for path in write_answer(answer, tmp_path / "out") if path.is_file()]
     assert {path.name for path in written} <= {*names_of(answer.case)}
-    # Only the study is that of the paper.
+    # Only the study cites the paper.
     assert [path.name for path in written if b"Venugopalan" in path.read_bytes()] == []
 
 

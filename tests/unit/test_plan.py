@@ -1,6 +1,6 @@
 """Plans: bounds hold on surfaces that were not measured, and proposals reach their targets.
 
-Times are those of the machine of the measurement (factor 1), so that no test depends on the clock.
+Times hold for the machine of the measurement (factor 1), so that no test depends on the clock.
 """
 
 from dataclasses import replace

@@ -57,7 +57,7 @@ def test_tiny_nayak_study(tmp_path):
 
 
 def test_lengths_of_a_wave():
-    """Full contact with one wave: the pressure halves where J0 = 1/2; moments are those of the wave."""
+    """Full contact with one wave: the pressure halves where J0 = 1/2; moments of the wave."""
     points, waves = 256, 4
     x = np.arange(points) / points
     height = np.cos(2 * np.pi * waves * x)[None, :] + np.cos(2 * np.pi * waves * x)[:, None]

@@ -1,4 +1,4 @@
-"""``asperity surface``: the surface is that of the library, in cell lengths or in SI."""
+"""``asperity surface``: the surface equals the library's, in cell lengths or in SI."""
 
 import numpy as np
 import pytest

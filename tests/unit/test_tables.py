@@ -33,7 +33,7 @@ def test_page_of_tables_is_current():
 
 
 def test_tables_of_an_answer_are_described(tmp_path):
-    """They come back from CSV; those of peaks have their units in both unit systems."""
+    """They come back from CSV; tables of peaks have their units in both unit systems."""
     height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
     surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
     answer = run(surface, Body(young=210e9, poisson=0.3, yield_stress=1e9), mean_pressure=50e6)

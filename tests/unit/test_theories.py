@@ -13,7 +13,7 @@ CONFIG = yaml.safe_load((ROOT / "studies/theories/config.yaml").read_text(encodi
 
 @pytest.mark.parametrize(("load", "hardness"), [(0.1, 0.5), (0.2, 1.0), (0.05, 2.0), (0.02, 0.25)])
 def test_elastoplastic_areas_are_those_of_a_diffusion(load, hardness):
-    """A chain of 1000 cells between two absorbing ends; its error is that of the second difference, 1e-5."""
+    """A chain of 1000 cells between two absorbing ends; its error comes from the second difference, 1e-5."""
     cells = 1000
     step = hardness / cells
     n = np.arange(1, cells)

@@ -74,7 +74,7 @@ def snakemake(folder, *arguments, cores=2):
 
 
 def plan(folder, *options):
-    """What a dry run of the workflow prints in a folder without results, in this process.
+    """Output of a dry run of the workflow in a folder without results, in this process.
 
     A process of its own takes three times as long.
     """

@@ -21,7 +21,7 @@ FOUND = "results/quick"
 
 @pytest.fixture
 def folder(tmp_path):
-    """What the check reads besides results."""
+    """Files that the check reads besides results."""
     for name in ("config", "tests/reference"):
         shutil.copytree(ROOT / name, tmp_path / name)
     return tmp_path

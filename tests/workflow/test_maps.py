@@ -17,7 +17,7 @@ import bearing
 
 
 def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
-    """One answer of two is there, as after a kill; it is kept, and the means are those of one process.
+    """One answer of two is there, as after a kill; it is kept, and the means are the same as of one process.
 
     The names have characters that mean something to the shell, in patterns and to the command line.
     """

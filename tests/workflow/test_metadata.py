@@ -54,7 +54,7 @@ def keywords(schema):
 
 
 def test_schema_has_only_standard_keywords():
-    """All that it needs stand in one metaschema, that of draft 7, but for the items of a pair."""
+    """All of them stand in the metaschema of draft 7, but for the items of a pair."""
     standard = jsonschema.Draft7Validator.META_SCHEMA["properties"]
     assert {*keywords(yaml.safe_load(MADE["config_schema"]()))} <= standard.keys() | {"prefixItems"}
 

@@ -8,7 +8,7 @@ import pytest
 
 
 class Page(html.parser.HTMLParser):
-    """What a page holds."""
+    """Content of a page."""
 
     def __init__(self, text):
         super().__init__()
