@@ -7,7 +7,8 @@ Without a configuration figure and page are written from the table that is kept.
 folder.
 
 Every surface has the waves of one Gaussian surface of its seed, so that seeds are compared in pairs: a change
-is the mean of the logarithmic ratios over seeds, and its error that over seeds and those of the grid.
+is the mean of the logarithmic ratios over seeds, and its error contains the scatter over seeds and the errors
+of the grid.
 """
 
 from collections.abc import Mapping
@@ -111,7 +112,7 @@ def change(rows: pd.DataFrame, key: str, case: str, other: str = GAUSSIAN) -> tu
 
 
 def draw(rows: pd.DataFrame) -> Figure:
-    """Numbers by skewness and by kurtosis, over those of the Gaussian surfaces."""
+    """Numbers by skewness and by kurtosis, over the numbers of the Gaussian surfaces."""
     figure, axes = panels(2, 1, height=75.0)
     labels = {
         "kappa": r"$\kappa$",

@@ -5,8 +5,8 @@
 computes the contacts that are missing in the folder of results, then the table docs/nayak.csv. Without a
 configuration the page is written from the table that is kept. Run it in the project's folder.
 
-κ = a_r E* ḡ / p̄ and κ_r = a_r E* ḡ_r / p̄, with the area fraction a_r, the rms gradient ḡ of the whole surface
-and that of the real contact, ḡ_r, where the rough surface has the slope of the deformed one.
+κ = a_r E* ḡ / p̄ and κ_r = a_r E* ḡ_r / p̄, with the area fraction a_r, the rms gradients ḡ of the whole
+surface and ḡ_r of the real contact, where the rough surface has the slope of the deformed one.
 """
 
 import math
@@ -41,7 +41,7 @@ FEWEST_SEEDS = 2
 """Seeds of a surface on its finest grid, from which its scatter is known."""
 
 COARSEST = 4
-"""Nodes of all seeds of the coarsest grid, which gives most of the scatter, over those of any other."""
+"""Nodes of all seeds of the coarsest grid, which gives most of the scatter, over the nodes of any other."""
 
 ORDERS = (0.5, 2.0)
 """Smallest and largest order of convergence with which a limit is extrapolated."""
@@ -56,8 +56,8 @@ MARKERS = ("o", "s", "^")
 def nayak_parameter(height: Array, grid: Grid) -> float:
     """Nayak's parameter α = m₀ m₄ / m₂² of an isotropic surface, 3/2 or more.
 
-    The moments are those of a profile: ⟨h²⟩ = m₀, ⟨|∇h|²⟩ = 2 m₂ and ⟨(∇²h)²⟩ = 8 m₄ / 3 (P. R. Nayak, J.
-    Lubr. Technol. 93 (1971) 398, doi 10.1115/1.3451608).
+    The moments describe a profile: ⟨h²⟩ = m₀, ⟨|∇h|²⟩ = 2 m₂ and ⟨(∇²h)²⟩ = 8 m₄ / 3 (P. R. Nayak, J. Lubr.
+    Technol. 93 (1971) 398, doi 10.1115/1.3451608).
     """
     coefficients = Fourier(grid).forward(height - height.mean())
     squared = grid.wavenumber() ** 2
@@ -68,7 +68,7 @@ def nayak_parameter(height: Array, grid: Grid) -> float:
 def boundary_integral(touching: Array, values: Array, grid: Grid) -> float:
     """Integral of a field along the boundary of contact, which follows the edges of the grid's squares.
 
-    The value on an edge is the mean of those of the two nodes beside it.
+    The value on an edge is the mean of the values of the two nodes beside it.
     """
     total = 0.0
     for axis, along in ((0, grid.spacing[1]), (1, grid.spacing[0])):
@@ -163,8 +163,8 @@ def means(levels: Sequence[Array]) -> Array:
 def order_of(found: Sequence[Array]) -> float:
     """Order of convergence that the means of several numbers on the same grids show together.
 
-    It is that of the sum of their relative changes over the last three grids, limited to `ORDERS`; it is one
-    with two grids, or where the changes do not shrink.
+    It is the order of the sum of their relative changes over the last three grids, limited to `ORDERS`; it is
+    one with two grids, or where the changes do not shrink.
     """
     relative = np.sum([np.diff(one) / one[-1] for one in found], axis=0)
     if relative.size < 2 or not relative[-2] or not 0 < relative[-1] / relative[-2] < 1:
@@ -187,7 +187,7 @@ def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dat
 
     With and without the strip along the boundary the numbers converge in different ways to one limit. Each of
     the two has one order of convergence for all rows. The error of the grid is the difference of the two
-    limits; column ``…_error`` holds that of the grid and of the seeds together.
+    limits; column ``…_error`` holds the errors of the grid and of the seeds together.
     """
     rows: list[dict[str, Any]] = []
     levels: dict[tuple[str, str], list[list[Array]]] = {}

@@ -1,12 +1,12 @@
 """The paper's equations of the elastic layer, as printed and corrected.
 
 They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
-corrected ones (`rounding.py`); the tensor that is right for every height is that of the library,
+corrected ones (`rounding.py`); the tensor that is right for every height is the library's,
 `asperity.Solid.green_tensor`. ``corrected``: False gives the printed text literally, True the nearest form
 that holds.
 
 ``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point in the
-precision of the arguments. Equation numbers are those of the paper. z is measured upward from the bottom.
+precision of the arguments. Equations are numbered as in the paper. z is measured upward from the bottom.
 """
 
 from collections.abc import Mapping

@@ -84,7 +84,7 @@ def check_solution(
 
 
 def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance: float) -> SolutionCheck:
-    """Check of a solution as that of some heights."""
+    """Check of a solution as a solution for some heights."""
     pressure = contact.pressure.astype(float)
     if not 0 <= pressure.min() <= pressure.max() <= contact.hardness:
         return SolutionCheck(math.inf, reason="a pressure is not between zero and the hardness")
@@ -252,7 +252,7 @@ def free_compliance(shape: tuple[int, int], spacing: tuple[float, float]) -> tup
 
 
 def area_is_nearest(contact: Contact, area_fraction: float, height: Array) -> bool:
-    """Whether no other load has a number of contact nodes nearer to the imposed one, on these heights.
+    """True if no other load has a number of contact nodes nearer to the imposed one, on these heights.
 
     The contact is solved under loads farther and farther in the direction of the imposed number, until the
     number changes.
@@ -296,7 +296,7 @@ def mode_compliance(solid: Solids, grid: Grid) -> Array:
 
 
 def _relative_difference(pressure: Array, exact: Array) -> float:
-    """Norm of the difference over that of the exact pressure, scaled first so that no square underflows."""
+    """Norm of the difference over the exact pressure's, scaled first so that no square underflows."""
     scale = float(exact.max()) or 1.0
     size, difference = (float(np.linalg.norm(p / scale)) for p in (exact, pressure - exact))
     return difference / (size or 1.0)

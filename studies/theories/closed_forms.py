@@ -1,6 +1,6 @@
-"""Theories of rough contact in closed form; pressures are in units of E*ḡ where nothing else is said.
+"""Theories of rough contact in closed form; pressures are in units of E*ḡ unless stated otherwise.
 
-Spectra are given by the squared amplitudes of waves: `power` is that of the ring `wavenumber`, and the sum of
+Spectra are given by the squared amplitudes of waves: `power` belongs to the ring `wavenumber`, and the sum of
 all is the mean square of the heights. Integrals of the theories over the spectral density C(q) become such
 sums, 2π ∫ q C f dq → Σ power f.
 """
@@ -100,7 +100,7 @@ def _width(wavenumber: Array, power: Array) -> Array:
 
 
 def pressure_power(load: float, wavenumber: Array, power: Array, gamma: float = GAMMA) -> Array:
-    """Squared amplitudes of the pressure over E* after Persson's theory, given those of the heights.
+    """Squared amplitudes of the pressure over E* after Persson's theory, from those of the heights.
 
     Those of full contact times P (γ + (1 − γ) P²), where P = erf(w p/E*) is the area at the magnification q
     (B. N. J. Persson, J. Phys.: Condens. Matter 20 (2008) 312001, doi 10.1088/0953-8984/20/31/312001).
@@ -114,10 +114,9 @@ def stress_covariance(wavenumber: Array, power: Array, poisson: float, depths: A
     """Covariance (depths, 6, 6) of xx, yy, zz, yz, xz and xy in planes of a half-space under isotropic waves.
 
     Each wave of the pressure makes stresses of its own wavenumber, so that variances are sums over waves.
-    With d = q z: σ_zz = −p (1 + d) e^−d, along the wave σ_ll = −p (1 − d) e^−d, across it
-    σ_tt = −p 2 ν e^−d, and σ_lz = −i p d e^−d, averaged over all directions (K. L. Johnson, Contact
-    Mechanics, 1985; variances against depth: M. H. Müser, J. Mech. Phys. Solids 119 (2018) 73). `power` is
-    that of the pressure.
+    With d = q z: σ_zz = −p (1 + d) e^−d, along the wave σ_ll = −p (1 − d) e^−d, across it σ_tt = −p 2 ν e^−d,
+    and σ_lz = −i p d e^−d, averaged over all directions (K. L. Johnson, Contact Mechanics, 1985; variances
+    against depth: M. H. Müser, J. Mech. Phys. Solids 119 (2018) 73). `power` belongs to the pressure.
     """
     d = wavenumber * np.asarray(depths)[:, None]
     decay = np.exp(-d)
@@ -139,8 +138,8 @@ def von_mises_profile(
 ) -> Array:
     """Root mean square and percentiles of the von Mises stress, (depths, 1 + shares), without lateral strain.
 
-    The root mean square is exact whatever the distribution. Percentiles are those of Gaussian stresses in the
-    share `area` of each plane, with all of the variance, and none elsewhere.
+    The root mean square is exact whatever the distribution. Percentiles are computed for Gaussian stresses in
+    the share `area` of each plane, with all of the variance, and none elsewhere.
     """
     lateral = poisson / (1 - poisson)
     mean = -load * np.array([lateral, lateral, 1, 0, 0, 0])

@@ -48,8 +48,8 @@ def interval(values: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
 def octaves(data: xr.Dataset, name: str, longest: float) -> pd.DataFrame:
     """Exponent of a spectrum in every octave of q from the longest wave on: mean and interval, by load.
 
-    The exponent is that of the mean density in the lower and the upper half of the octave; rings count by
-    their number of waves.
+    The exponent follows from the mean densities in the lower and the upper half of the octave; rings are
+    weighted by their number of waves.
     """
     q = data["wavenumber"] * longest / (2 * np.pi)
     rows = []
