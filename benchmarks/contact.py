@@ -5,7 +5,7 @@
 Each row of the table is one run in a process of its own, kept in ``contact.csv`` of the folder in place of an
 earlier one. Times are processor times on one thread, the least of up to three runs. True errors are relative
 L2 errors of the pressure, against the active-set solver at an estimated error of 1e-10; on grids larger than
-``--largest-reference`` they are not known. Pairs of transforms are those of `asperity.Certificate`.
+``--largest-reference`` they are not known. Pairs of transforms are counted as in `asperity.Certificate`.
 
 With ``--threads`` the contact is solved on one thread and on two alternately, and ``threads.csv`` is written.
 """
@@ -141,7 +141,7 @@ def measure(
 
 
 def relative_error(pressure: Array, truth: Array) -> float:
-    """L2 norm of the difference over that of the truth."""
+    """L2 norm of the difference over the norm of the truth."""
     return float(np.linalg.norm(pressure - truth) / np.linalg.norm(truth))
 
 

@@ -78,7 +78,7 @@ def height_of(settings: dict, nodes: int) -> Array:
     short, long, seed = settings["waves"], settings["longest"], settings["seed"]
     points, (one, two) = nodes * short, settings["shares"]
     height = field(points, long, short, settings, seed)
-    if settings["kind"] == "plateau":  # the lowest parts, which touch first, are those of a finer process
+    if settings["kind"] == "plateau":  # the lowest parts, which touch first, come from a finer process
         fine = (0.03 + 0.15 * one) * field(points, max(long, 4), short, settings, seed + 1) + 1.6 * two - 0.8
         height = (height + fine + np.sqrt((height - fine) ** 2 + 0.01)) / 2
     elif settings["kind"] == "skewed":

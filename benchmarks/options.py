@@ -1,6 +1,6 @@
 """Cost of hardness, load curves, cycles, engines of the transforms, coatings, partial slip and the gap.
 
-Processor times are over that of the plain calculation.
+Processor times are relative to the plain calculation.
 
 python benchmarks/options.py --grid 1024 --out options.csv
 """
@@ -24,7 +24,7 @@ HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Hardness over E* times the rms gradient."""
 
 COATINGS = (0.1, 3.0)
-"""Young's modulus of coatings over that of the base."""
+"""Young's modulus of coatings over the base's."""
 
 TOLERANCE = 1e-4
 """Tolerance of the planes of stress, as in `asperity run`."""

@@ -2,11 +2,11 @@
 
     python benchmarks/partial_slip.py --points 32 --seeds 3
 
-prints a table of errors, in a minute on one core. The traction q of a first loading minimises
-½ q·C q − Δ e·q, with the tangential compliance C of the contact nodes and the displacement Δ e: over
-|q| ≤ μ p along the force alone, or over |q| ≤ μ p of both components. C is that of Cerruti for a traction
-that is uniform on the square of a node, or in a periodic cell 2 (1 − ν²)/q for waves along the traction and
-2 (1 + ν)/q for waves across it.
+prints a table of errors, in a minute on one core. The traction q of a first loading minimises ½ q·C q − Δ
+e·q, with the tangential compliance C of the contact nodes and the displacement Δ e: over |q| ≤ μ p along the
+force alone, or over |q| ≤ μ p of both components. C is Cerruti's for a traction that is uniform on the square
+of a node, or in a periodic cell 2 (1 − ν²)/q for waves along the traction and 2 (1 + ν)/q for waves across
+it.
 """
 
 import numpy as np

@@ -1,9 +1,9 @@
 """Contact solvers and stresses of other programs (`pip install 'asperity[peers]'`).
 
-The solvers are called like that of asperity, for a rough surface on a half-space with E* = 1 and a cell of
-edge 1, under a mean pressure, on one thread; they return the pressure and the number of iterations on the
-finest grid. Each has its own definition of the tolerance. ASPHER is built by pip from its source, which takes
-cmake, a C++17 compiler and Eigen (Debian: libeigen3-dev).
+The solvers are called as asperity's, for a rough surface on a half-space with E* = 1 and a cell of edge 1,
+under a mean pressure, on one thread; they return the pressure and the number of iterations on the finest
+grid. Each has its own definition of the tolerance. ASPHER is built by pip from its source, which takes cmake,
+a C++17 compiler and Eigen (Debian: libeigen3-dev).
 
 slippy 0.5.2 is not among them: it needs numpy before 1.21, which Python 3.11 cannot install, and its import
 ends with an error on today's scipy.
@@ -26,7 +26,7 @@ def aspher(
 ) -> tuple[Array, float]:
     """Pressure by the nested grids of ASPHER, identified in single and polished in double precision.
 
-    The tolerance is that of its certificate: Frank–Wolfe gap, penetration and load. Over a free boundary it
+    The tolerance holds for its certificate: Frank–Wolfe gap, penetration and load. Over a free boundary it
     transforms the padded map, or sums hierarchically over candidate nodes, which is faster where little
     touches.
     """
@@ -62,7 +62,7 @@ def contact_mechanics(
 ) -> tuple[Array, float]:
     """Pressure by the conjugate gradients of Polonsky and Keer in ContactMechanics.
 
-    The tolerance is that of the penetration, relative to the rms height.
+    The tolerance holds for the penetration, relative to the rms height.
     """
     import ContactMechanics
     from SurfaceTopography import PlasticTopography, Topography

@@ -26,7 +26,7 @@ BAND = {"wavelength_long": 0.5, "wavelength_short": 1 / 64, "rms_height": 0.004}
 
 
 def statistics(hurst: float, nodes: int, loads: dict[tuple[float, int], float]) -> xr.Dataset:
-    """Numbers of all seeds of a surface; `loads` keeps those of the first grid, which others have, too."""
+    """Numbers of all seeds of a surface; `loads` keeps the loads of the first grid for the others."""
     config, each = read_study(["config/config.yaml"]), []
     for seed in SEEDS:
         surface = make_surface({"hurst": hurst, **BAND, "points": 64 * nodes}, seed)

@@ -5,8 +5,8 @@
 
 The first writes ``stress.csv``: the whole analysis on each grid and number of threads, in a process of its
 own, with the load of the machine. A plane equivalent is the work of eight real transforms of the contact's
-grid, one for each linear part of the stress; all transforms are counted by their nodes, those of the
-covariances too. The second prints error and bound of coarse planes by depth.
+grid, one for each linear part of the stress; all transforms are counted by their nodes, also for the
+covariances. The second prints error and bound of coarse planes by depth.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 
 runs the study of the paper, the quick study, and a dry run of the paper's, on two cores, each into a new
 folder that is deleted afterwards. Without arguments all three. Prints a table, and keeps its rows in
-``study.csv``. Processor time is that of all jobs and of Snakemake; memory is the largest of any process.
+``study.csv``. Processor time is summed over all jobs and Snakemake; memory is the largest of any process.
 """
 
 import os

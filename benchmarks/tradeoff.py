@@ -6,8 +6,8 @@
 Random surfaces with H = 0.2 and 0.8 and eight seeds (λ_l = L/8, λ_s = L/32, ν = 0.33) are pressed with the
 loads that make 2 and 10 % contact. Grids are compared with the estimate of `asperity.continuum_limit` on 32
 nodes on λ_s. Every other parameter is varied alone from a converged reference on 8 nodes. The error of an
-output is the largest of all surfaces under that load. Times are those of a surface with λ_s = L/256, as the
-paper has.
+output is the largest of all surfaces under that load. Times hold for a surface with λ_s = L/256, as in the
+paper.
 
 Written are ``src/asperity/study/cost/errors.csv``, which `asperity plan` uses, the tables of
 ``docs/tradeoff.md`` and ``config/README.md``, and ``docs/tradeoff.png``.
@@ -134,7 +134,7 @@ def runs(hurst: float, area: float) -> Iterator[tuple[str, str, pd.DataFrame]]:
 
 
 def varied(surface: dict[str, float], load: dict[str, float]) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """The same for every parameter except the grid; errors are those of the values on the grid."""
+    """The same for every parameter except the grid; errors belong to the values on the grid."""
     converged = pressed(surface, PAPER, load, **CONVERGED)[1]["on_grid"]
     for parameter, settings in VARIED.items():
         for setting in settings:
