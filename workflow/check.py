@@ -69,7 +69,7 @@ class Tolerance(NamedTuple):
 
 
 OF_STATEMENT = ("value", "grid error", "verdict")
-"""What is compared of every statement of the paper, under every interpretation."""
+"""Values of every statement of the paper that are compared, under every interpretation."""
 
 Number = float | str
 """A number, or a verdict."""

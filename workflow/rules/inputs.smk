@@ -8,7 +8,7 @@ STUDIES = config["studies"]
 MAPS = maps_of(config)
 STUDIED = {name for names in STUDIES.values() for name in names}
 FIGURES = figures_of(config)
-# Groups of figures that one job draws: those of the same studies.
+# Groups of figures that one job draws: figures of the same studies.
 DRAWN_TOGETHER = {
     group: [name for name, figure in FIGURES.items() if "_".join(figure.studies or ["validation"]) == group]
     for group in dict.fromkeys("_".join(figure.studies or ["validation"]) for figure in FIGURES.values())

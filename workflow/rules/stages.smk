@@ -1,4 +1,4 @@
-# The stages of the study. Of the jobs that are ready, those of a higher priority start first: the longest chain, from the
+# The stages of the study. Of the jobs that are ready, jobs of a higher priority start first: the longest chain, from the
 # contact to the stress on the largest grid, starts early, and small jobs fill the time left. One job makes a surface and
 # its contact: starting a job takes longer than making most surfaces.
 rule contact:
