@@ -144,7 +144,7 @@ class AnswerJob:
         return depths[depths <= max(self._grid.length)].tolist()
 
     def _loaded(self, body: str) -> LoadedSolid:
-        """A body under the pressure of the answer, with the parts of film and Hertz contact."""
+        """A body under the pressure of the answer, with what film and Hertz contact add."""
         (source,) = sources(self._contact)
         contact: Any = SimpleNamespace(
             in_body=lambda name: source.loaded(name)[0], mean_pressure=float(self._contact["mean_pressure"])
@@ -203,7 +203,7 @@ class AnswerJob:
 
 
 def _rows_in(folder: Path) -> list[dict[str, Any]]:
-    """Numbers of an answer, in the columns that this version and the version of the answer share."""
+    """Numbers of an answer without columns of later versions; those that earlier ones lack are left out."""
     known = get_type_hints(Row)
     del known["shown"]
     rows = pd.read_csv(folder / "answer.csv", usecols=lambda name: name in known, dtype=known)

@@ -102,7 +102,7 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
 
 
 def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
-    """For each of some nodes, the sum of the numbers of its row and of its column.
+    """For each of some nodes, the sum of the number given for its row and the one given for its column.
 
     Parameters
     ----------
@@ -378,7 +378,7 @@ def _place_of(place: int, count: int, period: int) -> int:
 
 @compiled
 def _write_row(nodes: Any, values: Any, start: int, line: Any, radius: int, period: int) -> None:
-    """Write the values of a row, whose first node has the index `start`, and repeat them in its margin."""
+    """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
     columns = line.size - 2 * radius
     for k in range(nodes.size):
         line[np.int64(nodes[k]) - start + radius] = values[k]

@@ -369,7 +369,7 @@ def _states(amplitudes: Array, depth: Array, below: Array, poisson: float) -> Ar
 
 
 def _thin_states(middle: Array, s: Array, poisson: float) -> Array:
-    """States at the distance s/q above the middle of the layer: exp(s A) times the state in the middle."""
+    """States at the distance s/q above the middle of the layer, exp(s A) times that of the middle."""
     p, r = 1 / (1 - poisson), poisson / (1 - poisson)
     a = np.zeros((6, 6))
     a[0, [2, 3]], a[1, 4] = (-1, 2), 2

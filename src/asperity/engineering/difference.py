@@ -31,7 +31,8 @@ class Difference(NamedTuple):
         The group without the constants of a body, which differ between cases.
     first, second : float
     error : float
-        Half of the 95 % interval of the difference: by the pixels, and from place to place if known.
+        Half of the 95 % interval of the difference: from place to place where that is known, and by the
+        pixels.
     chance : float
         Probability of such a difference between maps of one surface; NaN where it is not known how places
         differ.
@@ -122,7 +123,7 @@ def _of_samples(first: SampleRow, second: SampleRow) -> Difference:
 
 
 def verdict(found: Sequence[Difference], names: tuple[str, str], tiles: Sequence[str]) -> str:
-    """One sentence that names the better of two surfaces, by the first of the tiles that can be judged."""
+    """One sentence: which of two surfaces is better, in the first of the tiles that can be judged."""
     judged = {each.name: each for each in found if each.name.startswith((*BETTER_IF_LESS, *BETTER_IF_MORE))}
     order = ["volume above yield per area", *tiles]
     each = next((judged[name] for name in order if name in judged), None)

@@ -1,6 +1,6 @@
 """The folder of several answers: side by side in a table and a page, or pooled to means with intervals.
 
-`asperity.engineering.sample` computes the means and intervals.
+The means and intervals are those of `asperity.engineering.sample`.
 """
 
 import json

@@ -243,7 +243,7 @@ class _Analysis:
     def run(
         self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None
     ) -> dict[str, xr.Dataset]:
-        """Take all planes, and once more the planes above the reference planes that were not kept."""
+        """Take all planes, and those above the reference planes again that were not kept."""
         self._take_all(progress, observe)
         if missing := int(self._references.missing.max()):
             self._take_again(missing)
@@ -282,7 +282,7 @@ class _Analysis:
         self._references.compare(number, self._search.sums, self._references.missing > number)
 
     def _settle(self, memory: Array) -> None:
-        """Compare all planes on the grid of the contact with the references, if these lie on it.
+        """Compare all planes on the grid of the contact with the references, if these lie on that grid.
 
         From then on the references need the memory of coarser grids only.
         """

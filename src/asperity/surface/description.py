@@ -332,7 +332,7 @@ def _texture_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
 
 
 def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
-    """Waves of the map that a tip rounds, its longest and shortest waves, and the step of the period."""
+    """Waves of the map: those that a tip rounds, the longest and shortest, and the step of the period."""
 
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)

@@ -112,7 +112,7 @@ class Sensitivity(Question):
 
 
 def _group_like(group: str, rows: Mapping[tuple[str, str], Row]) -> str:
-    """The group of the answer for a group of a varied answer, whose heading holds other constants."""
+    """The group of the answer that stands for a group of a varied one, whose heading holds its constants."""
     start = group.partition(" (")[0]
     return next((own for own, _ in rows if own.partition(" (")[0] == start), group)
 

@@ -89,7 +89,7 @@ def markdown(findings: Sequence[Finding]) -> str:
 
 
 def beside(findings: Sequence[Finding], larger: Sequence[Finding]) -> pd.DataFrame:
-    """Statements that a study leaves undecided, with the findings of a larger study, a row each."""
+    """Statements that a study leaves undecided, and what a larger study finds of them, a row each."""
     undecided = {f.claim.identifier: f for f in findings if f.verdict == verdicts.UNDECIDED}
     rows = []
     for f in larger:
@@ -111,7 +111,7 @@ def beside(findings: Sequence[Finding], larger: Sequence[Finding]) -> pd.DataFra
 
 
 def why_open(one: Judgement) -> str:
-    """Reason why a judgement is not decided: error of the grid, or too few seeds and the number needed."""
+    """Why a judgement is not decided: the error of the grid, or too few seeds, and how many are enough."""
     distance = min(abs(one.value - one.region_low), abs(one.value - one.region_high))
     if one.grid_error >= distance:
         return (

@@ -6,10 +6,10 @@ mean is t₋₁ for specimens of the stressed volume V₀, the expected number o
     n_c = 1/V₀ ∫ (Γ(1 + 1/m) d)^m dz,    averaged over the area,
 
 with the Dang Van stress d over the limit, and no crack starts on an area A with the probability e^(−n_c A)
-(W. Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is due to
-E. Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and
+(W. Weibull, J. Appl. Mech. 18 (1951) 293; the integral over the stressed volume in rolling contact is that
+of E. Ioannides, T. A. Harris, J. Tribol. 107 (1985) 367, DOI 10.1115/1.3261081, here without life and
 threshold). The exponent m follows from the coefficient of variation, √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1). The
-integral follows the trapezoidal rule over the planes, from means over all points of each.
+integral is that of the trapezoidal rule over the planes, of means over all points of each.
 """
 
 import numpy as np
@@ -54,7 +54,7 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
         Of `asperity.stress.stress_cycles` with fatigue limits.
     scatter : float
         Coefficient of variation of the fatigue limit, from 0.01 to 1. The smaller it is, the more the few
-        highest points matter: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of
+        highest points count: at 0.1, 0.05, 0.02 and 0.01 the distance of the planes of
         `asperity.stress.depth_grid` causes errors of up to 1, 5, 20 and 40 %.
     volume : float
         Stressed volume of the specimens on which limits and scatter were measured, in the unit of length of

@@ -66,7 +66,7 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
 def bin_edges(values: Array, bins: int, limits: tuple[float, float] | None = None) -> Array:
     """Edges of bins of equal width between limits, by default from the smallest to the largest value.
 
-    Values so close together that bins between them would have no width are taken as equal.
+    Values so close together that bins between them would have no width count as equal.
     """
     bins = whole_number(
         "bins", bins, f"a whole number from 1 to {MOST_BINS}", lambda count: 1 <= count <= MOST_BINS

@@ -248,8 +248,8 @@ def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bo
 def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
     """Median depth of all peaks and of the highest ones, from their counts by value and depth.
 
-    The highest peaks lie in the bins of the largest values that hold at most `HIGHEST_SHARE` of all. Within a
-    bin of depth peaks are taken to be distributed evenly.
+    The highest peaks are those in the bins of the largest values that hold at most `HIGHEST_SHARE` of all.
+    Within a bin of depth peaks are taken to be distributed evenly.
     """
     above = np.cumsum(joint.sum(axis=1)[::-1])[::-1]
     highest = above <= HIGHEST_SHARE * joint.sum()
@@ -257,7 +257,7 @@ def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
 
 
 def _median(counts: Array, edges: Array) -> float:
-    """Median of values counted in bins; NaN without any."""
+    """Median of what is counted in bins; NaN if nothing is."""
     total = counts.sum()
     if not total:
         return float("nan")

@@ -288,7 +288,7 @@ def _levelled(surface: HeightMap, options: MapOptions) -> _Levelled:
 
 
 def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
-    """Meaning of the heights, and the reading of their file."""
+    """What the heights are, and how their file was read."""
     if surface.orientation == LOWER_FACE:
         yield "used as it is: the map holds an indenter's lower face"
     else:
@@ -301,7 +301,7 @@ def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
 
 
 def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelled) -> Iterator[str]:
-    """The parts removed from the heights, and the filled points."""
+    """What was taken from the heights, and what was filled."""
     if options.scan_lines is not None:
         rms = surface.shown_length(found.line_offset)
         yield f"scan lines along x levelled ({options.scan_lines}): rms offset {rms} removed"
@@ -322,8 +322,8 @@ def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelle
 
 
 def _words_on_period(surface: HeightMap, options: MapOptions, grid: Grid, step: float, altered: float) -> str:
-    """Way in which the map became a period, its edge step before, and the share that a window altered."""
-    stepped = f"edge step {step:.3g} times the step between neighbouring points"
+    """How the map became a period, its step at the edges before that, and the share that a window altered."""
+    stepped = f"edge step {step:.3g} times that between neighbouring points"
     ways = {
         None: f"taken as one period, as the file states: {stepped}",
         "declared": f"taken as one period, as declared: {stepped}",
