@@ -199,7 +199,8 @@ def _draw_sections(axis: Axes, surface: Datasets, offset: float, lw: float) -> N
         axis.plot(data["x"], profile - offset * number, lw=lw, label=label(data))
         if offset:
             axis.axhline(-offset * number, color="k", lw=0.3)
-    axis.set(xlabel="$x / L$", xlim=(0, 1))
+    longest = max(grid_of(data).length[1] for data in surface.values())
+    axis.set(xlabel="$x / L$", xlim=(0, longest))
 
 
 def _mean(seeds: xr.DataArray) -> str:
