@@ -19,7 +19,9 @@ CONSTANTS = {
     "CELL_NODES": "operators",
     "COARSE_RESIDUAL_DROP": "operators",
     "RESIDUAL_DROP": "inner_solve",
+    "SINGLE_PRECISION_ERROR": "active_set",
     "FINAL_ERROR": "active_set",
+    "LEAST_RESIDUAL": "active_set",
     "LOAD_RESOLUTION": "load",
 }
 """Constant → module below `asperity.contact`."""

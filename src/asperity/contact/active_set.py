@@ -68,9 +68,13 @@ from asperity.core.types import Array, Progress
 # transforms on the finest grid to 2 %.
 MIN_POINTS = 32
 
-# Below this error rounding matters in single precision, and the set of contact nodes hardly changes any more:
-# fields are in double precision, and inner solves drop their residual by up to this factor.
+# Below this error rounding matters in fields in single precision: they are in double precision.
+SINGLE_PRECISION_ERROR = 2e-3
+
+# Below this error the set of contact nodes hardly changes any more: inner solves drop their residual as far
+# as the tolerance needs, but for their single precision no further than to this fraction.
 FINAL_ERROR = 2e-3
+LEAST_RESIDUAL = 2e-3
 
 # After so many steps without progress one step follows the projected gradient; the length of inner solves
 # has then been doubled as often. From single precision the loop then continues in double precision.
@@ -302,7 +306,9 @@ class ActiveSet:
         self.iterations = 0
         self._area, self._length = None, 1.0
         self._error_before = np.inf
-        self._exact: Stagnation | None = None  # of the number of nodes that enter or leave in exact steps
+        # Of the number of nodes that enter or leave in exact steps. Corrections then stay exact on this grid:
+        # where the set no longer changes, the next one reaches the tolerance, and there is no step to save.
+        self._exact: Stagnation | None = None
         if control.kind == "area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
@@ -339,7 +345,10 @@ class ActiveSet:
             keeps_load = load == iterate.load or not self._control.fixes_load
             del found  # the next iterate takes its memory
             # Single precision is left where its rounding matters.
-            coarse = system.error > max(FINAL_ERROR, 2 * system.rounding) and stagnation.steps < PATIENCE
+            coarse = (
+                system.error > max(SINGLE_PRECISION_ERROR, 2 * system.rounding)
+                and stagnation.steps < PATIENCE
+            )
             keeps_precision = len(self._problems) == 1 or coarse
             if not keeps_precision:
                 del self._problems[0]
@@ -376,7 +385,7 @@ class ActiveSet:
             drop = RESIDUAL_DROP
         else:  # no further than the tolerance needs
             tolerance = self._rule.tolerance
-            drop = max(FINAL_ERROR, 0.3 * tolerance / max(system.error, tolerance))
+            drop = max(LEAST_RESIDUAL, 0.3 * tolerance / max(system.error, tolerance))
         effort = exact or (drop, longest)
         correction = self._inner.solve(system.linear, *effort)
         held, load, extension = system.held_after(iterate, correction), iterate.load, None
@@ -452,7 +461,7 @@ class ActiveSet:
             return False
         limit = 2 * system.rounding
         if iterate.pressure.dtype == np.float32:  # a solution in double precision can follow
-            limit = max(limit, FINAL_ERROR)
+            limit = max(limit, SINGLE_PRECISION_ERROR)
         rounded = stagnation.steps > PATIENCE and system.error <= limit
         return rounded or stagnation.steps > MAX_STEPS_WITHOUT_PROGRESS
 
@@ -514,7 +523,7 @@ class ActiveSet:
         compliance = float(uniform[nodes].sum(dtype=float))
         if MAX_STIFFNESS_RATIO * compliance * operators.uniform_sum > nodes.size**2:
             return None
-        correction = self._inner.solve_uniform(operators, drop=FINAL_ERROR)
+        correction = self._inner.solve_uniform(operators, drop=LEAST_RESIDUAL)
         direction = correction.pressure.astype(iterate.pressure.dtype)
         response = _displacement(problem, nodes, direction)
         self.iterations += 2 + correction.iterations

@@ -241,8 +241,8 @@ class StencilProduct:
             except IndexError:
                 # The last row of a stencil reads one number beyond it.
                 strip = np.zeros(math.prod(self._strip_shape) + 1, np.float32)[:-1].reshape(self._strip_shape)
-            known = strip, nodes, first, values, self._shape, self._period, stencil
-            _apply_in_strips(*known, begin, end, others, first_other, out)
+            given, asked = (nodes, first, values), (others, first_other, out)
+            _apply_in_strips(strip, given, asked, self._shape, self._period, stencil, begin, end)
             self._strips.append(strip)
 
         in_parts(apply, out.size, self._threads, meanwhile=meanwhile)
@@ -315,17 +315,13 @@ _product, _wide_product = _product_of(RADIUS), _product_of(WIDE_RADIUS)
 @compiled
 def _apply_in_strips(
     strip: Any,
-    nodes: Any,
-    first: Any,
-    values: Any,
+    given: Any,
+    asked: Any,
     shape: tuple[int, int],
     period: tuple[int, int],
     weights: Any,
     begin: int,
     end: int,
-    others: Any,
-    first_other: Any,
-    out: Any,
 ) -> None:
     """Product of the stencil with values on nodes, at the other nodes of some rows of the map.
 
@@ -333,8 +329,10 @@ def _apply_in_strips(
     ----------
     strip : array
         Memory for the values of some rows, of zeros; the loop leaves zeros there.
-    nodes, first, values
-        The nodes that bear values, and the index of the first one in each row.
+    given : tuple
+        The nodes that bear values, the index of the first one in each row, and the values.
+    asked : tuple
+        The nodes of the products, the index of the first one in each row, and the products.
     shape, period
         Numbers of nodes of the map, and numbers of nodes after which the values repeat: twice as many if they
         are mirrored, 0 if nothing surrounds the map.
@@ -342,9 +340,8 @@ def _apply_in_strips(
         The stencil.
     begin, end : int
         The rows.
-    others, first_other, out
-        The nodes of the products, and the index of the first one in each row.
     """
+    (nodes, first, values), (others, first_other, out) = given, asked
     radius = weights.shape[1] // 2
     rows, width = strip.shape[0] - 2 * radius, strip.shape[1]
     flat = strip.reshape(-1)

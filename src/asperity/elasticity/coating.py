@@ -31,7 +31,7 @@ import numpy as np
 from asperity.core.compiled import fused, fused_inlined
 from asperity.elasticity.kernels import (
     BOTTOM_OUT_OF_REACH,
-    DEEPEST,
+    MAX_SCALED_DEPTH,
     cosh_rest,
     decaying,
     double_sinh_rest,
@@ -43,7 +43,7 @@ from asperity.elasticity.kernels import (
 Materials = tuple[float, float, float, float]
 """Poisson's ratio of the coating and of the base; shear modulus of each over the sum of both."""
 
-State = tuple[float, float, float, float, float]
+StateVector = tuple[float, float, float, float, float]
 """U_l, U_z, S_l, S_z and σ_ll of a mode, see `asperity.elasticity.layer_fields`."""
 
 
@@ -119,7 +119,7 @@ def _interface(of_shear: bool, h: float, materials: Materials) -> tuple[float, f
 
 
 @fused
-def _thin_state(of_shear: bool, h: float, t: float, materials: Materials) -> State:
+def _thin_state(of_shear: bool, h: float, t: float, materials: Materials) -> StateVector:
     """State at the scaled distance t above the interface for h < 1."""
     middle, u_z, s_l, s_z = _interface(of_shear, h, materials)
     poisson, u_l = materials[0], middle + 0.5 * h * u_z
@@ -143,7 +143,7 @@ def _thin_state(of_shear: bool, h: float, t: float, materials: Materials) -> Sta
 
 
 @fused
-def _of_amplitudes(plus: float, minus: float, d: float, k: float) -> State:
+def _of_amplitudes(plus: float, minus: float, d: float, k: float) -> StateVector:
     """State at the scaled depth d of a half-space over e^(−d), from a₊ and a₋."""
     far = d * minus
     return (
@@ -156,7 +156,7 @@ def _of_amplitudes(plus: float, minus: float, d: float, k: float) -> State:
 
 
 @fused
-def _coated_state(of_shear: bool, h: float, d: float, t: float, materials: Materials) -> State:
+def _coated_state(of_shear: bool, h: float, d: float, t: float, materials: Materials) -> StateVector:
     """State at the scaled depth d, the scaled distance t above the interface or −t below it."""
     nu, nu_base, stiff, soft = materials
     k, k_base = 3.0 - 4.0 * nu, 3.0 - 4.0 * nu_base
@@ -215,7 +215,7 @@ def fill_coated_kernels(
         d, t, h = wavenumber * below, wavenumber * (height - below), wavenumber * height
         if wavenumber == 0.0:
             values = (0.0, 0.0, 1.0, 1.0, 0.0) if of_shear else (1.0, 0.0, 0.0, 0.0, 0.0)
-        elif d > DEEPEST:
+        elif d > MAX_SCALED_DEPTH:
             values = (0.0, 0.0, 0.0, 0.0, 0.0)
         elif t > BOTTOM_OUT_OF_REACH:
             values = half_space_shear_kernels(d) if of_shear else half_space_kernels(d, materials[0])

@@ -247,7 +247,7 @@ def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values
 
 # Largest q depth at which kernels are evaluated. Beyond, they are below 1e-300 and are set to 0, because
 # subnormal numbers are slow.
-DEEPEST = 700.0
+MAX_SCALED_DEPTH = 700.0
 
 # Beyond this q (height − depth) the kernels of a layer differ from the half-space's by less than 1e-30, and
 # beyond this q height the surface compliance does: the half-space is used.
@@ -270,7 +270,7 @@ def fill_kernels(
         d, t = wavenumber * below, wavenumber * (height - below)
         if wavenumber == 0.0:
             values = (0.0, 0.0, 1.0, 1.0, 0.0) if of_shear else (1.0, 0.0, 0.0, 0.0, 0.0)
-        elif d > DEEPEST:
+        elif d > MAX_SCALED_DEPTH:
             values = (0.0, 0.0, 0.0, 0.0, 0.0)
         elif kind == HALF_SPACE or t > BOTTOM_OUT_OF_REACH:
             values = half_space_shear_kernels(d) if of_shear else half_space_kernels(d, poisson)

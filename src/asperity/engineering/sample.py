@@ -30,7 +30,7 @@ SAME_PIXELS = 1e-6
 OTHER_UNIT = 100
 """Ratio of rms heights from which two maps have heights in different units, as nm and µm."""
 
-VOLUME, DEEPEST = "volume above yield per area", "deepest point above yield"
+VOLUME, DEEPEST_POINT = "volume above yield per area", "deepest point above yield"
 """Numbers from which the share above yield is computed."""
 
 SCALED = "m", "m^2", "m^3", "Pa", "N"
@@ -250,7 +250,9 @@ class Sample:
             errors = of_maps["error"] if whole else np.nan
             if name == "share above yield":
                 volume = next(row for row in found if (row.group, row.name) == (group, VOLUME))
-                deepest = self.numbers[self.numbers["name"] == DEEPEST].groupby("group")["value"].max()[group]
+                deepest = (
+                    self.numbers[self.numbers["name"] == DEEPEST_POINT].groupby("group")["value"].max()[group]
+                )
                 values, errors = volume.of_each / deepest, volume.mean.of_grid / deepest
             if name not in POSITION_NAMES[1:]:  # only a mean depth is meaningful
                 found.append(

@@ -23,6 +23,7 @@ import xarray as xr
 from asperity.core.compiled import compiled
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
+from asperity.stress.peaks.maxima import derivatives
 from asperity.stress.planes.fields import edges_of, lagrange, lagrange_stencils, neighbour
 from asperity.stress.statistics.extrapolation import resolution
 
@@ -125,42 +126,31 @@ class Exceedance:
         for side in (above or other, below or other):
             pairs = zip(here.grid.shape, side.grid.shape, strict=True)
             sides.append((side.values, tuple(lagrange_stencils(*pair, edges) for pair in pairs)))
-        up, down = (abs((plane or other).depth - here.depth) for plane in (above, below))
-        ends = np.array([-up / 2 if above else 0.0, down / 2 if below else 0.0])
-        _add_boxes(
-            here.values,
-            sides[0],
-            sides[1],
-            (above is None, below is None),
-            (up, down),
-            here.depth,
-            ends,
-            self._limits,
-            edges,
-            np.empty((3, 3, 3)),
-            self._volumes,
-            self._depths,
-        )
+        distances = tuple(abs((plane or other).depth - here.depth) for plane in (above, below))
+        ends = np.array([-distances[0] / 2 if above else 0.0, distances[1] / 2 if below else 0.0])
+        along_depth = here.depth, ends, distances, (above is None, below is None)
+        planes = here.values, *sides
+        _add_boxes(planes, along_depth, edges, self._limits, np.empty((3, 3, 3)), self._volumes, self._depths)
 
 
 @compiled
 def _add_boxes(
-    here: Any,
-    above: Any,
-    below: Any,
-    is_end: Any,
-    distances: Any,
-    depth: float,
-    ends: Any,
-    limits: Any,
-    edges: int,
-    values: Any,
-    volume: Any,
-    depths: Any,
+    planes: Any, along_depth: Any, edges: int, limits: Any, memory: Any, volume: Any, depths: Any
 ) -> None:
-    (ny, nx), (up, down), (first, last) = here.shape, distances, ends
-    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
-    over, around, under = values[0], values[1], values[2]
+    """Add the volumes above the limits in the boxes of a plane, and widen the depths above the last limit.
+
+    Parameters
+    ----------
+    planes : tuple
+        Values of the plane, and of those above and below with stencils from their grids to this one.
+    along_depth : tuple
+        Depth of the plane, first and last depth of a box from there, distances of the planes above and below,
+        and whether these are missing.
+    memory : (3, 3, 3) array
+    """
+    (here, above, below), (depth, (first, last), distances, is_end) = planes, along_depth
+    over, around, under = memory[0], memory[1], memory[2]
+    (ny, nx), far = here.shape, max(-first, last)
     share = 1.0 / (ny * nx)
     for j in range(ny):
         for i in range(nx):
@@ -190,19 +180,8 @@ def _add_boxes(
                         over[a, b] = 2 * around[a, b] - under[a, b]
                     if is_end[1]:
                         under[a, b] = 2 * around[a, b] - over[a, b]
-            centre = around[1, 1]
-            y, x = (around[2, 1] - around[0, 1]) / 2, (around[1, 2] - around[1, 0]) / 2
-            yy, xx = around[2, 1] - 2 * centre + around[0, 1], around[1, 2] - 2 * centre + around[1, 0]
-            yx = (around[2, 2] - around[2, 0] - around[0, 2] + around[0, 0]) / 4
-            z = weight_up * (over[1, 1] - centre) + weight_down * (under[1, 1] - centre)
-            zz = 2 * ((over[1, 1] - centre) / up + (under[1, 1] - centre) / down) / (up + down)
-            zy = weight_up * ((over[2, 1] - over[0, 1]) / 2 - y) + weight_down * (
-                (under[2, 1] - under[0, 1]) / 2 - y
-            )
-            zx = weight_up * ((over[1, 2] - over[1, 0]) / 2 - x) + weight_down * (
-                (under[1, 2] - under[1, 0]) / 2 - x
-            )
-            far = max(-first, last)
+            centre, in_plane, (z, zy, zx, zz) = _quadratic(over, around, under, distances)
+            y, x, yy, yx, xx = in_plane
             reach = (abs(y) + abs(x)) / 2 + (abs(yy) + abs(xx)) / 8 + abs(yx) / 4
             reach += far * (abs(z) + (abs(zy) + abs(zx)) / 2 + abs(zz) * far / 2)
             is_extreme = abs(y) + abs(x) < 2 * (abs(yy) + abs(xx))
@@ -210,26 +189,52 @@ def _add_boxes(
                 if centre + reach <= limits[n]:
                     break
                 is_last = n == limits.size - 1
-                samples = SAMPLES if is_extreme else SAMPLES // 2
-                if not is_last:
-                    samples //= 2
+                top, bottom = first, last
                 if centre - reach > limits[n]:
-                    samples = 0
                     volume[n] += share * (last - first)
-                    if is_last:
-                        depths[0], depths[1] = min(depths[0], depth + first), max(depths[1], depth + last)
-                total = 0.0
-                for k in range(samples):
-                    v = (k + 0.5) / samples - 0.5
-                    for m in range(samples):
-                        u = (m + 0.5) / samples - 0.5
-                        level = centre - limits[n] + v * (y + 0.5 * yy * v + yx * u) + u * (x + 0.5 * xx * u)
-                        length, top, bottom = _above_zero(level, z + zy * v + zx * u, zz / 2, first, last)
-                        total += length
-                        if length > 0 and is_last:
-                            depths[0], depths[1] = min(depths[0], depth + top), max(depths[1], depth + bottom)
-                if samples:
+                else:
+                    samples = SAMPLES if is_extreme else SAMPLES // 2
+                    samples = samples if is_last else samples // 2
+                    excess = centre - limits[n], in_plane, (z, zy, zx, zz)
+                    total, top, bottom = _sampled_length(excess, first, last, samples)
                     volume[n] += share * total / (samples * samples)
+                if is_last:
+                    depths[0], depths[1] = min(depths[0], depth + top), max(depths[1], depth + bottom)
+
+
+@compiled
+def _quadratic(over: Any, around: Any, under: Any, distances: Any) -> Any:
+    """The quadratic in a box: value at the node, derivatives y, x, yy, yx, xx, and z, zy, zx, zz."""
+    up, down = distances
+    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
+    centre, y, x, yy, yx, xx = derivatives(around, 1.0)
+    above, above_y, above_x, _, _, _ = derivatives(over, 1.0)
+    below, below_y, below_x, _, _, _ = derivatives(under, 1.0)
+    z = weight_up * (above - centre) + weight_down * (below - centre)
+    zz = 2 * ((above - centre) / up + (below - centre) / down) / (up + down)
+    zy = weight_up * (above_y - y) + weight_down * (below_y - y)
+    zx = weight_up * (above_x - x) + weight_down * (below_x - x)
+    return centre, (y, x, yy, yx, xx), (z, zy, zx, zz)
+
+
+@compiled
+def _sampled_length(quadratic: Any, first: float, last: float, samples: int) -> tuple[float, float, float]:
+    """Sum of the lengths along the depth where a quadratic is above 0, with its first and last point.
+
+    The lines lie at `samples` places along each axis of the box.
+    """
+    centre, (y, x, yy, yx, xx), (z, zy, zx, zz) = quadratic
+    total, first_point, last_point = 0.0, np.inf, -np.inf
+    for k in range(samples):
+        v = (k + 0.5) / samples - 0.5
+        for m in range(samples):
+            u = (m + 0.5) / samples - 0.5
+            level = centre + v * (y + 0.5 * yy * v + yx * u) + u * (x + 0.5 * xx * u)
+            length, top, bottom = _above_zero(level, z + zy * v + zx * u, zz / 2, first, last)
+            total += length
+            if length > 0:
+                first_point, last_point = min(first_point, top), max(last_point, bottom)
+    return total, first_point, last_point
 
 
 @compiled

@@ -35,7 +35,7 @@ from asperity.stress.planes.stream import shear_traction
 DIRECTIONS = 1024
 """Number of directions over which the stress below an ellipse is averaged."""
 
-DEEPEST = 2.0
+DEPTH_OF_LARGEST = 2.0
 """Depth in smaller half-widths above which the largest stresses of a Hertz contact lie."""
 
 SMALLEST_DEPTH = 1e-12
@@ -141,7 +141,7 @@ class HertzContact:
 
         Far below a roller the von Mises stress is less than p₀ b/z, and less still below an ellipse.
         """
-        return self.narrow * max(DEEPEST, self.largest_pressure / limit if limit else 0.0)
+        return self.narrow * max(DEPTH_OF_LARGEST, self.largest_pressure / limit if limit else 0.0)
 
     def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
         """Pressure at positions relative to the middle; y and x broadcast."""

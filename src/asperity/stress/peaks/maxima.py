@@ -101,7 +101,7 @@ def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float
 def _refine_in_plane(values: Any, out: Any) -> None:
     """Fill `out` as `refine_in_plane` says, with a third axis on which nothing changes."""
     for n in range(values.shape[0]):
-        centre, along_y, along_x, yy, yx, xx = _derivatives(values[n], np.sign(values[n, 1, 1]))
+        centre, along_y, along_x, yy, yx, xx = derivatives(values[n], np.sign(values[n, 1, 1]))
         step = _step_to_maximum((0.0, along_y, along_x), (-1.0, 0.0, 0.0, yy, yx, xx), 1.0)
         out[0, n] = centre + 0.5 * (along_y * step[1] + along_x * step[2])
         out[1, n], out[2, n] = step[1], step[2]
@@ -115,9 +115,9 @@ def _refine_in_solid(above: Any, here: Any, below: Any, depths: Any, out: Any) -
     unit = min(up, down)
     for n in range(here.shape[0]):
         sign = np.sign(here[n, 1, 1])
-        centre, along_y, along_x, yy, yx, xx = _derivatives(here[n], sign)
-        over, over_y, over_x, _, _, _ = _derivatives(above[n], sign)
-        under, under_y, under_x, _, _, _ = _derivatives(below[n], sign)
+        centre, along_y, along_x, yy, yx, xx = derivatives(here[n], sign)
+        over, over_y, over_x, _, _, _ = derivatives(above[n], sign)
+        under, under_y, under_x, _, _, _ = derivatives(below[n], sign)
         along_z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
         zy = unit * (weight_up * (over_y - along_y) + weight_down * (under_y - along_y))
         zx = unit * (weight_up * (over_x - along_x) + weight_down * (under_x - along_x))
@@ -129,7 +129,7 @@ def _refine_in_solid(above: Any, here: Any, below: Any, depths: Any, out: Any) -
 
 
 @compiled
-def _derivatives(values: Any, sign: float) -> tuple[float, float, float, float, float, float]:
+def derivatives(values: Any, sign: float) -> tuple[float, float, float, float, float, float]:
     """Value at the middle of 3 × 3 values times a sign, slopes along y and x, and ∂²/∂y², ∂²/∂y∂x, ∂²/∂x²."""
     sign = np.float64(sign)
     centre = sign * values[1, 1]

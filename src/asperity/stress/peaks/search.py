@@ -25,9 +25,8 @@ from asperity.stress.planes.fields import (
     SUMS,
     PlaneFields,
     bands_of,
+    exceeds_around,
     fill_rows,
-    image_sign,
-    neighbour,
     row_length,
     rows_at_once,
     strips_of,
@@ -183,8 +182,7 @@ class PlaneSearch:
             rows,
             self._candidates,
             self._memory[thread],
-            self._references,
-            sums,
+            (self._references, sums),
         )
         maxima = Maxima(*(array[:count].copy() for array in found))
         maxima.above = above[:count].copy() if is_compared else None
@@ -209,17 +207,16 @@ def _search_rows(
     rows: Any,
     candidates: Any,
     memory: Any,
-    references: Any,
-    sums: Any,
+    summed: Any,
 ) -> tuple[int, int]:
     """As `PlaneSearch._search`, row by row, so that values stay in the cache; returns the numbers of both."""
     (basis, above), (floor, edges, is_compared), (start, first, last) = planes, options, rows
+    references, sums = summed
     first_candidate, candidate_field, candidate_column, candidate_magnitude = candidates
     (values, nothing), shared, (largest, lanes), marks, (field, row, column, here, over), (number, below) = (
         memory
     )
     places, columns, count, exceeding = marks[2], basis.columns, 0, 0
-    shape = basis.values.shape[1], columns
     largest[:] = -np.inf
     for j in range(first, last):
         fill_rows(basis, formulas, j, edges, shared, values, j % 3, j % 3 + 1)
@@ -254,14 +251,8 @@ def _search_rows(
                         here[count, a, b] = lines[a][ROW_MARGIN - 1 + places[n] + b]
                 is_above = True
                 if is_compared:
-                    for a in range(3):
-                        upper = neighbour(j - 2 + a, shape[0], edges)
-                        for b in range(3):
-                            aside = neighbour(places[n] - 1 + b, columns, edges)
-                            sign = image_sign(formula[0], j - 2 + a, places[n] - 1 + b, shape, edges)
-                            value = sign * value_at(above, *formula, upper, aside)
-                            over[count, a, b] = value
-                            is_above &= abs(here[count, 1, 1]) > abs(value)
+                    size = abs(here[count, 1, 1])
+                    is_above = exceeds_around(above, formula, j - 1, places[n], edges, size, over[count])
                 count += is_above
         for n in range(first_candidate[j - 1], first_candidate[j]):
             m, is_above = candidate_field[n], True

@@ -225,44 +225,38 @@ class PlaneFields:
             Indices of these nodes.
         values : (kept nodes, 3, 3) array in the precision of the plane
         """
-        basis, numbers = self.basis, np.arange(len(BASIS))
-        own, real = (basis.values.shape[1], basis.columns), basis.values.dtype
+        own, real = (self.basis.values.shape[1], self.basis.columns), self.basis.values.dtype
         if not which.size:
             return np.empty(0, np.int64), np.empty((0, 3, 3), real)
         kept = np.empty(which.size, bool)
-        given = np.where(basis.index < 0, -1, numbers), float(basis.mean_pressure)
-        precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
-        needed = np.array([_needed(int(kind), basis.index) for kind in self.formulas.kinds])
-        pairs = zip(shape if shape != own else (1, 1), own, strict=True)
-        stencils = tuple(lagrange_stencils(*pair, self.edges) for pair in pairs)
-        odd = np.array([ODD.get(component, EVEN) for component, _ in BASIS]).astype(np.int64)
-
+        interpolation = None if shape == own else self._interpolation(shape)
         values = [np.empty((0, 3, 3), real)]
         for start in range(0, which.size, COMPARED_AT_ONCE):
             some = slice(start, start + COMPARED_AT_ONCE)
-            nodes, level, above = (which[some], row[some], column[some]), magnitude[some], kept[some]
-            out = np.empty((above.size, 3, 3), real)
+            nodes = which[some], row[some], column[some], magnitude[some]
+            above, out = kept[some], np.empty((kept[some].size, 3, 3), real)
 
             def compare(part: slice) -> Array:
-                around = out[part]  # noqa: B023
-                count = _compare(
-                    basis,
-                    Basis(np.empty((numbers.size, 1, 1)), 1, *given),
-                    self.formulas,
-                    precise,
-                    needed,
-                    tuple(each[part] for each in nodes),  # noqa: B023
-                    shape,
-                    self.edges,
-                    level[part],  # noqa: B023
-                    (*stencils, odd),
-                    above[part],  # noqa: B023
-                    around,
-                )
-                return around[:count]
+                own_nodes, around = tuple(each[part] for each in nodes), out[part]  # noqa: B023
+                if interpolation is None:
+                    plane = self.basis, self.formulas, self.edges
+                    return around[: _compare(plane, own_nodes, above[part], around)]  # noqa: B023
+                at_node = interpolation[0]._replace(values=np.empty_like(interpolation[0].values))
+                known = (at_node, *interpolation[1:])
+                return around[: _compare_between(self.basis, known, own_nodes, above[part], around)]  # noqa: B023
 
             values.append(np.concatenate(in_parts(compare, above.size, threads, smallest=256)))
         return np.flatnonzero(kept), np.concatenate(values)
+
+    def _interpolation(self, shape: tuple[int, int]) -> tuple[Any, ...]:
+        """Arguments of `_compare_between` for nodes of another grid: all that does not depend on the node."""
+        index = np.where(self.basis.index < 0, -1, np.arange(len(BASIS)))
+        at_node = Basis(np.empty((len(BASIS), 1, 1)), 1, index, float(self.basis.mean_pressure))
+        formulas = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
+        needed = np.array([_needed(int(kind), self.basis.index) for kind in self.formulas.kinds])
+        odd = np.array([ODD.get(component, EVEN) for component, _ in BASIS]).astype(np.int64)
+        pairs = zip(shape, (self.basis.values.shape[1], self.basis.columns), strict=True)
+        return at_node, formulas, needed, tuple(lagrange_stencils(*pair, self.edges) for pair in pairs), odd
 
 
 def _needed(kind: int, index: Array) -> Array:
@@ -550,65 +544,70 @@ def _take_nodes(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, colum
         out[n] = value_at(basis, kind, ratio, uniform, row[n], column[n])
 
 
+@inlined
+def exceeds_around(
+    basis: Any, formula: Any, row: int, column: int, edges: int, magnitude: float, out: Any
+) -> bool:
+    """True if a magnitude is above the nine values at and around a node, which are written to `out`."""
+    kind, ratio, uniform = formula
+    shape, is_above = (basis.values.shape[1], basis.columns), True
+    for a in range(3):
+        for b in range(3):
+            j, i = row - 1 + a, column - 1 + b
+            sign = image_sign(kind, j, i, shape, edges)
+            j, i = neighbour(j, shape[0], edges), neighbour(i, shape[1], edges)
+            value = sign * value_at(basis, kind, ratio, uniform, j, i)
+            out[a, b] = value
+            is_above &= magnitude > abs(value)
+    return is_above
+
+
+@compiled
+def _compare(plane: Any, nodes: Any, kept: Any, out: Any) -> int:
+    """As `PlaneFields.exceeded` at nodes of the plane; their number, whose values begin `out`."""
+    (basis, (kinds, ratios, uniforms), edges), (which, row, column, magnitude) = plane, nodes
+    for n in range(which.size):  # without branches, the values of many nodes are fetched at the same time
+        m = which[n]
+        kept[n] = magnitude[n] > abs(value_at(basis, kinds[m], ratios[m], uniforms[m], row[n], column[n]))
+    count = 0
+    for n in range(which.size):
+        if kept[n]:
+            formula = kinds[which[n]], ratios[which[n]], uniforms[which[n]]
+            kept[n] = exceeds_around(basis, formula, row[n], column[n], edges, magnitude[n], out[count])
+            count += kept[n]
+    return count
+
+
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
 """A node and those around it: most maxima end at the node itself."""
 
 
 @compiled
-def _compare(
-    basis: Any,
-    given: Any,
-    fields: Any,
-    precise: Any,
-    needed: Any,
-    nodes: Any,
-    shape: tuple[int, int],
-    edges: int,
-    magnitude: Any,
-    stencils: Any,
-    kept: Any,
-    out: Any,
-) -> int:
-    """As `PlaneFields.exceeded`; returns the number of nodes that are kept, whose values begin `out`.
+def _compare_between(basis: Any, interpolation: Any, nodes: Any, kept: Any, out: Any) -> int:
+    """As `PlaneFields.exceeded` at nodes of another grid; their number, whose values begin `out`.
 
-    `given` has one node, to which the `needed` basis fields are interpolated.
+    `interpolation` holds basis fields at one node, in which those that a field needs are written, the
+    formulas, the fields that each needs, stencils along y and x, and whether a basis field is odd.
     """
-    (which, row, column), ((place_y, weights_y), (place_x, weights_x), odd) = nodes, stencils
-    ny, nx, zero = basis.values.shape[1], basis.columns, np.int64(0)
-    same = ny == shape[0] and nx == shape[1]
-    kinds, ratios, uniforms = fields
-    for n in range(which.size):  # without branches, the values of many nodes are fetched at the same time
-        m = which[n]
-        kept[n] = not same or magnitude[n] > abs(
-            value_at(basis, kinds[m], ratios[m], uniforms[m], row[n], column[n])
-        )
-    count = 0
+    at_node, (kinds, ratios, uniforms), needed, stencils, odd = interpolation
+    (which, row, column, magnitude), ((place_y, weights_y), (place_x, weights_x)) = nodes, stencils
+    count, zero = 0, np.int64(0)
     for n in range(which.size):
-        if not kept[n]:
-            continue
         m, is_above = which[n], True
         for k in range(9):
             a, b = _FROM_CENTRE[k]
-            j, i = row[n] + a, column[n] + b
-            if same:
-                sign = image_sign(kinds[m], j, i, shape, edges)
-                j, i = neighbour(j, ny, edges), neighbour(i, nx, edges)
-                value = sign * value_at(basis, kinds[m], ratios[m], uniforms[m], j, i)
-            else:
-                for part in range(given.index.size):
-                    if needed[m, part]:
-                        values = basis.values[basis.index[part]]
-                        weight_y, weight_x = weights_y[odd[part, 0]], weights_x[odd[part, 1]]
-                        along_y, along_x = (
-                            (place_y[j + 1], weight_y[j + 1]),
-                            (place_x[i + 1], weight_x[i + 1]),
-                        )
-                        given.values[part, 0, 0] = lagrange(values, along_y, along_x)
-                of_field = kinds[m], precise.ratios[m], precise.uniforms[m]
-                value = basis.values.dtype.type(value_at(given, *of_field, zero, zero))
+            j, i = row[n] + a + 1, column[n] + b + 1
+            for part in range(at_node.index.size):
+                if needed[m, part]:
+                    along_y = place_y[j], weights_y[odd[part, 0]][j]
+                    along_x = place_x[i], weights_x[odd[part, 1]][i]
+                    values = basis.values[basis.index[part]]
+                    at_node.values[part, 0, 0] = lagrange(values, along_y, along_x)
+            found = value_at(at_node, kinds[m], ratios[m], uniforms[m], zero, zero)
+            value = basis.values.dtype.type(found)
             out[count, a + 1, b + 1] = value
             is_above &= magnitude[n] > abs(value)
-            if not (same or is_above):
+            if not is_above:
                 break
         kept[n] = is_above
         count += is_above

@@ -240,7 +240,7 @@ class PeriodicPlanes:
         real, kept, grid, modes = self.dtype.type, self._kept, self._fourier.grid, self._modes["modes"]
         count = columns.stop - columns.start
         out = kept.array("coefficients", (len(fields), grid.shape[0], count), modes.dtype)
-        wavevector = np.ascontiguousarray(self._along_x[0, columns]), self._along_y[0]
+        wavevector = np.ascontiguousarray(self._along_x[0, columns]), self._along_y[0, : grid.half_shape[0]]
         kinds = np.array([_PLACES[field.component] for field in fields])
         factors = np.array([field[1:] for field in fields], self.dtype)
         kernels = np.empty((3, 1, 1), self.dtype)
@@ -250,7 +250,7 @@ class PeriodicPlanes:
         row = kept.array("row", (3, numbers), float)
         memory = row, row[2].view(np.int64), kept.array("shared", (10, numbers), self.dtype)
         source = modes.view(self.dtype), modes.itemsize // self.dtype.itemsize * columns.start
-        settings = (kinds, factors), real(depth), wavevector, grid.half_shape[0], is_layer, kernels
+        settings = (kinds, factors), real(depth), wavevector, is_layer, kernels
         _fill_spectra(*settings, memory, source, out.view(self.dtype))
         if not grid.mirrored:
             self._clear_nyquist_modes(fields, columns, out)
@@ -388,7 +388,6 @@ def _fill_spectra(
     fields: Any,
     depth: float,
     wavevector: Any,
-    rows: int,
     is_layer: bool,
     kernels: Any,
     memory: Any,
@@ -405,9 +404,7 @@ def _fill_spectra(
         Places of the components in `COMPONENTS`, (fields,), and a and b, (fields, 2).
     depth : float
     wavevector : tuple
-        q_x of the columns and q_y of the rows.
-    rows : int
-        Number of rows with q_y ≥ 0, for which factors are computed: all of a mirrored map.
+        q_x of the columns, and q_y of the rows with q_y ≥ 0: all of a mirrored map.
     is_layer : bool
     kernels : (3, rows, columns) array
         Z, L and T of a layer; for the half-space they are computed here.
@@ -421,7 +418,7 @@ def _fill_spectra(
         Modes that are zero because they are Nyquist modes are not made so here.
     """
     (kinds, factors), (shared, (qx, qy), (modes, left)) = fields, (memory[2], wavevector, source)
-    ny, columns, length, one = out.shape[1], qx.size, out.shape[2], qx.dtype.type(1)
+    (ny, length), (rows, columns), one = out.shape[1:], (qy.size, qx.size), qx.dtype.type(1)
     at_once, twice = shared.shape[1] // columns, shared[8:].reshape(-1)
     for first in range(0, rows, at_once):
         last = min(first + at_once, rows)

@@ -60,9 +60,10 @@ SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Range of the largest pressure in which planes are in single precision: squares of stresses stay within its
 range."""
 
-KEPT_BYTES = 541_100_000
-"""Memory in which the basis fields of two planes are kept side by side: those of 2048² nodes in double
-precision. Of larger planes one at a time is kept; the plane above is computed again for comparisons."""
+KEPT_BYTES = 2 * 8 * 2048 * 2064 * 8
+"""Memory in which the basis fields of two planes are kept side by side: eight fields of 2048² nodes in double
+precision, in rows of 2064 numbers (`PeriodicPlanes.row_length`), so that an analysis needs 1 GiB at most. Of
+larger planes one at a time is kept; the plane above is computed again for comparisons."""
 
 MAX_PLANES = 10_000
 """Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""
@@ -152,7 +153,7 @@ class LinearPlane:
         return values.reshape(row.size, column.size) * np.outer(along_y, along_x).astype(values.dtype)
 
     def named_fields(self, names: Sequence[str], ratios: Sequence[float]) -> dict[str, Array]:
-        """Fields by name, (ratios, ny, nx)."""
+        """Fields by name, (ratios, ny, nx), for the caller to keep: `field` would hold each of them twice."""
         return {name: np.stack([self._one(name, nu).whole()[0] for nu in ratios]) for name in names}
 
     def _one(self, name: str, poisson: float) -> PlaneFields:

@@ -23,7 +23,7 @@ import numpy as np
 
 from asperity.core.sizes import good_size
 from asperity.core.types import Array
-from asperity.elasticity.kernels import DEEPEST
+from asperity.elasticity.kernels import MAX_SCALED_DEPTH
 from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
 
@@ -173,8 +173,8 @@ def envelope_of(layer: Solid, poisson: float, friction: float, depth: float) -> 
     if (base := layer.base) is not None:
         # Stiff or soft coatings have their limits at longer waves, the base at shorter ones.
         lowest = 1e-4 * min(layer.young / base.young, base.young / layer.young)
-        count = int(90 * np.log10(DEEPEST / lowest))
-        wavenumber = np.geomspace(lowest, DEEPEST, count) / max(depth, layer.height)
+        count = int(90 * np.log10(MAX_SCALED_DEPTH / lowest))
+        wavenumber = np.geomspace(lowest, MAX_SCALED_DEPTH, count) / max(depth, layer.height)
         ratio = ratio if depth <= layer.height else base.poisson
     z, along, shear = layer.kernels(wavenumber, depth)[:3]
     bound = _mode_bound(z, along, ratio * (z + along), shear)
