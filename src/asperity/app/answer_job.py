@@ -16,10 +16,9 @@ import xarray as xr
 from asperity.app.map_job import Ends, along, picture
 from asperity.core.errors import InputError
 from asperity.core.types import Array
-from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer import case_in_words, tile_names
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import CHECKSUMS, OUT, load_case
+from asperity.engineering.case_file import case_of_answer
 from asperity.engineering.face import read_face
 from asperity.engineering.folder import CASE_FILE, names_in
 from asperity.engineering.question import Row
@@ -103,14 +102,11 @@ class AnswerJob:
         self.folder = Path(folder)
         if CASE_FILE not in names_in(self.folder):
             raise InputError(str(self.folder), ["the folder of an answer of asperity run is needed"])
-        content = load_case(self.folder / CASE_FILE)
-        content.pop(OUT, None)
-        content.pop(CHECKSUMS, None)
-        case = self._case = Case.read(content)
+        case = self._case = Case.read(case_of_answer(self.folder))
         self._contact = xr.load_dataset(self.folder / "contact.nc")
         bodies = list(case.different_bodies)
         try:
-            rows = _rows_in(self.folder)
+            rows = rows_in(self.folder)
             advice = pd.read_csv(self.folder / "advice.csv", usecols=ADVICE, keep_default_na=False)
             peaks = pd.read_csv(self.folder / "peaks.csv", usecols=[*PEAKS], dtype=PEAKS)
         except (OSError, ValueError, KeyError) as error:
@@ -143,25 +139,21 @@ class AnswerJob:
             depths = stress["plane_depth"].values
         return depths[depths <= max(self._grid.length)].tolist()
 
-    def _loaded(self, body: str) -> LoadedSolid:
-        """A body under the pressure of the answer, with what film and Hertz contact add."""
-        (source,) = sources(self._contact)
-        contact: Any = SimpleNamespace(
-            in_body=lambda name: source.loaded(name)[0], mean_pressure=float(self._contact["mean_pressure"])
-        )
-        if (film := self._case.film) is not None:
-            answer: Any = SimpleNamespace(case=self._case)
-            if (loaded := film.loaded(answer, contact, body)) is not None:
-                return loaded
-        return self._case.loaded_body(contact, body)
-
     def _stream(self) -> tuple[PlaneStream, Iterator[StressPlane]]:
         """The planes of the field that is looked at: the modes of the pressure are kept with them."""
         body, field = self._wanted or ("", "")
         if (body, field) not in self._streams:
             sliding = self._case.sliding_of(body)
-            solid, depths = self._loaded(body), self._depths(body)
-            stream = PlaneStream(solid, depths, None, (field,), PLANE_TOLERANCE, **sliding)
+            (source,) = sources(self._contact)
+            contact: Any = SimpleNamespace(
+                in_body=lambda name: source.loaded(name)[0],
+                mean_pressure=float(self._contact["mean_pressure"]),
+            )
+            answer: Any = SimpleNamespace(case=self._case)
+            film = self._case.film
+            solid = None if film is None else film.loaded(answer, contact, body)
+            solid = self._case.loaded_body(contact, body) if solid is None else solid
+            stream = PlaneStream(solid, self._depths(body), None, (field,), PLANE_TOLERANCE, **sliding)
             self._streams[body, field] = stream, named_fields(stream)
         return self._streams[body, field]
 
@@ -202,7 +194,7 @@ class AnswerJob:
         return {"picture": {"values": section.astype(np.float32), **frame}}
 
 
-def _rows_in(folder: Path) -> list[dict[str, Any]]:
+def rows_in(folder: Path) -> list[dict[str, Any]]:
     """Numbers of an answer without columns of later versions; those that earlier ones lack are left out."""
     known = get_type_hints(Row)
     del known["shown"]

@@ -175,15 +175,12 @@ class MapFigure:
         self.figure.title.text = title or self.title
         if not self._is_section:
             self.figure.aspect_ratio = float(np.clip(1.15 * shown["dw"] / shown["dh"], 0.7, 2.5))
-            self._frame_map(*(frame[name][0] for name in ("x", "y", "dw", "dh")))
+            x, y, width, height = (frame[name][0] for name in ("x", "y", "dw", "dh"))
+            if self._shown != (x, y, width, height):  # into a map that was shown before one may have zoomed
+                self._shown = x, y, width, height
+                for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
+                    axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
         self.outline.data = dict(zip(("xs", "ys"), self._contour(shown, level), strict=True))
-
-    def _frame_map(self, x: float, y: float, width: float, height: float) -> None:
-        """Show the whole map, unless it is the one that was shown before, into which one may have zoomed."""
-        if self._shown != (x, y, width, height):
-            self._shown = x, y, width, height
-            for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
-                axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
 
     def _contour(self, shown: Mapping[str, Any], level: float | None) -> tuple[list[Array], list[Array]]:
         from contourpy import contour_generator

@@ -523,22 +523,19 @@ class Session:
                 own.show_contact(slot.summary[which], which, self.units, (0.0, highest))
                 own.show_peaks(found, self.units, slot.summary["pressure"], (deepest, largest))
         if "planes" in parts:
-            self._draw_planes([(slot, own) for slot, own in answers if slot.plane is not None])
+            drawn = [(slot, own) for slot, own in answers if slot.plane is not None]
+            values = [self._peaks(slot)["value"] for slot, _ in drawn]
+            values += [
+                each["picture"]["values"] for slot, _ in drawn for each in (slot.plane, slot.section) if each
+            ]
+            low = min([0.0, *(float(each.min()) for each in values if each.size)])
+            high = max([0.0, *(float(each.max()) for each in values if each.size)])
+            for slot, pictures in drawn:
+                plane: Any = slot.plane
+                body, name = self._looked_at(slot)
+                level = slot.summary["yield"].get(body) if name == "von_mises" else None
+                words = name.replace("von_mises", "von Mises").replace("_", " ")
+                title = f"{words} at depth {shown_si(plane['depth'], 'm', 3)}"
+                shown = (plane, slot.section, self._lines["section"])
+                pictures.show_planes(*shown, self.units, title, level, (low, high))
         tab.answers[0].mark(self.peak)
-
-    def _draw_planes(self, answers: list[tuple[Slot, AnswerPictures]]) -> None:
-        """Draw planes and sections of the answers, in the colours of the largest stress."""
-        values = [self._peaks(slot)["value"] for slot, _ in answers]
-        values += [
-            each["picture"]["values"] for slot, _ in answers for each in (slot.plane, slot.section) if each
-        ]
-        low = min([0.0, *(float(each.min()) for each in values if each.size)])
-        high = max([0.0, *(float(each.max()) for each in values if each.size)])
-        for slot, pictures in answers:
-            plane: Any = slot.plane
-            body, name = self._looked_at(slot)
-            level = slot.summary["yield"].get(body) if name == "von_mises" else None
-            words = name.replace("von_mises", "von Mises").replace("_", " ")
-            title = f"{words} at depth {shown_si(plane['depth'], 'm', 3)}"
-            found = (plane, slot.section, self._lines["section"])
-            pictures.show_planes(*found, self.units, title, level, (low, high))

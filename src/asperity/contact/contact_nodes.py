@@ -101,7 +101,8 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
         values[k] += factor * others[k]
 
 
-def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
+@compiled_with_arrays
+def row_plus_column(nodes: Any, of_row: Any, of_column: Any) -> Any:
     """For each of some nodes, the sum of the number given for its row and the one given for its column.
 
     Parameters
@@ -115,12 +116,6 @@ def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
     (count,) array of that type
     """
     out = np.empty(nodes.size, of_row.dtype)
-    _row_plus_column(nodes, of_row, of_column, out)
-    return out
-
-
-@compiled
-def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
     row, start = np.int64(0), np.int64(0)
     for k in range(nodes.size):
         node = np.int64(nodes[k])
@@ -128,6 +123,7 @@ def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
             row = node // of_column.size
             start = row * of_column.size
         out[k] = of_row[row] + of_column[node - start]
+    return out
 
 
 def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
@@ -351,9 +347,15 @@ def _apply_in_strips(
             continue
         for line in range(bottom - top + 2 * radius):
             row = _place_of(top + line - radius, shape[0], period[0])
-            if row >= 0:
-                some = slice(first[row], first[row + 1])
-                _write_row(nodes[some], values[some], row * shape[1], strip[line], radius, period[1])
+            if row < 0:
+                continue
+            numbers, start = strip[line], row * shape[1] - radius
+            for k in range(first[row], first[row + 1]):
+                numbers[np.int64(nodes[k]) - start] = values[k]
+            for step in range(radius if period[1] else 0):  # what repeats in the margin
+                numbers[radius - 1 - step] = numbers[radius + _place_of(-1 - step, shape[1], period[1])]
+                beyond = _place_of(shape[1] + step, shape[1], period[1])
+                numbers[radius + shape[1] + step] = numbers[radius + beyond]
         for row in range(top, bottom):
             some = slice(first_other[row], first_other[row + 1])
             start, parity = row * shape[1], 2 * (row % 2)
@@ -361,7 +363,11 @@ def _apply_in_strips(
         for line in range(bottom - top + 2 * radius):
             row = _place_of(top + line - radius, shape[0], period[0])
             if row >= 0:
-                _erase(nodes[first[row] : first[row + 1]], row * shape[1], strip[line], radius)
+                numbers, start = strip[line], row * shape[1] - radius
+                for k in range(first[row], first[row + 1]):
+                    numbers[np.int64(nodes[k]) - start] = 0
+                numbers[:radius] = 0
+                numbers[width - radius :] = 0
 
 
 @compiled
@@ -374,18 +380,6 @@ def _place_of(place: int, count: int, period: int) -> int:
 
 
 @compiled
-def _write_row(nodes: Any, values: Any, start: int, line: Any, radius: int, period: int) -> None:
-    """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
-    columns = line.size - 2 * radius
-    for k in range(nodes.size):
-        line[np.int64(nodes[k]) - start + radius] = values[k]
-    if period:
-        for step in range(radius):
-            line[radius - 1 - step] = line[radius + _place_of(-1 - step, columns, period)]
-            line[radius + columns + step] = line[radius + _place_of(columns + step, columns, period)]
-
-
-@compiled
 def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, parity: int, out: Any) -> None:
     """Product of the stencil with the strip from a radius above nodes of one row of the map."""
     if weights.shape[1] > 2 * RADIUS + 1:
@@ -395,12 +389,3 @@ def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, pari
         for k in range(nodes.size):
             column = np.int64(nodes[k]) - start
             out[k] = _product(field, column, width, weights, parity + column % 2)
-
-
-@compiled
-def _erase(nodes: Any, start: int, line: Any, radius: int) -> None:
-    """Make a row zero again."""
-    for k in range(nodes.size):
-        line[np.int64(nodes[k]) - start + radius] = 0
-    line[:radius] = 0
-    line[line.size - radius :] = 0

@@ -229,25 +229,21 @@ class DampedDynamics:
         pressure = np.where((self._displacement == self._wall) & (traction > 0), traction, 0)
         unbalanced = math.sqrt(float(np.sum(np.square(traction - pressure), dtype=float)))
         nodes_in_contact = max(int(np.count_nonzero(pressure)), 1)
-        error = max(unbalanced * math.sqrt(pressure.size / nodes_in_contact), self._missing_load())
+        missing_load = 0.0
+        if self._spring:
+            # Norm of the pressure that the load lacks to hold the mean displacement at zero, from the change
+            # of the load per change of the mean since the last call, which may halve or double the last
+            # estimate. It also sets how fast the load follows the mean: near full contact a small change of
+            # the mean needs a large change of the load.
+            mean, (last_load, last_mean) = float(self._now[0, 0].real), self._last_load_and_mean
+            if mean != last_mean and (growth := (last_load - self.load) / (mean - last_mean)) > 0:
+                slowest, fastest = max(self._spring, 0.5 * self._growth), 2 * self._growth
+                self._growth = min(max(growth, slowest), fastest)
+            self._last_load_and_mean = (self.load, mean)
+            missing_load = self._growth * abs(mean) * math.sqrt(self._problem.grid.size)
+        error = max(unbalanced * math.sqrt(pressure.size / nodes_in_contact), missing_load)
         norm = math.sqrt(float(np.sum(np.square(pressure), dtype=float)))
         return pressure, error / norm if norm else (0.0 if error == 0 else math.inf)
-
-    def _missing_load(self) -> float:
-        """Norm of the pressure that the load lacks to hold the mean displacement at zero.
-
-        Estimated from the change of the load per change of the mean since the last call, which is allowed
-        to halve or double the last estimate. It also sets how fast the load follows the mean: near full
-        contact a small change of the mean needs a large change of the load.
-        """
-        if not self._spring:
-            return 0.0
-        mean, (last_load, last_mean) = float(self._now[0, 0].real), self._last_load_and_mean
-        if mean != last_mean and (growth := (last_load - self.load) / (mean - last_mean)) > 0:
-            slowest, fastest = max(self._spring, 0.5 * self._growth), 2 * self._growth
-            self._growth = min(max(growth, slowest), fastest)
-        self._last_load_and_mean = (self.load, mean)
-        return self._growth * abs(mean) * math.sqrt(self._problem.grid.size)
 
     def slowest_frequency(self) -> float:
         """Angular frequency of the slowest mode under the load, times the time step."""

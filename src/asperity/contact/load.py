@@ -254,7 +254,13 @@ def extended_to_area(
         near = abs(count - area.target) <= max(AREA_TOLERANCE * area.target, 0.5)
         if near or not area.may_change():
             return None
-    tangent = _approximate_tangent(iterate, system, inner, effort)
+    nodes = system.linear.operators.nodes
+    if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:
+        # Full contact of a solid without uniform displacement: the approach stays.
+        zero = np.zeros(nodes.size, np.float32)
+        tangent = Correction(np.ones(nodes.size, np.float32), zero, 0.0, 0)
+    else:
+        tangent = replace(inner.solve_uniform(system.linear.operators, *effort), approach=1.0)
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
@@ -302,20 +308,6 @@ def extended_to_area(
     )
     overlap = near_nodes.overlap + np.float32(factor) * rate
     return moved, replace(near_nodes, overlap=overlap), new_load
-
-
-def _approximate_tangent(
-    iterate: Iterate, system: ContactSystem, inner: InnerSolver, effort: tuple[float, int] | tuple[()]
-) -> Correction:
-    """Change of the contact per change of the approach, in units of the nodal compliance.
-
-    The change of the approach is 1, or 0 in full contact of a solid without uniform displacement.
-    """
-    nodes = system.linear.operators.nodes
-    if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:
-        return Correction(np.ones(nodes.size, np.float32), np.zeros(nodes.size, np.float32), 0.0, 0)
-    found = inner.solve_uniform(system.linear.operators, *effort)
-    return Correction(found.pressure, found.displacement, 1.0, found.iterations)
 
 
 def _change_to(target: int, edges: Iterable[Array], least: float, most: float, shortest: float) -> float:

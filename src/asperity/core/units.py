@@ -87,7 +87,17 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
         number = float(usual[1]) * 10.0 ** _EXPONENTS[usual[2]]
     else:
         with suppress(Exception):  # pint has errors of many unrelated types for a unit that it does not know
-            number = _by_pint(value, known.unit)
+            import pint
+
+            if isinstance(value, str):
+                powers = {ord(sign): power for power, sign in _SUPERSCRIPTS.items() if power}
+                parts: Any = _NUMBER_AND_UNIT.fullmatch(value.strip().translate(powers))
+                own = re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", parts[2])  # mm2 is mm^2
+                magnitude, unit = float(parts[1]), own
+            else:
+                magnitude, unit = float(value.magnitude), value.units
+            quantity = pint.get_application_registry().Quantity(magnitude, unit)
+            number = float(quantity.to(known.unit).magnitude)
     if math.isfinite(number):
         return number
     example = ""
@@ -107,35 +117,17 @@ def misread(value: Any, dimension: str = "") -> str:
         pressure = float(found[1]) * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE
         return f"; {float(found[1]):g} {found[2]} is {shown_si(pressure, 'Pa')}"
     if dimension == "pressure" and (found := _ROCKWELL.fullmatch(text)):
-        return f"; {_from_rockwell(float(found[1]))}"
+        import numpy as np
+
+        known = [*ROCKWELL_TO_VICKERS]
+        if not known[0] <= float(found[1]) <= known[-1]:
+            return f"; {float(found[1]):g} HRC is outside of the scale, {known[0]} to {known[-1]} HRC"
+        vickers = float(np.interp(float(found[1]), known, [*ROCKWELL_TO_VICKERS.values()]))
+        of_steel = shown_si(vickers * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE, "Pa", 2)
+        return f"; {float(found[1]):g} HRC is about {vickers:.0f} HV on steel, {of_steel}"
     if re.match(r"[+-]?\d+,\d", text):
         return f"; with a decimal point, not a comma: {text.replace(',', '.', 1)}"
     return ""
-
-
-def _from_rockwell(number: float) -> str:
-    """A Rockwell C hardness as a pressure, in words for a message."""
-    import numpy as np
-
-    known = [*ROCKWELL_TO_VICKERS]
-    if not known[0] <= number <= known[-1]:
-        return f"{number:g} HRC is outside of the scale, {known[0]} to {known[-1]} HRC"
-    vickers = float(np.interp(number, known, [*ROCKWELL_TO_VICKERS.values()]))
-    pressure = shown_si(vickers * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE, "Pa", 2)
-    return f"{number:g} HRC is about {vickers:.0f} HV on steel, {pressure}"
-
-
-def _by_pint(value: Any, unit: str) -> float:
-    """Number in a unit, of a text or a quantity of pint."""
-    import pint
-
-    if isinstance(value, str):
-        plain = value.strip().translate({ord(sign): power for power, sign in _SUPERSCRIPTS.items() if power})
-        number, own = _NUMBER_AND_UNIT.fullmatch(plain).groups()  # type: ignore[union-attr]
-        magnitude, own = float(number), re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", own)  # mm2 is mm^2
-    else:
-        magnitude, own = float(value.magnitude), value.units
-    return float(pint.get_application_registry().Quantity(magnitude, own).to(unit).magnitude)
 
 
 def shown_si(value: float, unit: str, digits: int = 4) -> str:

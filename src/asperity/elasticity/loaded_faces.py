@@ -360,16 +360,8 @@ def _states(amplitudes: Array, depth: Array, below: Array, poisson: float) -> Ar
     `depth` and `below` are the distances from the top and from the bottom times q, (modes,).
     """
     thin, out = depth + below < THIN, np.empty_like(amplitudes)
-    out[..., thin] = _thin_states(amplitudes[..., thin], (below - depth)[thin] / 2, poisson)
-    thick, mirror = amplitudes[..., ~thin], np.diag([1, 1, -1, -1, -1, 1])
-    downward = _half_space_states(thick[:3], depth[~thin], poisson)
-    upward = _half_space_states(thick[3:], below[~thin], poisson)
-    out[..., ~thin] = downward + np.tensordot(mirror, upward, 1)
-    return out
-
-
-def _thin_states(middle: Array, s: Array, poisson: float) -> Array:
-    """States at the distance s/q above the middle of the layer, exp(s A) times that of the middle."""
+    # In a thin layer, exp(s A) times the states in its middle, at the distance s/q from there.
+    middle, s = amplitudes[..., thin], (below - depth)[thin] / 2
     p, r = 1 / (1 - poisson), poisson / (1 - poisson)
     a = np.zeros((6, 6))
     a[0, [2, 3]], a[1, 4] = (-1, 2), 2
@@ -378,7 +370,12 @@ def _thin_states(middle: Array, s: Array, poisson: float) -> Array:
     n = a @ a - np.eye(6)
     factors = np.cosh(s), np.sinh(s), s * np.sinh(s) / 2, s**3 * polyval(s * s, _SERIES) / 2
     parts = zip(factors, (np.eye(6), a, n, n @ a), strict=True)
-    return np.asarray(sum(factor * np.tensordot(matrix, middle, 1) for factor, matrix in parts))
+    out[..., thin] = sum(factor * np.tensordot(matrix, middle, 1) for factor, matrix in parts)
+    thick, mirror = amplitudes[..., ~thin], np.diag([1, 1, -1, -1, -1, 1])
+    downward = _half_space_states(thick[:3], depth[~thin], poisson)
+    upward = _half_space_states(thick[3:], below[~thin], poisson)
+    out[..., ~thin] = downward + np.tensordot(mirror, upward, 1)
+    return out
 
 
 def _half_space_states(tractions: Array, depth: Array, poisson: float) -> Array:

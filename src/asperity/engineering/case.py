@@ -125,15 +125,15 @@ class Case(Settings):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        found = [*self._problems_of_bodies(), *self._problems_of_load()]
+        found = [*self._problems()]
         for question in self.questions.values():
             found += question.check(self)
         if found:
             raise ContradictionError(*dict.fromkeys(found))
         return self
 
-    def _problems_of_bodies(self) -> Iterator[tuple[str, str]]:
-        """Constants that exclude each other, and groups of one body that stand in the other."""
+    def _problems(self) -> Iterator[tuple[str, str]]:
+        """Settings of map, bodies and load that exclude each other, and loads that are too large."""
         if self.body.map is not None:
             yield "body.map", ": not accepted; the map of the body is the group `map`"
         if "form" in self.map.model_fields_set and self.map.radius is None:
@@ -145,9 +145,6 @@ class Case(Settings):
         if self.map.periodic == "none":
             refused = ": not accepted with map.periodic = none, a free boundary"
             yield from ((key, refused) for key in self.layers_and_coatings)
-
-    def _problems_of_load(self) -> Iterator[tuple[str, str]]:
-        """Loads that are too large, or do not go with the bodies."""
         load = self.load
         if isinstance(load, Hertz):
             needed = ": half-spaces are needed in a Hertz contact"

@@ -66,6 +66,12 @@ def load_case(path: str | Path) -> dict[str, Any]:
     return content
 
 
+def case_of_answer(folder: Path) -> dict[str, Any]:
+    """The groups of the case file in the folder of an answer; errors as of `load_case`."""
+    content = load_case(folder / CASE_FILE)
+    return {name: group for name, group in content.items() if name not in (OUT, CHECKSUMS)}
+
+
 def matches(name: str) -> str | list[str]:
     """Files that match a pattern such as ``ring_*.x3p``, in order; the name itself if less than two match."""
     if glob.has_magic(name) and not os.path.exists(name):

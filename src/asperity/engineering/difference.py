@@ -66,7 +66,12 @@ class Difference(NamedTuple):
 
 
 def differences(first: Sequence[Row | SampleRow], second: Sequence[Row | SampleRow]) -> list[Difference]:
-    """Differences of all numbers that two answers, or two samples, have."""
+    """Differences of all numbers that two answers, or two samples, have.
+
+    The errors of two answers are taken to be normally distributed.
+    """
+    from scipy.stats import norm
+
     groups = {(group_of(row), row.name): row for row in second}
     found = []
     for row in first:
@@ -74,28 +79,21 @@ def differences(first: Sequence[Row | SampleRow], second: Sequence[Row | SampleR
         if isinstance(row, SampleRow) and isinstance(other, SampleRow):
             found.append(_of_samples(row, other))
         elif isinstance(row, Row) and isinstance(other, Row):
-            found.append(_of_maps(row, other))
+            values = [each.estimate if math.isfinite(each.estimate) else each.value for each in (row, other)]
+            pixels = np.nan_to_num([each.error for each in (row, other)])
+            places = np.array([each.error_of_places for each in (row, other)])
+            error, chance = float(np.linalg.norm([*pixels, *np.nan_to_num(places)])), math.nan
+            if np.isfinite(places).all() and error:
+                size = abs(values[1] - values[0]) / error
+                chance = 2 * float(norm.sf(norm.ppf((1 + CONFIDENCE) / 2) * size))
+            numbers = group_of(row), row.name, row.unit, values[0], values[1]
+            found.append(Difference(*numbers, error or math.nan, chance))
     return found
 
 
 def group_of(row: Row | SampleRow) -> str:
     """Group of a row without the constants of a body, which differ between cases."""
     return row.group.partition(" (")[0]
-
-
-def _of_maps(first: Row, second: Row) -> Difference:
-    """Difference of a number of two maps, by the normal distribution."""
-    from scipy.stats import norm
-
-    values = [row.estimate if math.isfinite(row.estimate) else row.value for row in (first, second)]
-    pixels = np.nan_to_num([row.error for row in (first, second)])
-    places = np.array([row.error_of_places for row in (first, second)])
-    error, chance = float(np.linalg.norm([*pixels, *np.nan_to_num(places)])), math.nan
-    if np.isfinite(places).all() and error:
-        size = abs(values[1] - values[0]) / error
-        chance = 2 * float(norm.sf(norm.ppf((1 + CONFIDENCE) / 2) * size))
-    found = group_of(first), first.name, first.unit, values[0], values[1]
-    return Difference(*found, error or math.nan, chance)
 
 
 def _of_samples(first: SampleRow, second: SampleRow) -> Difference:

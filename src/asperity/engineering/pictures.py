@@ -56,7 +56,27 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     for body in answer.case.different_bodies:
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field)
-        yield from _of_interface(answer, source, body)
+        if (interface := answer.bodies[body].interface) is not None:
+            for name, words in {"shear": "shear stress on", "tension": "tension across"}.items():
+                (grid, values), largest = interface.planes[name], interface.largest[name]
+                if not largest.value > 0:
+                    continue
+                whole = answer.face.part_of(grid)
+                look = Look(f"{words} the interface", "stress", STRESS, "white", np.max, low=0.0)
+                shown = Map(replace(source, grid=grid, fields={}), whole, np.maximum(values[whole], 0.0))
+                figure = _drawn([shown], look)
+                axis = figure.axes[0]
+                factor = grid.spacing[1] * values[whole].shape[1] / float(np.diff(axis.get_xlim())[0])
+                axis.plot(
+                    largest.x / factor, largest.y / factor, "+", color="C4", ms=9, mew=1.5, clip_on=False
+                )
+                caption = (
+                    f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its largest"
+                )
+                title = answer.case.stress_title(body)
+                yield Picture(
+                    f"interface_{name}{answer.suffix_of(body)}", f"{caption} value; {title}.", figure, body
+                )
         for question in answer.case.questions.values():
             yield from question.pictures_of_body(answer, body)
 
@@ -148,26 +168,6 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
             line = depths, np.where(np.isinf(limit := part.yield_at(depths)), np.nan, limit)
         figure = plot_peaks({source.title: stress}, field, yield_stress=line)
         yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{end}", figure, body)
-
-
-def _of_interface(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
-    """Pictures of shear and tension on the interface of a coating; a cross is the largest value."""
-    if (interface := answer.bodies[body].interface) is None:
-        return
-    for name, words in {"shear": "shear stress on", "tension": "tension across"}.items():
-        (grid, values), largest = interface.planes[name], interface.largest[name]
-        if not largest.value > 0:
-            continue
-        whole = answer.face.part_of(grid)
-        look = Look(f"{words} the interface", "stress", STRESS, "white", np.max, low=0.0)
-        shown = Map(replace(source, grid=grid, fields={}), whole, np.maximum(values[whole], 0.0))
-        figure = _drawn([shown], look)
-        axis = figure.axes[0]
-        factor = grid.spacing[1] * values[whole].shape[1] / float(np.diff(axis.get_xlim())[0])
-        axis.plot(largest.x / factor, largest.y / factor, "+", color="C4", ms=9, mew=1.5, clip_on=False)
-        caption = f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its largest"
-        title = answer.case.stress_title(body)
-        yield Picture(f"interface_{name}{answer.suffix_of(body)}", f"{caption} value; {title}.", figure, body)
 
 
 def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:

@@ -241,7 +241,19 @@ def _analyse(answer: Answer, name: str, progress: Progress) -> None:
 
 def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     """Settings of a case that do not go with its map."""
-    found = [*_outside_hertz(case, rough.face)]
+    found: list[tuple[str, str]] = []
+    if (contact := case.hertz_contact) is not None:
+        widths = 2 * contact.half_width_y, 2 * contact.half_width_x
+        part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
+        for axis, width, edge in zip("yx", widths, rough.face.grid.length, strict=True):
+            if width < edge:
+                given = f"{shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}"
+                text = (
+                    f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
+                )
+                text += f'it is {given}. Use a part of the map, map.crop = "{part}", or press the whole form '
+                text += "with its force or pressure: map.radius and map.radius_y with map.periodic = none"
+                found.append((f"load.radius_{axis}", text))
     for question in case.questions.values():
         found += [*question.on_map(case, rough)]
     try:
@@ -249,21 +261,6 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     except SettingsError as error:
         found += error.found
     return [Problem(*each) for each in found]
-
-
-def _outside_hertz(case: Case, face: TreatedMap) -> Any:
-    """A map that is wider than its Hertz contact."""
-    if (contact := case.hertz_contact) is None:
-        return
-    widths = 2 * contact.half_width_y, 2 * contact.half_width_x
-    part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
-    for axis, width, edge in zip("yx", widths, face.grid.length, strict=True):
-        if width < edge:
-            found = f"{shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}"
-            text = f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
-            text += f'it is {found}. Use a part of the map, map.crop = "{part}", or press the whole form '
-            text += "with its force or pressure: map.radius and map.radius_y with map.periodic = none"
-            yield f"load.radius_{axis}", text
 
 
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:

@@ -18,7 +18,7 @@ from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
 from asperity.engineering.answer import REPEATS, Answer, case_in_words, tile_names, without_repeats
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import CHECKSUMS, OUT, load_case, pool_text
+from asperity.engineering.case_file import case_of_answer, pool_text
 from asperity.engineering.difference import differences, group_of, verdict
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import ANSWERS, CASE_FILE, COMPARISON, MANIFEST, SAMPLE, locked, replacing
@@ -95,7 +95,7 @@ def compare_samples(folders: Sequence[Path]) -> str:
         if not (folder / ANSWERS).is_file():
             raise DatasetError(f"{folder}: a folder of pooled answers is needed (--pooled)")
         names = list(json.loads((folder / ANSWERS).read_text(encoding="utf-8")))
-        cases.append(Case.read(_case_of(folder / names[0])))
+        cases.append(Case.read(case_of_answer(folder / names[0])))
         samples.append(read_sample(folder, names, cases[-1]))
     first, second = (folder.name for folder in folders)
     found = differences(*(without_repeats(sample.rows) for sample in samples))
@@ -105,12 +105,6 @@ def compare_samples(folders: Sequence[Path]) -> str:
     lines = [f"{name:<{width}}{own:<{wide[0]}}{other:<{wide[1]}}{more}" for name, own, other, more in cells]
     sentence = verdict(found, (first, second), tile_names(cases[0]))
     return "\n".join([*([fill(sentence, WIDEST), ""] if sentence else []), *lines])
-
-
-def _case_of(folder: Path) -> dict[str, Any]:
-    """The groups of the case file of an answer."""
-    content = load_case(folder / CASE_FILE)
-    return {name: group for name, group in content.items() if name not in (OUT, CHECKSUMS)}
 
 
 def _lines(frame: pd.DataFrame) -> list[str]:

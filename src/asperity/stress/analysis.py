@@ -29,7 +29,7 @@ from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier import current_engine
-from asperity.fourier.grid import Grid, Work
+from asperity.fourier.grid import Work
 from asperity.stress.peaks.finder import (
     PeakFinder,
     Peaks,
@@ -184,13 +184,6 @@ class _Field(NamedTuple):
     uniform: tuple[float, float]
 
 
-def _is_on(grid: Grid, peaks: Peaks) -> Array:
-    """True for peaks in the whole cell of a mirrored map that lie on the map."""
-    places = zip((peaks.y, peaks.x), grid.spacing, grid.length, strict=True)
-    along_y, along_x = ((place + 0.5 * step) % (2 * edge) < edge for place, step, edge in places)
-    return along_y & along_x
-
-
 class _Analysis:
     """Analysis of the stress under one contact, plane by plane.
 
@@ -244,15 +237,6 @@ class _Analysis:
         self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None
     ) -> dict[str, xr.Dataset]:
         """Take all planes, and those above the reference planes again that were not kept."""
-        self._take_all(progress, observe)
-        if missing := int(self._references.missing.max()):
-            self._take_again(missing)
-        found = {lateral: self._dataset(lateral) for lateral in self._laterals}
-        for dataset in found.values():
-            require_finite("analyse_stress", dataset.data_vars)
-        return found
-
-    def _take_all(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
         for number, plane in enumerate(self._stream.planes(progress, watch=self._watch)):
             if number == len(self._finest) and not self._stream.keeps_planes:
                 self._finest.append(plane)
@@ -271,11 +255,14 @@ class _Analysis:
             self._finder.add(searched, search, floor)
         self._finder.finish()
         self._search = None  # with the basis fields
-
-    def _take_again(self, count: int) -> None:
-        for number, _ in enumerate(self._stream.planes(count=count, watch=self._watch_again)):
-            self._compare_again(number)
-        self._search = None
+        if missing := int(self._references.missing.max()):
+            for number, _ in enumerate(self._stream.planes(count=missing, watch=self._watch_again)):
+                self._compare_again(number)
+            self._search = None
+        found = {lateral: self._dataset(lateral) for lateral in self._laterals}
+        for dataset in found.values():
+            require_finite("analyse_stress", dataset.data_vars)
+        return found
 
     def _compare_again(self, number: int) -> None:
         assert self._search is not None
@@ -352,9 +339,11 @@ class _Analysis:
         found = self._peaks(lateral)
         every, sizes = Peaks.join(found.values()), [peaks.size for peaks in found.values()]
         if stream.map_grid.mirrored and not solid.grid.mirrored:
-            on_map = [
-                peaks.select(np.flatnonzero(_is_on(stream.map_grid, peaks))) for peaks in found.values()
-            ]
+            spacing, length, on_map = stream.map_grid.spacing, stream.map_grid.length, []
+            for peaks in found.values():
+                places = zip((peaks.y, peaks.x), spacing, length, strict=True)
+                along_y, along_x = ((place + 0.5 * step) % (2 * edge) < edge for place, step, edge in places)
+                on_map.append(peaks.select(np.flatnonzero(along_y & along_x)))
             every, sizes = Peaks.join(on_map), [peaks.size for peaks in on_map]
         under_contact = every.under_contact(solid.pressure, solid.grid, solid.boundary)
         profiles = ("poisson", "plane")

@@ -127,7 +127,16 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     if np.isfinite(surface.height).any():
         measures = MapMeasures(surface, options)
         comparable, is_profile = found.edges_comparable, options.format == PROFILE
-        properties |= _of_heights(surface, measures, comparable, is_profile)
+        of_heights = {
+            **_defects(surface, measures),
+            **_roughness_words(surface, measures),
+            **_texture_words(surface, measures),
+            **_wave_words(surface, measures),
+        }
+        unknown = () if comparable else NEED_EDGES
+        for name, text in of_heights.items():
+            if name not in unknown and not (is_profile and name in ("Sal", "Str")):
+                properties[name.replace("S", "R", 1) if is_profile else name] = text
         warnings = map_warnings(surface, options, measures, comparable)
     return MapDescription(properties, needed, choices, warnings)
 
@@ -237,23 +246,6 @@ def map_warnings(
             f"without it {length(rms)}, a change larger than the error of a sample; set it to curvature"
         )
     return warnings
-
-
-def _of_heights(
-    surface: HeightMap, measures: MapMeasures, edges_known: bool, is_profile: bool
-) -> dict[str, str]:
-    """Defects, roughness and spectrum of a map; without edges in its unit nothing that depends on them."""
-    found = {
-        **_defects(surface, measures),
-        **_roughness_words(surface, measures),
-        **_texture_words(surface, measures),
-        **_wave_words(surface, measures),
-    }
-    if is_profile:
-        rest = {name: text for name, text in found.items() if name not in ("Sal", "Str")}
-        found = {name.replace("S", "R", 1): text for name, text in rest.items()}
-    unknown = () if edges_known else NEED_EDGES
-    return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in unknown}
 
 
 def _defects(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:

@@ -65,34 +65,31 @@ class Conduction(Question):
         return "; ".join([*found, "films, oxides and the gap are left out"])
 
     def rows(self, answer: Answer) -> Iterator[Row]:
-        """Conductances per nominal area, the electrical resistance, and the constriction of that area."""
+        """Conductances per nominal area, the electrical resistance, and the constriction of that area.
+
+        The resistance of the bodies around it is (ρ₁ + ρ₂) / (4 α) for a circle of radius α (R. Holm,
+        Electric Contacts, 1967, §1; J. A. Greenwood, Br. J. Appl. Phys. 17 (1966) 1621, DOI
+        10.1088/0508-3443/17/12/310).
+        """
         area = answer.face.grid.area
         for name, resistivity in resistivities(answer.case).items():
             value, unit = answer.contact.conductance(resistivity), UNITS[name]
             number = IN_FULL_CONTACT if math.isinf(value) else f"{value:.4g} {unit}"
             if name == "electrical_conductance":
-                yield from _resistance(value, resistivity, area, answer.face.boundary == "free")
+                if value > 0:
+                    resistance, nominal = 1 / (value * area), shown_si(area, "m^2")
+                    words = f"{shown_si(resistance, 'Ω')} of the nominal area of {nominal}, without films"
+                    yield Row("conduction", "electrical contact resistance", resistance, "Ω", words)
+                if answer.face.boundary != "free":
+                    around = resistivity / (4 * math.sqrt(area / math.pi))
+                    words = f"{shown_si(around, 'Ω', 3)} in addition (Holm), if wider bodies touch only on "
+                    words += "this area"
+                    yield Row("conduction", "constriction of the nominal area", around, "Ω", words)
             yield Row("conduction", name.replace("_", " contact "), value, unit, f"{number}, without films")
 
     def assumption(self, answer: Answer) -> str:
         """Conduction through the real contact alone."""
         return "Heat and current pass through the real contact alone, not through films, oxides or the gap."
-
-
-def _resistance(conductance: float, resistivity: float, area: float, is_whole: bool) -> Iterator[Row]:
-    """Resistance of the real contact on the nominal area, and of the bodies around this area.
-
-    The resistance of the bodies is (ρ₁ + ρ₂) / (4 α) for a circle of radius α (R. Holm, Electric Contacts,
-    1967, §1; J. A. Greenwood, Br. J. Appl. Phys. 17 (1966) 1621, DOI 10.1088/0508-3443/17/12/310).
-    """
-    if conductance > 0:
-        value, nominal = 1 / (conductance * area), shown_si(area, "m^2")
-        words = f"{shown_si(value, 'Ω')} of the nominal area of {nominal}, without films"
-        yield Row("conduction", "electrical contact resistance", value, "Ω", words)
-    if not is_whole:
-        around = resistivity / (4 * math.sqrt(area / math.pi))
-        words = f"{shown_si(around, 'Ω', 3)} in addition (Holm), if wider bodies touch only on this area"
-        yield Row("conduction", "constriction of the nominal area", around, "Ω", words)
 
 
 def resistivities(case: Case) -> dict[str, float]:

@@ -75,17 +75,37 @@ class Cycles(Question):
         return any(body.gives(name) for body in bodies for name in limits)
 
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """Settings that cycles need, and settings that they exclude."""
+        """Settings that cycles need or exclude, and fatigue limits whose ratio no ductile metal has."""
+        from asperity.stress.cycles.criteria import hydrostatic_factor
+
         bodies = case.groups_of_bodies
         limited = {name: body for name, body in bodies.items() if body.fatigue_torsion is not None}
-        yield from _problems_of_limits(limited)
+        for name, body in limited.items():
+            try:
+                hydrostatic_factor(body.fatigue_torsion, body.fatigue_bending)
+            except ValueError as error:
+                yield f"{name}.fatigue_torsion", str(error).removeprefix("fatigue_torsion")
         if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
             yield "cycles", ": both fatigue_scatter and fatigue_volume are needed, or none"
         if self.fatigue_scatter is not None and not limited:
             text = f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed"
             yield "cycles.fatigue_scatter", text
         if self.shifts is None:
-            yield from self._problems_of_a_smooth_body(case, bool(limited))
+            if self.slide_to_roll:
+                yield "cycles.slide_to_roll", f" = {self.slide_to_roll:g}: needs cycles.shifts"
+            if not limited:
+                yield (
+                    "cycles",
+                    ": needs shifts, or fatigue limits of a body (fatigue_torsion, fatigue_bending)",
+                )
+            elif case.counter_body is not None and case.counter_body.map is not None:
+                yield "counter_body.map", ": needs cycles.shifts, for the stress cycles of two rough faces"
+            if case.sliding_direction not in ("x", "y") and float(case.sliding_direction) % 90:
+                needed = "x, y or a multiple of 90 is needed for the stress cycles of a smooth body"
+                text = (
+                    f" = {case.sliding_direction:g}: {needed}; another angle of the grid with cycles.shifts"
+                )
+                yield "sliding.direction", text
             return
         refused = {
             "slide_to_roll without a Hertz contact": self.slide_to_roll and case.hertz_contact is None,
@@ -96,19 +116,6 @@ class Cycles(Question):
         }
         for name in (name for name, given in refused.items() if given):
             yield "cycles.shifts", f" = {self.shifts}: not accepted together with {name}"
-
-    def _problems_of_a_smooth_body(self, case: Case, has_limits: bool) -> Iterator[tuple[str, str]]:
-        """Problems of cycles without shifts."""
-        if self.slide_to_roll:
-            yield "cycles.slide_to_roll", f" = {self.slide_to_roll:g}: needs cycles.shifts"
-        if not has_limits:
-            yield "cycles", ": needs shifts, or fatigue limits of a body (fatigue_torsion, fatigue_bending)"
-        elif case.counter_body is not None and case.counter_body.map is not None:
-            yield "counter_body.map", ": needs cycles.shifts, for the stress cycles of two rough faces"
-        if case.sliding_direction not in ("x", "y") and float(case.sliding_direction) % 90:
-            needed = "x, y or a multiple of 90 is needed for the stress cycles of a smooth body"
-            text = f" = {case.sliding_direction:g}: {needed}; another angle of the grid with cycles.shifts"
-            yield "sliding.direction", text
 
     def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
         """Too few shifts for the waves of the faces, or a direction that no line through nodes has."""
@@ -204,20 +211,17 @@ class Cycles(Question):
             name = f"volume above {100 * share:g} % of the limit per area"
             yield row(group, name, value, "m")
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
-            yield from self._survival(cycles, group, answer.numbers.nominal_area)
+            from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
 
-    def _survival(self, cycles: xr.Dataset, group: str, area: float) -> Iterator[Row]:
-        """Expected cracks, and the probability that none starts on the map."""
-        from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
-
-        assert self.fatigue_scatter is not None
-        assert self.fatigue_volume is not None
-        cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
-        exponent = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
-        yield Row(group, CRACKS, cracks, "1/m^2", f"{1e-6 * cracks:.3g} per mm², {exponent}")
-        none = math.exp(-cracks * area)
-        shown = f"{none:.4g} on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
-        yield Row(group, "probability of no crack on the map", none, "1", shown)
+            area = answer.numbers.nominal_area
+            cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
+            exponent = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
+            yield Row(group, CRACKS, cracks, "1/m^2", f"{1e-6 * cracks:.3g} per mm², {exponent}")
+            none = math.exp(-cracks * area)
+            shown = (
+                f"{none:.4g} on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
+            )
+            yield Row(group, "probability of no crack on the map", none, "1", shown)
 
     def advice(self, answer: Answer) -> Iterator[Advice]:
         """Error by few shifts, and the stress with which the limits are compared."""
@@ -323,17 +327,6 @@ def _limits(body: Body) -> dict[str, Any]:
     if isinstance(residual, ResidualStress):
         residual = residual.depth, residual.stress
     return {name: getattr(body, name) for name in names} | {"residual_stress": residual}
-
-
-def _problems_of_limits(bodies: Mapping[str, Body]) -> Iterator[tuple[str, str]]:
-    """Fatigue limits whose ratio no ductile metal has."""
-    from asperity.stress.cycles.criteria import hydrostatic_factor
-
-    for name, body in bodies.items():
-        try:
-            hydrostatic_factor(body.fatigue_torsion, body.fatigue_bending)
-        except ValueError as error:
-            yield f"{name}.fatigue_torsion", str(error).removeprefix("fatigue_torsion")
 
 
 def moving_contact(

@@ -25,13 +25,6 @@ SPREAD = 1.6
 """Ratio of the largest to the smallest share of asperities by published correlations, for λ from 0.5 to 1."""
 
 
-def _arana(ratio: float) -> float:
-    """1 − erf λ: A. Arana, J. Larranaga, I. Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi
-    10.1177/1350650118778655.
-    """
-    return math.erfc(ratio)
-
-
 def _balan(ratio: float) -> float:
     """M. R. D. Balan, L. Houpert, A. Tufescu, S. Cretu, Lubricants 3 (2015) 222, Eq. A2, doi
     10.3390/lubricants3020222; 0 beyond its zero at λ = 2.012, where it becomes negative.
@@ -39,8 +32,12 @@ def _balan(ratio: float) -> float:
     return max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0
 
 
-SHARES_OF_ASPERITIES = {"arana": _arana, "balan": _balan}
-"""Correlation → share of the load on asperities as a function of λ."""
+SHARES_OF_ASPERITIES = {"arana": math.erfc, "balan": _balan}
+"""Correlation → share of the load on asperities as a function of λ.
+
+1 − erf λ: A. Arana, J. Larranaga, I. Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi
+10.1177/1350650118778655.
+"""
 
 
 class Film(Question):

@@ -245,8 +245,20 @@ class LoadCurve(Question):
                 words = f"{'below' if load == 0 else 'above'} {shown_si(value, 'Pa', 3)}, beyond the curve"
             subject = f"the {name} body yields" if len(answer.case.bodies) > 1 else "yield begins"
             yield Row(group, f"mean pressure where {subject}", value, "Pa", words)
-        if curve.sealing is not None:
-            yield _row_of_sealing(group, curve.sealing, loads)
+        if (sealing := curve.sealing) is None:
+            return
+        name = "mean pressure that seals"
+        if not 0 < sealing.load < math.inf:
+            value = float(loads[-1] if sealing.load else loads[0])
+            words = f"{'above' if sealing.load else 'below'} {shown_si(value, 'Pa', 3)}, beyond the curve"
+            yield Row(group, name, value, "Pa", words)
+            return
+        row = Row(group, name, sealing.load, "Pa", shown_si(sealing.load, "Pa", 3))
+        if 0 < sealing.on_half < math.inf:
+            yield row.by(max(abs(sealing.load - sealing.on_half), SEALING_ERROR * sealing.load))
+        else:
+            side = "below" if sealing.on_half == 0 else "above"
+            yield row._replace(shown=f"{row.shown}; on half of the nodes {side} the loads of the curve")
 
     def files(self, case: Case) -> list[str]:
         """Table and picture."""
@@ -388,20 +400,6 @@ def _within(progress: Progress, begin: float, end: float, total: float, done: fl
     progress(begin + (end - begin) * (done / of if of else 1.0), total)
 
 
-def _row_of_sealing(group: str, sealing: Sealing, loads: Array) -> Row:
-    """The load that seals, with its error by the pixels."""
-    name = "mean pressure that seals"
-    if not 0 < sealing.load < math.inf:
-        value = float(loads[-1] if sealing.load else loads[0])
-        words = f"{'above' if sealing.load else 'below'} {shown_si(value, 'Pa', 3)}, beyond the curve"
-        return Row(group, name, value, "Pa", words)
-    row = Row(group, name, sealing.load, "Pa", shown_si(sealing.load, "Pa", 3))
-    if 0 < sealing.on_half < math.inf:
-        return row.by(max(abs(sealing.load - sealing.on_half), SEALING_ERROR * sealing.load))
-    side = "below" if sealing.on_half == 0 else "above"
-    return row._replace(shown=f"{row.shown}; on half of the nodes {side} the loads of the curve")
-
-
 def _drawn(curve: AnswerCurve) -> Any:
     """Numbers of a load curve against the mean pressure, the electrical resistance against the force."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
@@ -438,22 +436,18 @@ def _drawn(curve: AnswerCurve) -> Any:
                 each.set_major_locator(LogLocator(subs=(1, 2, 5)))
                 each.set_major_formatter(StrMethodFormatter("{x:g}"))
                 each.set_minor_formatter(NullFormatter())
-            _mark_loads(curve, name, axis, per)
+            # Dotted lines at the loads where yield begins, and that seal.
+            marked, bodies = {}, [str(body) for body in curve.numbers["body"].values]
+            if name == "leakage":
+                axis.legend(["all nodes", "half of the nodes"], loc="lower left")
+                if axis.get_yscale() == "log":
+                    axis.set_ylim(bottom=axis.get_ylim()[0] / ROOM)
+                marked = {"C0": 0.0 if curve.sealing is None else curve.sealing.load}
+            if name == "largest_von_mises_stress":
+                if len(bodies) > 1:
+                    axis.legend([f"{body} body" for body in bodies])
+                marked = {f"C{bodies.index(body)}": load for body, load in curve.yield_loads.items()}
+            for colour, load in marked.items():
+                if 0 < load < np.inf:
+                    axis.axvline(load / per, color=colour, ls=":", lw=1)
     return figure
-
-
-def _mark_loads(curve: AnswerCurve, name: str, axis: Any, unit: float) -> None:
-    """Dotted lines at the loads where yield begins, and that seal; a legend where there are two lines."""
-    marked, bodies = {}, [str(body) for body in curve.numbers["body"].values]
-    if name == "leakage":
-        axis.legend(["all nodes", "half of the nodes"], loc="lower left")
-        if axis.get_yscale() == "log":
-            axis.set_ylim(bottom=axis.get_ylim()[0] / ROOM)
-        marked = {"C0": 0.0 if curve.sealing is None else curve.sealing.load}
-    if name == "largest_von_mises_stress":
-        if len(bodies) > 1:
-            axis.legend([f"{body} body" for body in bodies])
-        marked = {f"C{bodies.index(body)}": load for body, load in curve.yield_loads.items()}
-    for colour, load in marked.items():
-        if 0 < load < np.inf:
-            axis.axvline(load / unit, color=colour, ls=":", lw=1)

@@ -74,7 +74,9 @@ class Sensitivity(Question):
         rows = {(row.group, row.name): row for row in answer.rows if row.name in names}
         for key, other in others.items():
             for changed in other.rows:
-                own = rows.get((_group_like(changed.group, rows), changed.name))
+                start = changed.group.partition(" (")[0]  # before the constants, which may be varied
+                like = (group for group, _ in rows if group.partition(" (")[0] == start)
+                own = rows.get((next(like, changed.group), changed.name))
                 if own is not None and own.value:
                     found.append(Change(own.group, own.name, key, changed.value / own.value - 1))
         del answer.rows  # made again, with the errors by the inputs
@@ -109,12 +111,6 @@ class Sensitivity(Question):
         import pandas as pd
 
         return {"sensitivity": pd.DataFrame(answer.of(self), columns=Change._fields)}
-
-
-def _group_like(group: str, rows: Mapping[tuple[str, str], Row]) -> str:
-    """The group of the answer that stands for a group of a varied one, whose heading holds its constants."""
-    start = group.partition(" (")[0]
-    return next((own for own, _ in rows if own.partition(" (")[0] == start), group)
 
 
 def inputs_of(case: Case) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from asperity.core.compiled import compiled
+from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.types import Array
 
 MIN_DETERMINANT = 1e-12
@@ -66,7 +66,8 @@ class Maxima(Entries):
         return np.abs(self.here[:, 1, 1])
 
 
-def refine_in_plane(values: Array) -> Array:
+@compiled_with_arrays
+def refine_in_plane(values: Any) -> Any:
     """Magnitude and offsets y, x, (3, maxima), of the maxima of quadratics through 3 × 3 values.
 
     Parameters
@@ -75,7 +76,12 @@ def refine_in_plane(values: Array) -> Array:
         Along y and x, the node in the middle. Where it is negative, the sign of all nine is changed.
     """
     out = np.empty((3, len(values)))
-    _refine_in_plane(values, out)
+    # With a third axis on which nothing changes.
+    for n in range(values.shape[0]):
+        centre, along_y, along_x, yy, yx, xx = derivatives(values[n], np.sign(values[n, 1, 1]))
+        step = _step_to_maximum((0.0, along_y, along_x), (-1.0, 0.0, 0.0, yy, yx, xx), 1.0)
+        out[0, n] = centre + 0.5 * (along_y * step[1] + along_x * step[2])
+        out[1, n], out[2, n] = step[1], step[2]
     return out
 
 
@@ -95,16 +101,6 @@ def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float
     out = np.empty((4, len(here)))
     _refine_in_solid(above, here, below, tuple(map(float, depths)), out)
     return out
-
-
-@compiled
-def _refine_in_plane(values: Any, out: Any) -> None:
-    """Fill `out` as `refine_in_plane` says, with a third axis on which nothing changes."""
-    for n in range(values.shape[0]):
-        centre, along_y, along_x, yy, yx, xx = derivatives(values[n], np.sign(values[n, 1, 1]))
-        step = _step_to_maximum((0.0, along_y, along_x), (-1.0, 0.0, 0.0, yy, yx, xx), 1.0)
-        out[0, n] = centre + 0.5 * (along_y * step[1] + along_x * step[2])
-        out[1, n], out[2, n] = step[1], step[2]
 
 
 @compiled

@@ -89,7 +89,11 @@ def select_peaks(
     >>> list(table.columns[:4]), bool(table["peak_depth"].min() > 0)
     (['peak_value', 'peak_depth', 'peak_y', 'peak_x'], True)
     """
-    names, own_ratios = _labels(stress)
+    if not (isinstance(stress, xr.Dataset) and {*_LABELS, "quantity", "poisson"} <= set(stress.variables)):
+        raise TypeError(f"stress = {shown(stress)}: the result of a stress analysis, a dataset, is needed")
+    names, own_ratios = (stress[name].values for name in _LABELS)
+    if names.dtype.kind not in "OTU":
+        raise ValueError("stress: made by another version, with numbers in place of names; analyse it again")
     choice("quantity", quantity, [str(name) for name in stress["quantity"].values])
     choice("selection", selection, SELECTIONS)
     chosen = names == quantity
@@ -143,16 +147,6 @@ def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:
         "poisson", poisson, accepted, lambda size: any(abs(size - nu) <= SAME_RATIO for nu in known)
     )
     return min(known, key=lambda nu: abs(nu - ratio))
-
-
-def _labels(stress: xr.Dataset) -> tuple[Array, Array]:
-    """Quantity and Poisson's ratio of every peak."""
-    if not (isinstance(stress, xr.Dataset) and {*_LABELS, "quantity", "poisson"} <= set(stress.variables)):
-        raise TypeError(f"stress = {shown(stress)}: the result of a stress analysis, a dataset, is needed")
-    names, ratios = (stress[name].values for name in _LABELS)
-    if names.dtype.kind not in "OTU":
-        raise ValueError("stress: made by another version, with numbers in place of names; analyse it again")
-    return names, ratios
 
 
 def peak_numbers(

@@ -229,7 +229,15 @@ class PlaneFields:
         if not which.size:
             return np.empty(0, np.int64), np.empty((0, 3, 3), real)
         kept = np.empty(which.size, bool)
-        interpolation = None if shape == own else self._interpolation(shape)
+        interpolation: tuple[Any, ...] = ()
+        if shape != own:
+            index = np.where(self.basis.index < 0, -1, np.arange(len(BASIS)))
+            at_node = Basis(np.empty((len(BASIS), 1, 1)), 1, index, float(self.basis.mean_pressure))
+            formulas = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
+            needed = np.array([_needed(int(kind), self.basis.index) for kind in self.formulas.kinds])
+            stencils = tuple(lagrange_stencils(*pair, self.edges) for pair in zip(shape, own, strict=True))
+            odd = np.array([ODD.get(component, EVEN) for component, _ in BASIS]).astype(np.int64)
+            interpolation = at_node, formulas, needed, stencils, odd
         values = [np.empty((0, 3, 3), real)]
         for start in range(0, which.size, COMPARED_AT_ONCE):
             some = slice(start, start + COMPARED_AT_ONCE)
@@ -238,7 +246,7 @@ class PlaneFields:
 
             def compare(part: slice) -> Array:
                 own_nodes, around = tuple(each[part] for each in nodes), out[part]  # noqa: B023
-                if interpolation is None:
+                if not interpolation:
                     plane = self.basis, self.formulas, self.edges
                     return around[: _compare(plane, own_nodes, above[part], around)]  # noqa: B023
                 at_node = interpolation[0]._replace(values=np.empty_like(interpolation[0].values))
@@ -247,16 +255,6 @@ class PlaneFields:
 
             values.append(np.concatenate(in_parts(compare, above.size, threads, smallest=256)))
         return np.flatnonzero(kept), np.concatenate(values)
-
-    def _interpolation(self, shape: tuple[int, int]) -> tuple[Any, ...]:
-        """Arguments of `_compare_between` for nodes of another grid: all that does not depend on the node."""
-        index = np.where(self.basis.index < 0, -1, np.arange(len(BASIS)))
-        at_node = Basis(np.empty((len(BASIS), 1, 1)), 1, index, float(self.basis.mean_pressure))
-        formulas = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
-        needed = np.array([_needed(int(kind), self.basis.index) for kind in self.formulas.kinds])
-        odd = np.array([ODD.get(component, EVEN) for component, _ in BASIS]).astype(np.int64)
-        pairs = zip(shape, (self.basis.values.shape[1], self.basis.columns), strict=True)
-        return at_node, formulas, needed, tuple(lagrange_stencils(*pair, self.edges) for pair in pairs), odd
 
 
 def _needed(kind: int, index: Array) -> Array:

@@ -76,7 +76,12 @@ class FreePlanes:
         self._loads = [((1.0, *traction), solid.pressure)]
         if solid.sticking_pressure is not None and any(traction):
             self._loads = [((1.0, 0.0, 0.0), solid.pressure), ((0.0, *traction), solid.sliding_pressure)]
-        coarse = [other for other in coarser_grids(grid)[1:] if _saves_work(other, grid)]
+        # The cell of a plane on the grid of the map is twice as long, that of a coarse one three times.
+        coarse = [
+            other
+            for other in coarser_grids(grid)[1:]
+            if min(other.shape) >= MIN_NODES and PADDING**2 * other.size < 4 * grid.size
+        ]
         if tolerance == 0 or not coarse:
             self.choose: Callable[[float], PlaneGrid] = lambda _: PlaneGrid(grid, 0.0, 0.0, 0)
             return
@@ -183,11 +188,6 @@ def _repeated(grid: Grid) -> Grid:
         (PADDING * grid.shape[0], PADDING * grid.shape[1]),
         (PADDING * grid.length[0], PADDING * grid.length[1]),
     )
-
-
-def _saves_work(coarse: Grid, grid: Grid) -> bool:
-    """True if a coarse plane costs less than one on the grid of the map, whose cell is twice as long."""
-    return min(coarse.shape) >= MIN_NODES and PADDING**2 * coarse.size < 4 * grid.size
 
 
 def _taper(cell: Grid, grid: Grid, axis: int) -> Array:

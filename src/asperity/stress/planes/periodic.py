@@ -185,7 +185,7 @@ class PeriodicPlanes:
                     _fill_xz(places, factor, numbers == 1, start, stop, trace, values)
                 for n in along_x:
                     first_zero = numbers * own.columns - (grid.mirrored and odd[n][1])
-                    _clear_columns(first_zero, numbers * spectra.shape[2], start, stop, values[n])
+                    values[n, start:stop, first_zero : numbers * spectra.shape[2]] = 0
                 self._back_along_x(spectra[:, start:stop], values[:, start:stop, :nx], along_x, odd)
                 if is_surface:
                     known = np.array([first["xx"], first["xy"]])
@@ -253,7 +253,14 @@ class PeriodicPlanes:
         settings = (kinds, factors), real(depth), wavevector, is_layer, kernels
         _fill_spectra(*settings, memory, source, out.view(self.dtype))
         if not grid.mirrored:
-            self._clear_nyquist_modes(fields, columns, out)
+            # A coarser grid, or an odd component, has no Nyquist modes.
+            (ny, nx), is_coarser = self._fourier.grid.shape, self._fourier.grid != self._finest
+            for number, (component, _, _) in enumerate(fields):
+                odd_y, odd_x = ODD.get(component, EVEN)
+                if ny % 2 == 0 and (is_coarser or odd_y):
+                    out[number, ny // 2] = 0
+                if nx % 2 == 0 and columns.stop > nx // 2 and (is_coarser or odd_x):
+                    out[number, :, nx // 2 - columns.start] = 0
         if any(self._traction):
             q = self._wavenumber(columns)
             shear_kernels = tuple(self._layer.shear_kernels(q, depth))
@@ -270,16 +277,6 @@ class PeriodicPlanes:
                     own = self._mean(BasisField(component, constant, slope))
                     spectrum[0, 0] = own + constant * added[_PLACES[component]]
         return out
-
-    def _clear_nyquist_modes(self, fields: Sequence[BasisField], columns: slice, out: Array) -> None:
-        """Set the Nyquist modes to zero that a coarser grid or an odd component does not have."""
-        (ny, nx), is_coarser = self._fourier.grid.shape, self._fourier.grid != self._finest
-        for number, (component, _, _) in enumerate(fields):
-            odd_y, odd_x = ODD.get(component, EVEN)
-            if ny % 2 == 0 and (is_coarser or odd_y):
-                out[number, ny // 2] = 0
-            if nx % 2 == 0 and columns.stop > nx // 2 and (is_coarser or odd_x):
-                out[number, :, nx // 2 - columns.start] = 0
 
     def _wavenumber(self, columns: slice) -> Array:
         return self._fourier.grid.half_wavenumber(columns=columns).astype(self.dtype)
@@ -338,14 +335,6 @@ def _fill_surface(
             if c != 0 or d != 0:
                 for i in range(xx.size):
                     out[i] += c * zz[i] + d * xy[i]
-
-
-@compiled
-def _clear_columns(left: int, right: int, start: int, stop: int, values: Any) -> None:
-    """Set some columns of some rows to zero."""
-    for j in range(start, stop):
-        for i in range(left, right):
-            values[j, i] = 0
 
 
 @compiled

@@ -111,7 +111,14 @@ class Truncation:
         self._power = np.bincount(ring.ravel(), power.ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
         self._power[0] = 0.0
-        last = _coarsest_grid_of_modes(grid, self._grids)
+        # The last (coarsest) of the grids that keeps the modes ±ky, of the `half_shape` of the grid.
+        along_y, along_x = (
+            np.sum(
+                [2 * np.arange(modes) < each.whole_cell.shape[axis] for each in grids[1:]], axis=0, dtype=int
+            )
+            for axis, modes in enumerate(grid.half_shape)
+        )
+        last = np.minimum.outer(along_y, along_x)
         flat = (last * rings + ring).ravel()
         amount = np.bincount(flat, amplitude.ravel(), len(self._grids) * rings).reshape(-1, rings)
         self._dropped = np.cumsum(amount, axis=0) - amount
@@ -234,14 +241,3 @@ def _folded(values: Array, grid: Grid) -> Array:
         out *= rows[:, None]
     out[1 : values.shape[0] - half + 1] += values[: half - 1 : -1] * columns
     return out
-
-
-def _coarsest_grid_of_modes(grid: Grid, grids: Sequence[Grid]) -> Array:
-    """Index of the last (coarsest) of the grids that keeps the modes ±ky, of the `half_shape` of the grid."""
-    along_y, along_x = (
-        np.sum(
-            [2 * np.arange(modes) < coarse.whole_cell.shape[axis] for coarse in grids[1:]], axis=0, dtype=int
-        )
-        for axis, modes in enumerate(grid.half_shape)
-    )
-    return np.minimum.outer(along_y, along_x)

@@ -218,7 +218,11 @@ def _pooled_peaks(
             counts[:, s, q, p] = own
             found_at = np.concatenate(values), np.concatenate(depths)
             joint[s, q, p] = np.histogram2d(*found_at, bins=(edges[q], depth_edges))[0]
-            median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
+            # The highest peaks: those in the bins of the largest values with at most `HIGHEST_SHARE` of all.
+            above = np.cumsum(joint[s, q, p].sum(axis=1)[::-1])[::-1]
+            highest = joint[s, q, p][above <= HIGHEST_SHARE * joint[s, q, p].sum()]
+            for part, chosen in enumerate((joint[s, q, p], highest)):
+                median_depth[part, s, q, p] = _median(chosen.sum(axis=0), depth_edges)
             density[:, s, q, p] = bootstrap.banded(partial(pooled_density, edges=edges[q]), own)
             percentiles[:, s, q, p] = _percentiles(values, bootstrap)
     kinds = ("selection", "quantity", "poisson")
@@ -245,19 +249,8 @@ def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bo
     return result
 
 
-def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
-    """Median depth of all peaks and of the highest ones, from their counts by value and depth.
-
-    The highest peaks are those in the bins of the largest values that hold at most `HIGHEST_SHARE` of all.
-    Within a bin of depth peaks are taken to be distributed evenly.
-    """
-    above = np.cumsum(joint.sum(axis=1)[::-1])[::-1]
-    highest = above <= HIGHEST_SHARE * joint.sum()
-    return _median(joint.sum(axis=0), depth_edges), _median(joint[highest].sum(axis=0), depth_edges)
-
-
 def _median(counts: Array, edges: Array) -> float:
-    """Median of what is counted in bins; NaN if nothing is."""
+    """Median of what is counted in bins and evenly distributed in each; NaN if nothing is."""
     total = counts.sum()
     if not total:
         return float("nan")

@@ -324,7 +324,9 @@ def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
         raise ValueError(f"all points have the same {axis}")
     gaps, order = np.diff(lines), np.arange(lines.size)
     fitted, first = np.polyfit(order, lines, 1)
-    tolerance = max(GRID_TOLERANCE * fitted, ROUNDED_TOLERANCE * _printed_step(lines))
+    digits = (d for d in range(7) if np.allclose(lines, np.round(lines, d), rtol=0, atol=1e-9))
+    printed_step = next((10.0**-d for d in digits), 0.0)  # unit of the last digit, 0 for more than six
+    tolerance = max(GRID_TOLERANCE * fitted, ROUNDED_TOLERANCE * printed_step)
     is_rounded = np.abs(lines - first - fitted * order).max() <= min(tolerance, fitted / 2)
     for step in (np.median(gaps), gaps.min()):
         count = round(extent / step) + 1
@@ -336,11 +338,3 @@ def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
         if is_rounded:
             return np.searchsorted(lines, position, side="right") - 1, float(fitted), lines.size
     raise ValueError(f"the positions {axis} are not equally spaced")
-
-
-def _printed_step(position: Array) -> float:
-    """Unit of the last digit with which all positions are printed; 0 for more than six decimals."""
-    for decimals in range(7):
-        if np.allclose(position, np.round(position, decimals), rtol=0, atol=1e-9):
-            return 10.0**-decimals
-    return 0.0

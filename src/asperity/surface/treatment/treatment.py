@@ -221,12 +221,15 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if not levelled.is_flat and np.ptp(height) <= FLAT_VARIATION * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
-    done = [
-        *_words_on_heights(surface, options),
-        *_words_on_levelling(surface, options, levelled),
-        *words,
-        _words_on_period(surface, options, grid, step, altered),
-    ]
+    stepped = f"edge step {step:.3g} times that between neighbouring points"
+    ways = {
+        None: f"taken as one period, as the file states: {stepped}",
+        "declared": f"taken as one period, as declared: {stepped}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}",
+        "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
+        "none": "not made periodic: for a free boundary",
+    }
+    done = [*_words_on_heights(surface, options, levelled), *words, ways[options.periodic]]
     if shortest is not None:
         done.append(f"waves shorter than {surface.shown_length(shortest)} removed")
     if target.shape != grid.shape:
@@ -287,8 +290,8 @@ def _levelled(surface: HeightMap, options: MapOptions) -> _Levelled:
     return _Levelled(filled, offset, spikes, detrend, math.atan(math.hypot(*slope)), bow, is_flat)
 
 
-def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
-    """What the heights are, and how their file was read."""
+def _words_on_heights(surface: HeightMap, options: MapOptions, found: _Levelled) -> Iterator[str]:
+    """What the heights are, how their file was read, what was taken from them, and what was filled."""
     if surface.orientation == LOWER_FACE:
         yield "used as it is: the map holds an indenter's lower face"
     else:
@@ -298,10 +301,6 @@ def _words_on_heights(surface: HeightMap, options: MapOptions) -> Iterator[str]:
     yield from surface.notes
     if options.format == PROFILE:
         yield "line scan: the same heights for all y, which is plane strain"
-
-
-def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelled) -> Iterator[str]:
-    """What was taken from the heights, and what was filled."""
     if options.scan_lines is not None:
         rms = surface.shown_length(found.line_offset)
         yield f"scan lines along x levelled ({options.scan_lines}): rms offset {rms} removed"
@@ -319,19 +318,6 @@ def _words_on_levelling(surface: HeightMap, options: MapOptions, found: _Levelle
     yield f"levelled: {trends[found.detrend]} removed{remark}"
     if surface.missing:
         yield f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function"
-
-
-def _words_on_period(surface: HeightMap, options: MapOptions, grid: Grid, step: float, altered: float) -> str:
-    """How the map became a period, its step at the edges before that, and the share that a window altered."""
-    stepped = f"edge step {step:.3g} times that between neighbouring points"
-    ways = {
-        None: f"taken as one period, as the file states: {stepped}",
-        "declared": f"taken as one period, as declared: {stepped}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}",
-        "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
-        "none": "not made periodic: for a free boundary",
-    }
-    return ways[options.periodic]
 
 
 def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
