@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import asperity as asp
-from asperity.stress.cycles.survival import weibull_exponent
+from asperity.stress.cycles.stress_cycles import weibull_exponent
 
 edge, scatter, volume = 100e-6, 0.1, 1e-9  # 1 mm³ of stressed volume in a specimen
 limits = {"fatigue_torsion": 450e6, "fatigue_bending": 700e6}

@@ -9,7 +9,7 @@ from scipy.stats import weibull_min
 import asperity as asp
 from asperity.engineering.sample import Sample
 from asperity.stress.cycles.criteria import Criteria, CycleMaps, hydrostatic_factor
-from asperity.stress.cycles.survival import weibull_exponent
+from asperity.stress.cycles.stress_cycles import weibull_exponent
 
 LIMITS = {"fatigue_torsion": 2e-2, "fatigue_bending": 3e-2}
 

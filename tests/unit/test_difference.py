@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from asperity.engineering.difference import differences, verdict
 from asperity.engineering.question import Row
 from asperity.engineering.sample import SampleRow, mean_of_maps
+from asperity.engineering.several_answers import differences, verdict
 
 GROUP, NAME = "stress in the elastic body", "volume above yield per area"
 

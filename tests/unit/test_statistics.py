@@ -12,8 +12,7 @@ from scipy.stats import spearmanr
 import asperity as asp
 from asperity.contact.patches import contact_patches
 from asperity.stress.statistics.covariance import autocorrelation, decay_lengths, half_length
-from asperity.stress.statistics.density import probability_density
-from asperity.stress.statistics.pooling import PERCENTS, pool_peaks
+from asperity.stress.statistics.pooling import PERCENTS, pool_peaks, probability_density
 from asperity.study.stages.statistics import depth_patch_correlation
 
 

@@ -1,7 +1,7 @@
 from .analysis import analyse_stress as analyse_stress
 from .cycles.hertz_contact import HertzContact as HertzContact
+from .cycles.stress_cycles import cracks_per_area as cracks_per_area
 from .cycles.stress_cycles import stress_cycles as stress_cycles
-from .cycles.survival import cracks_per_area as cracks_per_area
 from .peaks.finder import find_peaks as find_peaks
 from .peaks.finder import plane_peaks as plane_peaks
 from .peaks.selection import select_peaks as select_peaks
@@ -10,5 +10,5 @@ from .planes.planes import stress_planes as stress_planes
 from .section import stress_box as stress_box
 from .section import stress_section as stress_section
 from .statistics.covariance import autocorrelation as autocorrelation
-from .statistics.density import probability_density as probability_density
 from .statistics.pooling import pool_peaks as pool_peaks
+from .statistics.pooling import probability_density as probability_density

@@ -211,7 +211,7 @@ class Cycles(Question):
             name = f"volume above {100 * share:g} % of the limit per area"
             yield row(group, name, value, "m")
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
-            from asperity.stress.cycles.survival import cracks_per_area, weibull_exponent
+            from asperity.stress.cycles.stress_cycles import cracks_per_area, weibull_exponent
 
             area = answer.numbers.nominal_area
             cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)

@@ -22,9 +22,15 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.results.dataset import grid_of, height_of, read_result, settings_of
 from asperity.stress.peaks.selection import select_peaks, selection_for
-from asperity.stress.statistics.density import bin_edges
 from asperity.stress.statistics.extrapolation import OnGrid, extrapolated_numbers, numbers_on
-from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
+from asperity.stress.statistics.pooling import (
+    Bootstrap,
+    bin_edges,
+    mean,
+    pool_peaks,
+    pooled_density,
+    with_bounds,
+)
 from asperity.study.stages.contact import SOLID_ATTRIBUTES
 
 _HEIGHT_LIMITS = (-6.0, 6.0)
