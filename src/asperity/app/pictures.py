@@ -180,19 +180,16 @@ class MapFigure:
                 self._shown = x, y, width, height
                 for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
                     axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
-        self.outline.data = dict(zip(("xs", "ys"), self._contour(shown, level), strict=True))
+        outline = np.nan_to_num(values)
+        lines: Any = []
+        if level is not None and min(values.shape) >= 2 and outline.min() < level < outline.max():
+            from contourpy import contour_generator
 
-    def _contour(self, shown: Mapping[str, Any], level: float | None) -> tuple[list[Array], list[Array]]:
-        from contourpy import contour_generator
-
-        values = np.nan_to_num(shown["values"])
-        if level is None or min(values.shape) < 2 or not values.min() < level < values.max():
-            return [], []
-        rows, columns = values.shape
-        x = (shown["x"] + (np.arange(columns) + 0.5) * shown["dw"] / columns) / self._factor
-        y = (shown["y"] + (np.arange(rows) + 0.5) * shown["dh"] / rows) / self._factor
-        lines: Any = contour_generator(x, y, values).lines(level)
-        return [line[:, 0] for line in lines], [line[:, 1] for line in lines]
+            rows, columns = values.shape
+            along_x = (shown["x"] + (np.arange(columns) + 0.5) * shown["dw"] / columns) / self._factor
+            along_y = (shown["y"] + (np.arange(rows) + 0.5) * shown["dh"] / rows) / self._factor
+            lines = contour_generator(along_x, along_y, outline).lines(level)
+        self.outline.data = {"xs": [line[:, 0] for line in lines], "ys": [line[:, 1] for line in lines]}
 
 
 def _curve(title: str, x: str, y: str, **options: Any) -> Any:

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choices, require_finite
 from asperity.core.parallel import KeptArrays
-from asperity.core.types import Array, Progress
+from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Work
@@ -268,18 +268,6 @@ class _Analysis:
         assert self._search is not None
         self._references.compare(number, self._search.sums, self._references.missing > number)
 
-    def _settle(self, memory: Array) -> None:
-        """Compare all planes on the grid of the contact with the references, if these lie on that grid.
-
-        From then on the references need the memory of coarser grids only.
-        """
-        finest, self._finest = self._finest, []
-        if self._references.number.max() < len(finest) - 1:
-            for number in range(int(self._references.missing.max())):
-                finest[number].refresh(self._watch_again(finest[number]))
-                self._compare_again(number)
-            self._references.settle(memory)
-
     def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> PlaneFields:
         names, ratios, uniforms = zip(*(self._fields[number] for number in chosen), strict=True)
         in_base = plane.depth > (plane.solid.layer.interface or np.inf)
@@ -288,7 +276,14 @@ class _Analysis:
     def _watch(self, plane: LinearPlane) -> Visit:
         """Search and sum the rows of a plane as they are computed."""
         if self._finest and plane.grid != self._finest[0].grid:
-            self._settle(plane.basis.values)
+            # Planes on the grid of the contact are compared with the references, if these lie on that grid.
+            # From then on the references need the memory of coarser grids only.
+            finest, self._finest = self._finest, []
+            if self._references.number.max() < len(finest) - 1:
+                for number in range(int(self._references.missing.max())):
+                    finest[number].refresh(self._watch_again(finest[number]))
+                    self._compare_again(number)
+                self._references.settle(plane.basis.values)
         # The floor is known when the plane is computed; until then a slightly lower one is used.
         floor = max(plane.bound, 0.99 * self._floor * plane.scale)
         fields, references = (

@@ -130,7 +130,6 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
         of_heights = {
             **_defects(surface, measures),
             **_roughness_words(surface, measures),
-            **_texture_words(surface, measures),
             **_wave_words(surface, measures),
         }
         unknown = () if comparable else NEED_EDGES
@@ -308,8 +307,12 @@ def _roughness_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str
     }
 
 
-def _texture_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
-    """Length and direction of the texture, with and without the bow."""
+def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
+    """Length and direction of the texture, waves that a tip rounds, longest and shortest waves, period."""
+
+    def length(value: float) -> str:
+        return surface.shown_length(value, digits=4)
+
     shortest, ratio, direction = roughness.texture(measures.level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
     sal, str_ = surface.shown_length(shortest, digits=4), f"{ratio:.2g}"
@@ -317,18 +320,6 @@ def _texture_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
         shortest, ratio, direction = roughness.texture(measures.flat, surface.spacing)
         sal += f", without bow {surface.shown_length(shortest, digits=4)}"
         str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
-    return {
-        "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
-        "Str": f"{str_}, shortest over longest such length{lay}",
-    }
-
-
-def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
-    """Waves of the map: those that a tip rounds, the longest and shortest, and the step of the period."""
-
-    def length(value: float) -> str:
-        return surface.shown_length(value, digits=4)
-
     level = measures.level
     tip = roughness.finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)
@@ -337,6 +328,8 @@ def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
     stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": not one period"
     return {
+        "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
+        "Str": f"{str_}, shortest over longest such length{lay}",
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",
         "waves": f"half of the mean square height is in waves longer than {length(long_waves)}, half of the "
         f"mean square gradient in waves shorter than {length(short_waves)}{exponent}",

@@ -272,10 +272,13 @@ def _matched_maxima(
     near = np.flatnonzero(taken[squares(lower, lower_plane)])
     if not near.size:
         return near, near, np.empty(0, bool)
-    (high, place_up), (low, place_low) = (
-        _places_of_fields(maxima, plane, spacing)
-        for maxima, plane in ((upper, upper_plane), (lower.select(near), lower_plane))
-    )
+    values, places = [], []
+    for maxima, plane in ((upper, upper_plane), (lower.select(near), lower_plane)):
+        value, *offsets = refine_in_plane(maxima.here)
+        place = _positions(maxima, plane, offsets) / spacing
+        values.append(value)
+        places.append(np.column_stack([place, 2.0 * maxima.field]))  # a third dimension keeps fields apart
+    (high, low), (place_up, place_low) = values, places
     box = np.array([*cell, 0.0]) if upper_plane.fields.edges == PERIODIC else None
     distance, nearest = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
     close = np.flatnonzero(np.asarray(distance) <= 1.0)
@@ -283,13 +286,6 @@ def _matched_maxima(
     mutual = np.asarray(cKDTree(place_up, boxsize=box).query(place_low[partner], p=np.inf)[1]) == close
     pair, partner = close[mutual], partner[mutual]
     return pair, near[partner], high[pair] > low[partner]
-
-
-def _places_of_fields(maxima: Maxima, plane: SearchedPlane, spacing: Array) -> tuple[Array, Array]:
-    """Refined values and positions in spacings, with a third dimension, which keeps fields apart."""
-    value, *offsets = refine_in_plane(maxima.here)
-    places = _positions(maxima, plane, offsets) / spacing
-    return value, np.column_stack([places, 2.0 * maxima.field])
 
 
 def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "periodic") -> Peaks:

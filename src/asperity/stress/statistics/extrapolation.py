@@ -383,6 +383,17 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
     touching = results.pressure > 0
     in_cell = with_mirror_images(touching, results.grid)
     edges = sum(np.count_nonzero(in_cell != np.roll(in_cell, 1, axis)) for axis in (0, 1))
+    # Cuts of pixels along straight parts of the boundary err alike: n edges in m parts err as m that are n/m
+    # long. Parts no longer than `CURVED_RUN` on average have none.
+    squared = 0.0
+    for axis in (0, 1):
+        steps = in_cell.astype(np.int8) - np.roll(in_cell, 1, axis)
+        across = np.count_nonzero(steps)
+        longer = np.count_nonzero(steps & (steps == np.roll(steps, 1, 1 - axis)))
+        if across:
+            length = across / max(across - longer, across / in_cell.shape[1 - axis])
+            squared += across * length * max(1 - CURVED_RUN / length, 0) ** 2
+    straight = float(np.sqrt(squared) / max(np.count_nonzero(in_cell), 1))
     area = float(touching.mean())
     along_lines = min(np.ptp(results.pressure, axis).max() for axis in (0, 1))
     numbers = xr.Dataset(
@@ -391,7 +402,7 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
             "area_fraction": area,
             "boundary": edges / in_cell.size,
             "along_lines": along_lines / max(results.pressure.max(), 1e-300),
-            "straight_boundary": _straight_boundary(in_cell),
+            "straight_boundary": straight,
             "gradient_rms_contact": results.gradient,
             "proportionality": area * results.gradient / results.load,
             **_of_surface(results, touching),
@@ -405,23 +416,6 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
     numbers["decay_length_plane"] = "poisson", in_plane
     of_peaks = peak_numbers(results.stress, levels)
     return numbers.merge(of_peaks).merge(_quantiles(of_peaks))
-
-
-def _straight_boundary(touching: Array) -> float:
-    """Error of the area by cuts of pixels along straight parts of the boundary, in pixels over its nodes.
-
-    The nodes along such a part err alike: n edges in m parts err as m that are n/m long. Parts no longer than
-    `CURVED_RUN` on average have none.
-    """
-    squared = 0.0
-    for axis in (0, 1):
-        steps = touching.astype(np.int8) - np.roll(touching, 1, axis)
-        edges = np.count_nonzero(steps)
-        longer = np.count_nonzero(steps & (steps == np.roll(steps, 1, 1 - axis)))
-        if edges:
-            length = edges / max(edges - longer, edges / touching.shape[1 - axis])
-            squared += edges * length * max(1 - CURVED_RUN / length, 0) ** 2
-    return float(np.sqrt(squared) / max(np.count_nonzero(touching), 1))
 
 
 def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:

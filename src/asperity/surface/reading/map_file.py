@@ -428,7 +428,13 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             if not infos:
                 raise _OtherFormatError("it has no channel that is a map of heights")
             by_rows = form.name in ROW_BY_ROW
-            channels = tuple(_channel(info, by_rows) for info in infos)
+            found = []
+            for info in infos:
+                points, shape = info.nb_grid_pts, None
+                if info.dim == 2 and points is not None and len(points) == 2:
+                    shape = (points[0], points[1]) if by_rows else (points[1], points[0])
+                found.append(Channel(str(info.name), shape, info.data_kind.value))
+            channels = tuple(found)
             index, undecided = choose_channel(channels, options.channel)
             info = infos[index]
             shape = channels[index].shape
@@ -460,14 +466,6 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
         orientation=None if is_bare else PEAKS_UP,
     )
     return dialects.corrected(form.name, original, info, content)
-
-
-def _channel(info: Any, by_rows: bool) -> Channel:
-    points = info.nb_grid_pts
-    shape = None
-    if info.dim == 2 and points is not None and len(points) == 2:
-        shape = (points[0], points[1]) if by_rows else (points[1], points[0])
-    return Channel(str(info.name), shape, info.data_kind.value)
 
 
 def _first_line(error: Exception) -> str:
