@@ -49,10 +49,10 @@ def bonded_slab(poisson: float, height: float = 1.0) -> Solid:
     return Solid(1 - poisson**2, poisson, height=height, bottom="bonded")
 
 
-def slab_contact(points: int, approach: float, poisson: float = 0.33) -> Contact:
+def slab_contact(points: int, approach: float) -> Contact:
     """Contact of the paraboloid with the bonded cubic slab at an approach, by the spectral solver."""
     height = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
-    return solve_contact(height, bonded_slab(poisson), approach=approach, rtol=1e-8)
+    return solve_contact(height, bonded_slab(0.33), approach=approach, rtol=1e-8)
 
 
 def largest_sample(values: Array, depth: Array) -> tuple[float, float]:

@@ -302,7 +302,7 @@ def repeated_height(height: Array) -> tuple[float, int] | None:
     return (float(value), count) if is_repeated and count > REPEATED_SHARE * values.size else None
 
 
-def metres(unit: str, name: str = "unit") -> float:
+def metres(unit: str) -> float:
     """Size of a length unit in metres.
 
     Raises
@@ -314,4 +314,4 @@ def metres(unit: str, name: str = "unit") -> float:
     try:
         return _METRES.get(unit) or to_si(f"1 {unit}", "length")
     except (ValueError, TypeError) as error:
-        raise ValueError(f"{name} = {unit!r}: a unit of length is needed (nm, um, mm, m)") from error
+        raise ValueError(f"unit = {unit!r}: a unit of length is needed (nm, um, mm, m)") from error

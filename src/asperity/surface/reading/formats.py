@@ -140,15 +140,6 @@ def known_extensions() -> str:
     return ", ".join(sorted({each for form in known_formats().values() for each in form.extensions}))
 
 
-def formats_table() -> str:
-    """The formats as a table in Markdown, for `docs/formats.md`."""
-    rows = (
-        f"| `{name}` | {form.program} | {', '.join(form.extensions)} |"
-        for name, form in sorted(known_formats().items())
-    )
-    return "\n".join(["| format | files of | extensions |", "|---|---|---|", *rows])
-
-
 def formats_in_words() -> str:
     """The formats in one sentence, for the help of a command."""
     return "Formats: " + "; ".join(
