@@ -1,6 +1,7 @@
 """Verdicts on the statements of the paper: the rule, interpretations, their numbers, and a tiny study."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -74,6 +75,7 @@ def quantiles(*curves):
         (claim([0.8, 1.3, 0.9, 1.1]), 4, UNDECIDED),
         (claim([1.2]), 1, UNDECIDED),
         (claim([1.2, math.nan]), 0, NO_DATA),
+        (claim([0.01, 0.011, 0.01], "overlapping", grid_error=0.03), 3, HOLDS),  # no distance is below zero
         (fixed(0.008), 0, HOLDS),
         (fixed(0.0095), 0, UNDECIDED),
         (fixed(0.02), 0, FAILS),
@@ -225,29 +227,39 @@ def test_untestable_claims_can_hold_but_not_fail():
     assert report.frame_of_interpretations([refuted])["verdict"].item() == UNTESTABLE
 
 
-@pytest.mark.parametrize("grid_error", [0.0, 0.03])
-def test_open_statements_name_the_seeds_that_decide(grid_error):
-    """0.08 from the edge, scatter of 0.4: the interval ends before it."""
-    reason = report.why_open(
-        Judgement({}, 1.0, math.inf, 1.08, 1.08, 0.1, grid_error, 0.8, 1.4, 16, UNDECIDED)
-    )
-    seeds = int(reason.split()[-4])
-    widths = [np.hypot(t.ppf(0.975, n - 1) * 0.4 / math.sqrt(n), grid_error) for n in (seeds - 1, seeds)]
-    assert widths[0] > 0.08 > widths[1]
+def on_nodes(grid_error, standard_error=0.1, seeds=16):
+    half = np.hypot(t.ppf(0.975, seeds - 1) * standard_error, grid_error)
+    ends = 1.08 - half, 1.08 + half
+    return Judgement({}, 1.0, math.inf, 1.08, 1.08, standard_error, grid_error, *ends, seeds, UNDECIDED)
 
 
-def test_no_number_of_seeds_removes_the_error_of_the_grid():
-    one = Judgement({}, 1.0, math.inf, 1.08, 1.08, 0.1, 0.09, 0.8, 1.4, 16, UNDECIDED)
-    assert "no number of seeds" in report.why_open(one)
+@pytest.mark.parametrize(
+    ("errors", "needed", "left"),
+    [
+        ({8: 0.0}, 8, 0.0),
+        ({8: 0.1}, 16, 0.05),  # in proportion to the spacing
+        ({8: 0.4, 16: 0.1}, 32, 0.025),  # to its square, as from 8 to 16 nodes
+        ({8: 0.1, 16: 0.05}, 16, 0.05),
+    ],
+)
+def test_open_statements_name_the_nodes_and_seeds_that_decide(errors, needed, left):
+    """0.08 from the edge, scatter of 0.4: the interval on so many nodes, of so many seeds, ends before it."""
+    reason = report.why_open({nodes: on_nodes(error) for nodes, error in errors.items()})
+    found, seeds = (int(word) for word in reason.split() if word.isdigit())
+    assert found == needed
+    interval = [np.hypot(t.ppf(0.975, n - 1) * 0.4 / math.sqrt(n), left) for n in (seeds, 0.4 * seeds)]
+    assert interval[0] < 0.08 < interval[1]
 
 
-def test_undecided_statements_stand_beside_a_larger_study():
-    few, many = (
-        decide([claim(values), claim([1.2, 1.3, 1.25, 1.22])], EMPTY) for values in ([0.8, 1.3], [1.2] * 8)
-    )
-    table = report.beside(few[:1], many[:1])
+def test_undecided_statements_stand_beside_larger_studies():
+    """More nodes decide what more seeds do not, by the narrower interval."""
+    undecided, decided = claim([0.8, 1.3]), claim([1.2, 1.3, 1.25, 1.22])
+    few = decide([undecided, decided], EMPTY)
+    wide = replace(judged(UNDECIDED), interval_high=1.3)
+    larger = {8: [conclude(undecided, [wide])], 16: [conclude(undecided, [judged(HOLDS)])]}
+    table = report.beside(few, larger)
     assert table["verdict"].tolist() == [HOLDS]
-    assert report.beside(few[1:], many[1:]).empty
+    assert "nodes" in report.beside(few, {8: larger[8]})["verdict"].item()
 
 
 INTERPRETATIONS = {

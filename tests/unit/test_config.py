@@ -20,7 +20,15 @@ PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 
 
 @pytest.mark.parametrize(
-    "name", ["config.yaml", "decide.yaml", "mine.yaml", "quick.yaml", "../.test/config/config.yaml"]
+    "name",
+    [
+        "config.yaml",
+        "decide.yaml",
+        "decide_nodes.yaml",
+        "mine.yaml",
+        "quick.yaml",
+        "../.test/config/config.yaml",
+    ],
 )
 def test_the_configurations_of_the_repository_are_accepted(name, monkeypatch):
     monkeypatch.chdir(ROOT)

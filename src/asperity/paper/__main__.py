@@ -1,37 +1,42 @@
 """Write the pages of the documentation that describe the results of the paper's study.
 
-    python -m asperity.paper [RESULTS [LARGER_STUDY]]
+    python -m asperity.paper [RESULTS [MORE_SEEDS MORE_NODES]]
 
 With the folder of its results, the table of all interpretations of the statements replaces docs/claims.csv.
-With the folder of the study of config/decide.yaml, its table replaces docs/decided.csv. The verdicts in
-docs/claims.md and their counts in README.md are written from the two tables.
+With the folders of the studies of config/decide.yaml and config/decide_nodes.yaml, their tables replace
+docs/decided.csv. The verdicts in docs/claims.md and their counts in README.md are written from the two files.
 """
 
 import re
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from asperity.core import markup
 from asperity.paper.claims.report import beside, counted, findings_of, markdown
-from asperity.paper.claims.verdicts import CLAIMS, UNDECIDED, Finding
+from asperity.paper.claims.verdicts import CLAIMS, NO_DATA, UNDECIDED, Finding
 
 TABLE = Path("docs/claims.csv")
 LARGER = Path("docs/decided.csv")
+NODES = 8, 16
+"""Nodes on the shortest wave of the surfaces of the statements in the two larger studies."""
 
 
-def main(results: Path | None = None, larger_study: Path | None = None) -> None:
+def main(results: Path | None = None, *larger: Path) -> None:
     """Write the pages, from new results if there are such."""
-    if larger_study is not None:
-        LARGER.write_bytes((larger_study / "interpretations.csv").read_bytes())
+    if larger:
+        tables = [pd.read_csv(path / "interpretations.csv", dtype=str) for path in larger]
+        joined = pd.concat(tables, keys=NODES, names=["nodes"]).reset_index("nodes")
+        joined[joined["verdict"] != NO_DATA].to_csv(LARGER, index=False)
     if results is not None:
         TABLE.write_bytes((results / "interpretations.csv").read_bytes())
     findings = findings_of(pd.read_csv(TABLE), CLAIMS)
-    larger = findings_of(pd.read_csv(LARGER), CLAIMS)
-    replace(Path("docs/claims.md"), f"{markdown(findings)}\n{with_more_seeds(findings, larger)}")
+    by_nodes = pd.read_csv(LARGER).groupby("nodes")
+    larger_studies = {nodes: findings_of(table.drop(columns="nodes"), CLAIMS) for nodes, table in by_nodes}
+    replace(Path("docs/claims.md"), f"{markdown(findings)}\n{undecided(findings, larger_studies)}")
     surfaces = max(finding.own.seeds for finding in findings)
     said = (
         f"`make study` presses {surfaces} random surfaces of every kind, corrects the numbers for the error "
@@ -42,17 +47,17 @@ def main(results: Path | None = None, larger_study: Path | None = None) -> None:
     replace(Path("README.md"), textwrap.fill(said, 118, break_on_hyphens=False) + "\n")
 
 
-def with_more_seeds(findings: Sequence[Finding], larger: Sequence[Finding]) -> str:
-    """The statements that the study leaves undecided, in a section with the verdicts of a larger one."""
+def undecided(findings: Sequence[Finding], larger: Mapping[int, Sequence[Finding]]) -> str:
+    """The statements that the study leaves undecided, in a section with the verdicts of larger studies."""
     table = beside(findings, larger)
     still = table["verdict"].str.contains(UNDECIDED).sum()
-    seeds = max(finding.own.seeds for finding in larger)
     text = (
-        f"Of the {len(table)} statements that the study leaves undecided, {len(table) - still} are decided "
-        f"by {seeds} seeds (`config/decide.yaml`), and {still} are not. "
+        f"The study leaves {len(table)} statements undecided. Two larger studies, one with more seeds and "
+        f"one with more nodes on λ_s, decide {len(table) - still} of them; of two intervals the narrower "
+        "counts. What the others need is estimated for numbers that stay where they are. "
         "[`decided.csv`](decided.csv) holds every interpretation."
     )
-    return f"## With more seeds\n\n{text}\n\n{markup.markdown(table)}\n"
+    return f"## With more seeds and more nodes\n\n{text}\n\n{markup.markdown(table)}\n"
 
 
 def replace(path: Path, text: str) -> None:
@@ -63,4 +68,4 @@ def replace(path: Path, text: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:3]))
+    main(*map(Path, sys.argv[1:4]))

@@ -1,7 +1,7 @@
 """Verdicts as tables for a reader, as data frames that can be read back, and as a picture."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -88,44 +88,81 @@ def markdown(findings: Sequence[Finding]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def beside(findings: Sequence[Finding], larger: Sequence[Finding]) -> pd.DataFrame:
-    """Statements that a study leaves undecided, and what a larger study finds of them, a row each."""
-    undecided = {f.claim.identifier: f for f in findings if f.verdict == verdicts.UNDECIDED}
+def beside(findings: Sequence[Finding], larger: Mapping[int, Sequence[Finding]]) -> pd.DataFrame:
+    """Statements that a study leaves undecided, and what larger studies find of them, a row each.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+    larger : mapping
+        Nodes on the shortest wave → findings of a study on such a grid. Under each interpretation the
+        narrowest interval decides.
+    """
     rows = []
-    for f in larger:
-        if (before := undecided.get(f.claim.identifier)) is None:
+    for before in findings:
+        studies = {n: f for n, found in larger.items() for f in found if f.claim == before.claim}
+        if before.verdict != verdicts.UNDECIDED or not studies:
             continue
-        verdict = f.verdict.removesuffix(" on the interpretation")
-        if f.verdict == verdicts.UNDECIDED:
-            verdict += f": {why_open(next(one for one in f.judgements if one.verdict == verdict))}"
+        judged = [
+            {n: one for n, f in studies.items() for one in f.judgements if one.interpretation == options}
+            for options in (one.interpretation for one in studies[min(studies)].judgements)
+        ]
+        joined = verdicts.conclude(before.claim, [_narrowest(grids) for grids in judged])
+        nodes = next(n for n, one in judged[0].items() if one is joined.own)
+        verdict = joined.verdict.removesuffix(" on the interpretation")
+        if joined.verdict == verdicts.UNDECIDED:
+            still = [grids for grids in judged if _narrowest(grids).verdict == verdicts.UNDECIDED]
+            verdict += f": {why_open(min(still, key=lambda grids: _distance(_narrowest(grids))))}"
         rows.append(
             {
-                "the paper says": f.claim.sentence,
-                "wanted": str(f.own.region),
+                "the paper says": before.claim.sentence,
+                "wanted": str(before.own.region),
                 f"{before.own.seeds} seeds": found_in_words(before),
-                f"{f.own.seeds} seeds": found_in_words(f),
+                "larger study": f"{joined.own.seeds} seeds, {nodes} nodes: {found_in_words(joined)}",
                 "verdict": verdict,
             }
         )
     return pd.DataFrame(rows)
 
 
-def why_open(one: Judgement) -> str:
-    """Why a judgement is not decided: the error of the grid, or too few seeds, and how many are enough."""
-    distance = min(abs(one.value - one.region_low), abs(one.value - one.region_high))
-    if one.grid_error >= distance:
-        return (
-            f"{distance:.2g} from the edge of the region, within the error of the grid of "
-            f"{one.grid_error:.2g}, so that no number of seeds decides"
-        )
+def _narrowest(grids: Mapping[int, Judgement]) -> Judgement:
+    return min(grids.values(), key=lambda one: one.interval_high - one.interval_low)
+
+
+def _distance(one: Judgement) -> float:
+    """Distance of a number from the nearest edge of its region."""
+    return float(np.abs(np.subtract(one.value, one.region)).min())
+
+
+def why_open(grids: Mapping[int, Judgement]) -> str:
+    """Why an interpretation is not decided, and how many nodes and seeds would decide it.
+
+    Half of the variance is given to the grid, half to the seeds, and the number is taken to stay where it is.
+
+    Parameters
+    ----------
+    grids : mapping
+        Nodes on the shortest wave → judgement. The error of the grid is taken to fall as from the coarsest
+        to the finest grid, or, on one grid, in proportion to the spacing.
+    """
+    one = _narrowest(grids)
+    first, last = min(grids), max(grids)
+    coarse, fine = grids[first], grids[last]
+    distance = _distance(one)
+    half = distance / np.sqrt(2)
+    nodes = last
+    if fine.grid_error > half:
+        fall = coarse.grid_error / fine.grid_error
+        order = np.log(fall) / np.log(last / first) if fall > 1 else 1.0
+        nodes *= 2 ** int(np.ceil(np.log2(fine.grid_error / half) / order))
+    seeds = np.arange(2, 10_000)
     scatter = one.standard_error * np.sqrt(one.seeds)
-    seeds = np.arange(one.seeds, 10_000)
-    half = np.hypot(
-        stdtrit(seeds - 1, 0.5 + verdicts.CONFIDENCE / 2) * scatter / np.sqrt(seeds), one.grid_error
+    enough = seeds[stdtrit(seeds - 1, 0.5 + verdicts.CONFIDENCE / 2) * scatter / np.sqrt(seeds) < half]
+    needed = f"{enough[0]}" if enough.size else f"more than {seeds[-1]}"
+    return (
+        f"{distance:.2g} from the edge of the region, beside an error of the grid of {one.grid_error:.2g}; "
+        f"{nodes} nodes and {needed} seeds are needed"
     )
-    enough = seeds[half < distance]
-    needed = f"{enough[0]} seeds" if enough.size else f"more than {seeds[-1]} seeds"
-    return f"{distance:.2g} from the edge of the region, for which {needed} are needed"
 
 
 def found_in_words(finding: Finding) -> str:
@@ -226,6 +263,6 @@ def _draw_judgement(
 
 def _unit(low: float, high: float) -> float:
     """Unit of the number of a row: the edge of its region, or the geometric middle between two edges."""
-    if low == 0:
+    if low <= 0:
         return 1.0 if np.isinf(high) else high
     return low if high > _WIDE * low else float(np.sqrt(low * high))
