@@ -75,7 +75,7 @@ def test_result_files_are_in_si_and_agree(folder):
 
 def test_the_report_is_whole_without_a_network(folder):
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert page.count("data:image/webp;base64,") == 5
+    assert page.count("data:image/png;base64,") == 5
     assert not re.findall(r'(?:src|href)="(?!data:)', page)
     assert not re.findall(r"\b(?:fetch|import)\(|XMLHttpRequest|@import|url\(", page)
     assert "http" not in re.sub(r"doi\S+|base64,\S+", "", page)

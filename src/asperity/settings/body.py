@@ -6,11 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     ConfigDict,
+    GetPydanticSchema,
     PlainSerializer,
     PlainValidator,
     PrivateAttr,
     ValidationInfo,
-    WithJsonSchema,
     model_validator,
 )
 
@@ -119,16 +119,19 @@ def _residual(value: Any, info: ValidationInfo) -> float | ResidualStress:
     return value if isinstance(value, ResidualStress) else STRESS(value, info)
 
 
+def _of_residual(*_: Any) -> dict[str, Any]:
+    """Description of a stress or a table of it, in the words of a JSON Schema."""
+    return {
+        "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
+        "accepts": f"{STRESS.needed()}, or a group of two lists, depth and stress",
+    }
+
+
 Residual = Annotated[
     float | ResidualStress,
     PlainValidator(_residual),
     PlainSerializer(lambda value: value.written() if isinstance(value, Settings) else STRESS.written(value)),
-    WithJsonSchema(
-        {
-            "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
-            "accepts": f"{STRESS.needed()}, or a group of two lists, depth and stress",
-        }
-    ),
+    GetPydanticSchema(None, _of_residual),
 ]
 """A stress in Pa, or a table of it over depth."""
 

@@ -26,7 +26,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from asperity.core.arguments import choice, number, require_finite
 from asperity.core.types import Array
@@ -279,6 +278,8 @@ def _matched_maxima(
         values.append(value)
         places.append(np.column_stack([place, 2.0 * maxima.field]))  # a third dimension keeps fields apart
     (high, low), (place_up, place_low) = values, places
+    from scipy.spatial import cKDTree  # a tenth of a second, and planes of one grid need none
+
     box = np.array([*cell, 0.0]) if upper_plane.fields.edges == PERIODIC else None
     distance, nearest = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
     close = np.flatnonzero(np.asarray(distance) <= 1.0)
