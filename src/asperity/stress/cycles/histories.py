@@ -43,7 +43,9 @@ from asperity.stress.planes.planes import default_depths
 from asperity.stress.planes.stream import PlaneStream, uniform_part
 
 STATES_BYTES = 2**29
-"""Memory for the states of some rows of a plane; the planes are computed again for the next rows."""
+"""Memory for the states of some rows of a plane, and for the modes of all states.
+
+Planes are computed again for the next rows, and modes for the next plane if they do not fit."""
 
 EXACT_ABOVE = 0.5
 """Share of the largest Dang Van stress above which every point is computed, for the distribution."""
@@ -133,6 +135,7 @@ class Histories(CycleMaps):
         self._sliding, self._fourier = sliding, fourier
         self._grid = moving.grid
         self._states = [self._solid(pressure) for pressure in moving.pressures]
+        self._streams: dict[int, PlaneStream] = {}
         self.names = [name for name in self.names if name != "shakedown_line"]
         self._direction = direction_cosines(moving.direction)
         self._halves = np.full((2, 3), -np.inf)
@@ -157,6 +160,7 @@ class Histories(CycleMaps):
         if grid == self._grid:
             return
         self._grid, coarse = grid, Fourier(grid, threads=self._threads)
+        self._streams.clear()
 
         def on_grid(pressure: Array | None) -> Array | None:
             if pressure is None:
@@ -169,6 +173,15 @@ class Histories(CycleMaps):
     def _solid(self, pressure: Array | None) -> LoadedSolid | None:
         return None if pressure is None else LoadedSolid(pressure, self._grid, self._moving.layer)
 
+    def _stream_of(self, number: int, solid: LoadedSolid) -> PlaneStream:
+        """The planes of a state, whose modes are kept for the next depth if those of all states fit."""
+        if number in self._streams:
+            return self._streams[number]
+        stream = PlaneStream(solid, [0.0], None, ("von_mises",), 0.0, self._threads, **self._sliding)
+        if len(self._states) * 8 * self._grid.size <= STATES_BYTES:
+            self._streams[number] = stream
+        return stream
+
     def _plane(self, depth: float, first: int, last: int) -> tuple[Array, Array, Array]:
         """Largest numbers of some rows of a plane, (5, rows), their columns, and the Dang Van stress."""
         layer, nx = self._moving.layer, self._grid.shape[1]
@@ -177,8 +190,7 @@ class Histories(CycleMaps):
         for number, solid in enumerate(self._states):
             if solid is None:
                 continue
-            stream = PlaneStream(solid, [depth], None, ("von_mises",), 0.0, self._threads, **self._sliding)
-            for plane in stream.planes():
+            for plane in self._stream_of(number, solid).planes(at=[depth]):
                 fields = plane.fields(COMPONENTS, [layer.poisson] * count, [uniform] * count).whole()
                 states[number] = fields[:, first:last].reshape(count, -1)
         if self._moving.background is not None:
