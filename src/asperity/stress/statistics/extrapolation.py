@@ -277,7 +277,8 @@ def extrapolated_numbers(
         Shares of the peaks at which quantiles are taken, with the levels of `PERCENTILES`.
     """
     found = numbers_on(fine, levels)
-    best = found.copy()
+    # Datasets are made of the arrays in the end: a dataset compares all its coordinates at each assignment.
+    best: dict[Any, Any] = dict(found.data_vars)
     ratio = other["spacing"] / found["spacing"]
     for name in SECOND_ORDER:
         if name in best:
@@ -287,11 +288,11 @@ def extrapolated_numbers(
     )
     best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
     if fine.stress is not None:
-        best.update(_quantiles(peak_numbers(fine.stress, levels, best["peak_count"])))
+        best |= _quantiles(peak_numbers(fine.stress, levels, best["peak_count"])).data_vars
         if found["along_lines"] <= STRAIGHT:
             for name in (*PERCENTILES, "peak_quantile", "largest_von_mises", *DEPTHS):
                 best[name] = best[name] * np.nan
-    error = xr.Dataset()
+    error: dict[Any, Any] = {}
     of_area, of_gradient = (
         abs(best[name] / found[name] - 1) for name in ("area_fraction", "gradient_rms_contact")
     )
@@ -306,8 +307,8 @@ def extrapolated_numbers(
             error["gradient_rms_contact"], OF_PLASTIC_GRADIENT * of_area
         )
     if fine.stress is not None:
-        error.update(_errors_of_stress(found, other, lost))
-    error.update(_of_departure(error, found))
+        error |= _errors_of_stress(found, other, lost)
+    error |= _of_departure(error, found)
     both = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
     error["proportionality"] = OF_PROPORTIONALITY * both
     if fine.stress is not None:
@@ -332,10 +333,10 @@ def extrapolated_numbers(
     if fine.stress is not None:  # a grid that misses the depths misses the depth of the highest peaks, too
         for kind in (best, error):
             kind["mean_depth_highest"] = kind["mean_depth_highest"].where(best["mean_depth"].notnull())
-    return found, best, error
+    return found, xr.Dataset(best), xr.Dataset(error)
 
 
-def _of_departure(error: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
+def _of_departure(error: dict[Any, Any], found: xr.Dataset) -> dict[Any, Any]:
     """Relative errors of a surface that may not be isotropic and Gaussian.
 
     ``least`` is the addition to the error of the largest von Mises stress.
@@ -346,7 +347,7 @@ def _of_departure(error: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
         products = (share * measure for share, measure in zip(shares, measures, strict=True))
         return found["departure"] * sum(products)
 
-    raised = xr.Dataset({"least": added(OF_DEPARTURE["largest_von_mises"], 0.0)})
+    raised = {"least": added(OF_DEPARTURE["largest_von_mises"], 0.0)}
     for name in OF_DEPARTURE.keys() & {*error}:
         raised[name] = error[name] + added(OF_DEPARTURE[name], error[name])
         if name in OF_PRESSURE:
@@ -355,7 +356,7 @@ def _of_departure(error: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
     return raised
 
 
-def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> xr.Dataset:
+def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> dict[Any, Any]:
     """Relative errors of sizes, depths and decay lengths; NaN where the other grid has no such number."""
     changes = {name: abs(found[name] / other[name] - 1) for name in SHARE_OF_CHANGE}
     changes = {name: change.where(np.isfinite(change)) for name, change in changes.items()}
@@ -369,7 +370,7 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> xr.D
     depths = largest(DEPTHS) + sizes
     of_kind = dict.fromkeys(PERCENTILES, sizes) | dict.fromkeys(DEPTHS, depths)
     of_kind |= dict.fromkeys(DECAYS, largest(DECAYS)) | {"largest_von_mises": common.fillna(sizes.max())}
-    is_pressure, error = found["quantity"] == "pressure", xr.Dataset()
+    is_pressure, error = found["quantity"] == "pressure", {}
     for name, share in SHARE_OF_CHANGE.items():
         error[name] = (share * of_kind[name]).where(changes[name].notnull())
         if name in OF_PRESSURE:
