@@ -20,6 +20,7 @@ import yaml
 from project import ROOT
 
 import asperity
+from asperity.cli.parser import parse
 from asperity.core.packages import ALTERNATIVES, PACKAGES
 
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
@@ -38,7 +39,7 @@ COMMANDS = (
     ("plot", ["view", "s.nc", "height"]),
     ("plot", ["plot", "9", "p.nc", "--out", "f.png"]),
     ("maps", ["info", str(STEEL.with_suffix(".gwy"))]),
-    ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --pressure 50MPa --out steel".split()),
+    ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --mean-pressure 50MPa --out steel".split()),
 )
 """Extra that a command needs, and the command; each uses the results of those before."""
 
@@ -120,6 +121,11 @@ def test_both_distributions_hold_every_file(built):
     with tarfile.open(source) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
     assert {f"src/{name}" for name in needed} <= names
+
+
+def test_the_commands_are_accepted():
+    for _, command in COMMANDS:
+        parse(command)
 
 
 def test_commands_work_outside_the_project(shared):
