@@ -8,7 +8,6 @@ folder that is deleted afterwards. Without arguments all three. Prints a table, 
 """
 
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -31,19 +30,19 @@ OPTIONS = {
 
 def measure(name: str, cores: int) -> dict[str, object]:
     """Cost of one run of the study."""
-    load, before = os.getloadavg()[0], resource.getrusage(resource.RUSAGE_CHILDREN)
-    start = time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder:
+    load, start = os.getloadavg()[0], time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as output:
         command = [sys.executable, "-m", "snakemake", "--cores", str(cores), "--nolock"]
         command += ["--config", f"results={folder}", *OPTIONS[name]]
-        run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        run = subprocess.Popen(command, cwd=ROOT, stdout=output, stderr=output)
+        _, status, used = os.wait4(run.pid, 0)
         wall = time.perf_counter() - start
+        if status:
+            output.seek(0)
+            sys.exit(output.read()[-4000:])
         jobs = job_costs(Path(folder))
-    if run.returncode:
-        sys.exit(run.stdout[-2000:] + run.stderr[-2000:])
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    memory = jobs["memory_MB"].max() / 1e3 if len(jobs) else after.ru_maxrss / 1e6
+    spent = used.ru_utime + used.ru_stime
+    memory = jobs["memory_MB"].max() / 1e3 if len(jobs) else used.ru_maxrss / 1e6
     return {
         "study": name,
         "cores": cores,

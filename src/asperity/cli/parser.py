@@ -119,7 +119,7 @@ def make_parser(only: str | None = None, explained: bool = True) -> Parser:
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
     for name, entry in COMMANDS.items():
         description = entry["description"]
-        summary = description.split(".")[0]
+        summary = description.split(". ")[0].rstrip(".")
         command = commands.add_parser(
             name,
             help=summary[0].lower() + summary[1:],

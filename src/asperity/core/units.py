@@ -111,7 +111,7 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
 
 
 def misread(value: Any, dimension: str = "") -> str:
-    """Addition to the message on a value that has a comma, or is a number of hardness; empty for others."""
+    """Addition to the message on a comma, a number of hardness, or a unit in other letters; else empty."""
     text = str(value).strip()
     if dimension == "pressure" and (found := _HARDNESS_NUMBER.fullmatch(text)):
         pressure = float(found[1]) * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE
@@ -125,6 +125,10 @@ def misread(value: Any, dimension: str = "") -> str:
         vickers = float(np.interp(float(found[1]), known, [*ROCKWELL_TO_VICKERS.values()]))
         of_steel = shown_si(vickers * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE, "Pa", 2)
         return f"; {float(found[1]):g} HRC is about {vickers:.0f} HV on steel, {of_steel}"
+    if dimension and (found := _NUMBER_AND_UNIT.fullmatch(text)):
+        cases = {unit.lower(): unit for unit in DIMENSIONS[dimension].examples}
+        meant = cases.get(found[2].lower(), found[2])
+        return "" if meant == found[2] else f"; did you mean {found[1]} {meant}?"
     if re.match(r"[+-]?\d+,\d", text):
         return f"; with a decimal point, not a comma: {text.replace(',', '.', 1)}"
     return ""

@@ -174,9 +174,11 @@ class Body(OfMaterial):
     """Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
     of two bodies the smaller one is used."""
     conductivity: Number | None = optional("from the material", unit="W/(m K)", gt=0, le=1e5, example=50.0)
-    """Thermal conductivity; if both bodies have one, the contact conductance is reported."""
+    """Thermal conductivity. If one body gives it here, and the other one here or by its material, the contact
+    conductance is reported."""
     resistivity: Number | None = optional("from the material", unit="Ω m", gt=0, le=1e20, example=1e-7)
-    """Electrical resistivity; if both bodies have one, the contact conductance is reported."""
+    """Electrical resistivity. If one body gives it here, and the other one here or by its material, the
+    contact conductance is reported."""
     fatigue_torsion: Pressure | None = optional(
         "from the material; without a value no stress cycles are reported", example="300 MPa"
     )

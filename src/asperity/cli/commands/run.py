@@ -20,6 +20,12 @@ WRONG_USAGE = 2
 FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each in arguments(group).items()}
 """Dotted key of a setting of a case → its flag."""
 
+GROUPS = {
+    "body": "--material, or --young and --poisson",
+    "load": "--mean-pressure, --hertz-pressure, --force, --approach or --area-fraction",
+}
+"""Group that every case has → flags that give it."""
+
 
 class Job(NamedTuple):
     """A case read from options and files.
@@ -285,6 +291,8 @@ def _job(
         return f"{file}: {key}" if in_file or (file and key not in given) else key
 
     def named(problem: Problem) -> str:
+        if problem.key in GROUPS and not file and ": missing" in problem.text:
+            return f"{GROUPS[problem.key]}: missing"
         return f"{name_of(problem.key)}{problem.text}"
 
     case, rough = None, None

@@ -130,7 +130,7 @@ class Yielding(Question):
                     found.append(f"{what} yields, with up to {ratio}")
                 else:
                     share, last = per_cent(answer.of(self)[name].fraction), shown_si(depths[1], "m", 3)
-                    found.append(f"{what} yields: {share} of it down to {last}, with up to {ratio}")
+                    found.append(f"{what} yields: {share} of its volume down to {last}, with up to {ratio}")
         return "; ".join(found)
 
     def _materials(self, answer: Answer, body: str) -> Iterator[tuple[str, float, float, Any]]:

@@ -198,7 +198,8 @@ def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0, mi
     copies = 4 if mirrored else 1
     nodes = copies * np.count_nonzero(touching)
     if nodes < LEAST_NODES:
-        return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
+        own = f"{nodes // copies} nodes, with mirror images " if mirrored else ""
+        return f"{own}{nodes} nodes are in contact, and {LEAST_NODES} are needed"
     bend = second_differences(height, mirrored)
     if np.median(np.abs(bend[touching])) <= FLAT_CURVATURE * np.sqrt(np.mean(np.square(bend))):
         return "the heights in contact are flat or stepped, and no grid resolves their edges"
