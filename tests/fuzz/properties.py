@@ -423,7 +423,7 @@ elastic = st.fixed_dictionaries(
         "layer": st.none()
         | st.fixed_dictionaries({"height": number(1e-6, 10), "bottom": choice("bonded", "frictionless")}),
     },
-    optional={"hardness": strengths, "conductivity": strengths, "resistivity": strengths},
+    optional={"hardness": strengths, "conductivity": number(1e-9, 1e5), "resistivity": number(1e-12, 1e20)},
 )
 fatigue_limits = st.builds(
     lambda torsion, ratio: {"fatigue_torsion": torsion, "fatigue_bending": ratio * torsion},
