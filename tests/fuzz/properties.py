@@ -569,6 +569,7 @@ load_curve\.loads = .*: a list of rising values
 area_fraction = .*: less is needed
 load\.approach = .*: (less than|a length from)
 load\.(mean_pressure|force) = .*: a mean pressure of less
+length = .*: spacings of the nodes
 """,
 }
 """Property → begins of refusals of arguments that are in their ranges, but do not go together, a line each.

@@ -171,7 +171,7 @@ def solve_contact(
     narrow = max(grid.spacing) / min(grid.spacing)
     if boundary == "periodic" and min(grid.shape) > 1 and narrow > MAX_SPACING_RATIO:
         raise ValueError(
-            f"length = {shown(length)}: spacings of the nodes that differ by a factor of at most "
+            f"length = {shown(grid.length)}: spacings of the nodes that differ by a factor of at most "
             f"{MAX_SPACING_RATIO:g} are needed in a periodic cell, and here by {narrow:.3g}: waves along the "
             "longer ones are so much softer that rounding hides the others; resample the heights"
         )
