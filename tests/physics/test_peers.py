@@ -14,15 +14,23 @@ PEERS = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))
 UNIT = asp.Solid(1.0, 0.0)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize("program", PEERS["SOLVERS"])
+@pytest.mark.parametrize(
+    ("program", "boundary"),
+    [
+        (program, boundary)
+        for program in PEERS["SOLVERS"]
+        for boundary in ("periodic", "free")
+        if (program, boundary) != ("aspher h2", "periodic")  # it sums over candidates without a period
+    ],
+)
 def test_pressure_agrees_with_other_programs(program, boundary):
     height = rough((128, 128), 2)
     theirs, _ = PEERS["SOLVERS"][program](height, load_of(height), 1e-11, boundary)
     ours = asp.solve_contact(
         height, UNIT, mean_pressure=load_of(height), boundary=boundary, rtol=1e-11
     ).pressure
-    np.testing.assert_allclose(ours, theirs[:128, :128], atol=1e-8 * ours.max())
+    tolerance = 2e-5 if program == "aspher h2" else 1e-8  # that of its hierarchical sum
+    np.testing.assert_allclose(ours, theirs[:128, :128], atol=tolerance * ours.max())
 
 
 @pytest.mark.parametrize("share", [0.5, 0.2])
