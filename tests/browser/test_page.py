@@ -402,9 +402,11 @@ def test_download_and_open_later(page):
     page.until(
         "Bokeh.documents[0].roots().find((each) => each.name === 'plane_beside').title.text.includes('depth')"
     )
-    ends = "Bokeh.documents[0].roots().find((each) => each.name === '{}').{}_range.end"
-    for axis in "xy":
-        page.until(" === ".join(ends.format(name, axis) for name in ("scatter", "scatter_beside")))
+    own = "Bokeh.documents[0].roots().find((each) => each.name === '{}').{}_range"
+    for axis in "xy":  # one object, not two with the same ends
+        assert page.run(
+            "return " + " === ".join(own.format(name, axis) for name in ("scatter", "scatter_beside"))
+        )
     page.picture("app_beside", 1280, "#answer-step", for_docs=False)
     page.run("act('beside', '')")
     page.until("document.querySelectorAll('article.answer').length === 1")

@@ -136,6 +136,12 @@ COMMANDS = [
     ('plan {"hurst":[', 1, "YAML is needed; "),
     # options and loads of solve
     ("run map.x3p --poison 0.3", 2, "--poison: not accepted; did you mean --poisson?"),
+    (
+        "run {surface} --unit m --out {folder}/out --mean-pressure 5MPa",
+        2,
+        "--material, or --young and --poisson: missing",
+    ),
+    (f"{RUN} --mean-pressure 5Mpa", 2, "(kPa, MPa, GPa, N/mm^2; did you mean 5 MPa?) is needed"),
     ("run map.x3p --pressure 5MPa", 2, "--pressure: not accepted; did you mean --mean-pressure?"),
     (f"{RUN} --set load.hertz_pressure=1GPa", 2, "load.hertz_pressure: needs radius_x"),
     (f"{RUN} --set load.radius_x=5mm --area-fraction 0.1", 2, "--area-fraction: hertz_pressure, force or m"),
