@@ -52,7 +52,7 @@ def test_choice_is_one_of_the_words():
 
 def test_units_of_quantities_are_not_dropped():
     """NumPy takes a quantity for its number: 64 µm would become 64."""
-    unit = pint.UnitRegistry().um
+    unit = pint.Unit("um")
     noise = 1e-3 * np.random.default_rng(1).normal(size=(8, 8))
     surface = xr.DataArray(noise * unit, dims=("y", "x"))
     for length in (64 * unit, (64 * unit, 64 * unit), np.array([64, 64]) * unit):

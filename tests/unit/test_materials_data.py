@@ -1,15 +1,13 @@
 """The data file of materials by itself: units, sources, ranges, names."""
 
-from importlib.resources import files
-
 import pint
 import pytest
-import yaml
 
 from asperity import Body
+from asperity.core.data import packaged_yaml
 from asperity.core.units import KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE
 
-DATA = yaml.safe_load(files("asperity").joinpath("settings/materials.yaml").read_text(encoding="utf-8"))
+DATA = packaged_yaml("asperity.settings", "materials.yaml")
 MATERIALS, SOURCES = DATA["materials"], DATA["sources"]
 STRENGTHS = {"yield_stress", "hardness", "fatigue_bending", "fatigue_torsion"}
 UNITS = dict.fromkeys({"young", *STRENGTHS}, "Pa") | {
@@ -23,14 +21,13 @@ VALUES = {
     for quantity, entry in material.items()
     if quantity not in {"also", "group", "state"}
 }
-REGISTRY = pint.UnitRegistry()
 
 
 def si(value, quantity):
     """A value in SI; a bare number is in the unit of its setting."""
     if not isinstance(value, str):
         return float(value)
-    return REGISTRY.Quantity(value).to(UNITS[quantity]).magnitude
+    return pint.Quantity(value).to(UNITS[quantity]).magnitude
 
 
 def sources_of(entry):

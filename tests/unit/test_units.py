@@ -19,7 +19,7 @@ from asperity.core.units import scaled_unit, shown_si, to_si
         ("1 µm", "length", 1e-6),
         ("-.5 mm", "length", -5e-4),
         ("12 kN", "force", 12e3),
-        (pint.UnitRegistry().Quantity(2, "um"), "length", 2e-6),
+        (pint.Quantity(2, "um"), "length", 2e-6),
     ],
 )
 def test_number_with_a_unit_becomes_si(text, dimension, expected):
