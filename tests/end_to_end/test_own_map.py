@@ -150,6 +150,11 @@ EFFECTS = {
     "two_faces": lambda answer: answer.case.counter_map.shift == pytest.approx((10e-6, -4e-6)),
 }
 """Case file of the pages → its effect on the answer, None for one that is only checked."""
+SMALLER = {
+    "fatigue": "--set map.points=20",
+    "moving_faces": "--set map.points=20 --set map.wavelength_short=32um --set cycles.shifts=12",
+}
+"""Settings of cases that are computed for all positions of a cycle."""
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -165,8 +170,7 @@ def test_every_case_of_the_pages_runs(name, answers, tmp_path):
     if name == "leak" and absent(["pyamg"]):
         pytest.skip("needs pyamg")
     effect = EFFECTS[name]
-    moves = name in ("fatigue", "moving_faces")  # computed for all positions of a cycle
-    smaller = ["--set", "map.points=20"] if moves else []
+    smaller = SMALLER.get(name, "").split()
     assert main(["run", f"{name}.yaml", *smaller, *([] if effect else ["--check"])]) == 0
     assert effect is None or effect(answers[-1])
 

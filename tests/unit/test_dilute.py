@@ -100,7 +100,7 @@ def test_displacement_of_candidates_is_that_of_the_whole_grid(
 )
 def test_pressure_is_that_of_the_whole_grid(solid, options, seed, solved_twice):
     """Errors of the pressure add up: each estimate is too small by a factor of a few at most."""
-    shape = [(256, 512), (521, 523), (600, 300)][seed]
+    shape = [(256, 512), (263, 269), (400, 200)][seed]
     hurst, load = (0.8, 0.2, 0.5)[seed], (2e-5, 1e-4, 2e-4)[seed]
     height = asp.self_affine(shape, hurst, 0.25, 0.02, rms_height=2e-3, seed=seed)
     grid = asp.Grid(shape, (1.0, shape[1] / shape[0]), options.get("mirrored", False))
@@ -109,7 +109,7 @@ def test_pressure_is_that_of_the_whole_grid(solid, options, seed, solved_twice):
     assert 0 < whole.area_fraction < dilute.MAX_AREA
     assert difference(found.pressure, whole.pressure) < 5 * options.get("rtol", 1e-6)
     assert found.certificate.pairs < whole.certificate.pairs
-    approach, _ = solved_twice(height, solid, approach=whole.approach, **options)
+    approach = asp.solve_contact(height, solid, approach=whole.approach, **options)
     assert difference(approach.pressure, whole.pressure) < 2e2 * options.get("rtol", 1e-6)
     area = asp.solve_contact(height, solid, area_fraction=whole.area_fraction, **options)
     assert area.area_fraction == pytest.approx(whole.area_fraction, rel=1e-3)
