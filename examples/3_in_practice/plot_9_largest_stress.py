@@ -37,7 +37,7 @@ plt.show()
 others = 0.0
 for seed in range(100, 100 + 5 * cells):
     contact = asp.solve_contact(cell(seed), asp.Solid(steel.young, steel.poisson), edge, **load)
-    stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    stress = asp.analyse_stress(contact, quantities=("von_mises",), tolerance=1e-3)
     others = max(others, float(stress["peak_value"].max()))
 low, high = found[1]["low_Pa"], found[1]["high_Pa"]
 print(f"predicted {low / 1e9:.2f} to {high / 1e9:.2f} GPa, largest of 20 other cells {others / 1e9:.2f} GPa")
