@@ -13,7 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from project import QUICK, ROOT, STUDY, copy_project, run, snakemake
+from project import QUICK, ROOT, STUDY, copy_project, run, snakemake, snakemake_here
 
 
 def test_manifest_holds_every_result(quick_study):
@@ -136,11 +136,9 @@ def test_a_copied_study_is_complete_and_an_edited_file_is_noticed(quick_study, t
         stage = path.relative_to(copied).parts[0]
         time = 2e9 - 1e6 * (stages.index(stage) if stage in stages else len(stages))
         os.utime(path, (time, time))
-    planned = snakemake(folder, *STUDY, "--dry-run")
-    assert "Nothing to be done" in planned.stdout + planned.stderr
+    assert "Nothing to be done" in snakemake_here(folder, *STUDY, "--dry-run")
     edited = next(path for path in results if path.match("contact/*/*.nc"))
     with open(edited, "ab") as file:
         file.write(b"\0")
     os.utime(edited, (2e9, 2e9))
-    planned = snakemake(folder, *STUDY, "--dry-run")
-    assert re.search(r"^stress +1$", planned.stdout + planned.stderr, re.MULTILINE)
+    assert re.search(r"^stress +1$", snakemake_here(folder, *STUDY, "--dry-run"), re.MULTILINE)

@@ -1,7 +1,7 @@
 """Comparisons of the study: the functions that make them, and the bounds of their errors.
 
 `CHECKS`, read from `checks.yaml`, is the one list of errors with their bounds. The study writes them as a
-table (``results/validation/table.csv``), and ``tests/physics/test_validation.py`` asserts each.
+table (``results/validation/table.csv``), and ``tests/workflow/test_validation.py`` asserts each.
 """
 
 from collections.abc import Callable, Mapping

@@ -7,44 +7,36 @@ import pytest
 
 from asperity.elasticity.solid import Solid
 from asperity.fourier.grid import Grid
+from asperity.results import dataset
 from asperity.study.validation.closed_forms import slab_load_area
 from asperity.study.validation.finite_elements import largest_differences
 from asperity.study.validation.indenter import displacement_and_stress
 from asperity.study.validation.table import CHECKS, comparison, for_reader, frame
 
-SETTINGS = {
-    "load_area": {"method": "active_set"},
-    "grid_convergence": {"points": (32, 64, 128)},
-    "elements": {"meshes": ((8, 7), (20, 16))},
-    "punch": {"points": 256, "samples": 5},
-    "elliptic_contacts": {"points": 88},
-    "wave_asymptotes": {"points": 256},
-    "coating_indentation": {"points": 256},
-    "metal_contacts": {"points": 64},
-}
-"""Settings other than the defaults; the paper's take longer."""
+FINER = {"load_area": {"method": "active_set"}, "elements": {"meshes": ((8, 7), (20, 16))}}
+"""Comparisons that need finer grids and meshes than those of the quick study."""
 
 
 @cache
-def compared(name):
-    return comparison(name)(**SETTINGS.get(name, {}))
+def on_finer_grid(name):
+    return comparison(name)(**FINER[name])
 
 
-def group(name):
-    return pytest.mark.xdist_group(name)
+@pytest.fixture
+def compared(quick_study):
+    """Dataset of a comparison, of the study of the tests where its grid is fine enough."""
+    folder = quick_study.results / "validation"
+    return lambda name: on_finer_grid(name) if name in FINER else dataset.read(folder / f"{name}.nc")
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=group(name)) for name in {check["comparison"]: 0 for check in CHECKS}]
-)
-def test_errors_are_within_their_bounds(name):
+@pytest.mark.parametrize("name", {check["comparison"]: 0 for check in CHECKS})
+def test_errors_are_within_their_bounds(name, compared):
     table = frame({name: compared(name)})
     assert len(table) > 0
     assert table["holds"].all(), table[~table["holds"]]
 
 
-@group("load_area")
-def test_table_marks_an_exceeded_bound():
+def test_table_marks_an_exceeded_bound(compared):
     found = compared("load_area")
     wrong = found.assign(solved_contact_radius=1.1 * found.solved_contact_radius)
     shown = [for_reader(frame({"load_area": data}))["bound"].tolist() for data in (found, wrong)]
@@ -69,8 +61,7 @@ def test_slab_is_stiffer_than_the_half_space():
     assert np.all(found.slab_stiffening[0] > found.slab_stiffening[1])
 
 
-@group("elements")
-def test_a_wrong_field_is_found():
+def test_a_wrong_field_is_found(compared):
     found = compared("elements")
     spoiled = found.assign(stress_xx_elements=1.1 * found.stress_xx_elements)
     away = largest_differences(spoiled).difference_away
@@ -78,8 +69,7 @@ def test_a_wrong_field_is_found():
     assert away.sel(field="stress_zz") < 0.003
 
 
-@group("punch")
-def test_mean_mode_shifts_the_stress_under_a_punch():
+def test_mean_mode_shifts_the_stress_under_a_punch(compared):
     """A confined and a free cell differ from summed contacts by their mean lateral stress."""
     found = compared("punch")
     nu, mean = found.poisson, 2 / 3 * np.pi * float(found.contact_radius) ** 2
