@@ -8,10 +8,10 @@ all of them; `docs/tables.md` shows it. For a reader a table is made into Markdo
 import math
 import re
 from collections.abc import Mapping
+from html import escape
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import escape
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 import numpy as np
@@ -165,7 +165,7 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
     names = ""
     for number, (part, name) in enumerate(sheets.items(), 1):
         contents += f'<Override PartName="/xl/{part}.xml" ContentType="{types}worksheet+xml"/>'
-        names += f'<sheet name="{escape(name)}" sheetId="{number}" r:id="{part}"/>'
+        names += f'<sheet name="{escape(name, quote=False)}" sheetId="{number}" r:id="{part}"/>'
     parts = {
         "[Content_Types].xml": f'<Types xmlns="{_OPEN}/package/2006/content-types"><Default Extension="rels"'
         f' ContentType="application/vnd.openxmlformats-package.relationships+xml"/>{contents}</Types>',
@@ -222,7 +222,7 @@ def _cell(value: Any) -> str:
     if isinstance(value, (int, float, np.number)) and abs(value) != math.inf:
         return f"<c><v>{value:.16g}</v></c>"
     text = _NOT_IN_XML.sub("?", str(value))
-    return f'<c t="inlineStr"><is><t xml:space="preserve">{escape(text)}</t></is></c>'
+    return f'<c t="inlineStr"><is><t xml:space="preserve">{escape(text, quote=False)}</t></is></c>'
 
 
 if __name__ == "__main__":

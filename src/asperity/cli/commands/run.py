@@ -1,6 +1,7 @@
 """``asperity run``: from a measured map, two materials and a load to an answer."""
 
 import argparse
+import gc
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -143,6 +144,8 @@ def _answered(job: Job, save: str | None, place: str) -> Any:
     from asperity.engineering.run import answer_of
     from asperity.study.progress_and_log import ProgressBar
 
+    if place:
+        gc.collect()  # pictures of the map before, whose objects refer to each other
     if save and not _is_written(save, job.out):
         save_case(job.case, Path(save), job.out, job.rough.files)
     with ProgressBar(one_line(f"run {place}{job.case.map.file}")) as progress:
