@@ -8,9 +8,10 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Iterator
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -32,12 +33,22 @@ _FORMATS = (".png", ".pdf", ".svg")
 @contextlib.contextmanager
 def style() -> Iterator[None]:
     """Draw with the style file of the package."""
-    import matplotlib as mpl
+    from matplotlib import rc_context
 
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.style.use(str(files("asperity.views") / "style.mplstyle"))
+    with rc_context(_parameters()):
         yield
+
+
+@cache
+def _parameters() -> dict[Any, Any]:
+    """Parameters of the style file, and matplotlib's defaults of all others but the backend.
+
+    The function `matplotlib.style.use` would read all styles that come with matplotlib.
+    """
+    from matplotlib import rc_params_from_file
+
+    parameters = rc_params_from_file(str(files("asperity.views") / "style.mplstyle"))
+    return {name: value for name, value in parameters.items() if name != "backend"}
 
 
 def panels(
