@@ -67,7 +67,7 @@ def patches(shape):
 )
 @pytest.mark.parametrize(("division", "error"), [(dilute.DIVISION, 1e-3), (dilute.INNER_DIVISION, 1e-2)])
 def test_displacement_of_candidates_is_that_of_the_whole_grid(
-    boundary, solid, shape, length, division, error, small_grids
+    boundary, solid, shape, length, division, error
 ):
     grid = asp.Grid(shape, length, mirrored=boundary == "mirrored")
     boundary = "free" if boundary == "free" else "periodic"
@@ -132,16 +132,16 @@ def test_pressure_under_other_shapes_is_that_of_the_whole_grid(kind, mirrored, s
 
 
 @pytest.mark.parametrize("points", [300, 301])
-def test_displacements_by_direct_sums_are_exact(points, small_grids):
+def test_displacements_by_the_finer_division_are_those_of_the_whole_grid(points):
     response = response_on("free", PAIR, asp.Grid((points, 300), (1.0, 300 / points)))
     nodes, pressure = patches(response.grid.shape)
     problem = dilute.Problem(np.zeros(response.grid.shape), response)
     nearby = dilute.CandidateProblem(problem, nodes, dilute.SplitResponse(response, dilute.DIVISION))
     pressure, few = pressure.astype(float), np.arange(0, nodes.size, 40)
-    assert nearby.corrected(dilute.Pressure(few, pressure[few], np.nan))
+    nearby.correct(dilute.Pressure(few, pressure[few], np.nan))
     exact = problem.displacement(nodes[few], pressure[few]).reshape(-1)[nodes]
     found = nearby.displacement(few, pressure[few])
-    np.testing.assert_allclose(found, exact, rtol=1e-13)
+    assert difference(found, exact) < 2e-7
 
 
 def test_threads_change_no_bit(small_grids):

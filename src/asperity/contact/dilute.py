@@ -12,11 +12,14 @@ square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, chapt
 
 Displacements are right to about 1e-3, or to a per cent in inner solves. The outer loop evaluates the gap of
 the whole grid exactly, so that only the change of the pressure since has this error (`CandidateProblem`).
-Over a free boundary a direct sum over few contact nodes does the same for the candidates.
+Over a free boundary a finer division, with sums over the contact nodes nearby in place of the stencil, gives
+the displacement of the candidates to 2e-7 before.
 """
 
 import math
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -25,8 +28,8 @@ from asperity.contact.contact_nodes import WIDE_RADIUS, StencilProduct, inserted
 from asperity.contact.iterate import ContactSystem, Iterate, Pressure, Step
 from asperity.contact.operators import MAX_SPACING_RATIO, InnerResponse
 from asperity.contact.problem import Problem
-from asperity.contact.response import Response, multiply_rows
-from asperity.core.compiled import compiled
+from asperity.contact.response import Response, multiply
+from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.parallel import in_parts
 from asperity.core.sizes import good_size
 from asperity.core.types import Array
@@ -41,16 +44,10 @@ MAX_AREA, MAX_CANDIDATES = 0.015, 4.0
 # mean pressure of the contact closes at a node that alone is in contact.
 FIRST_MARGIN = 1.0
 
-# Nodes along an axis to which a B-spline distributes a pressure.
-ORDER = 4
-
 # Fewest nodes on an axis of the grid that is transformed, of twice the nodes over a free boundary: contacts
-# of 1 % on 512² nodes that repeat take 1.2 to 1.6 times as long on candidates.
-MIN_POINTS = 1024
-
-# A direct sum over a free boundary takes less time than transforms of the whole grid if it has at most this
-# number times as many terms as the grid has nodes.
-MAX_TERMS = 20.0
+# of 1 % on 512² nodes that repeat take 1.1 to 1.6 times as long on candidates. Coarse grids, which are solved
+# less accurately, take the same time with candidates from 512² nodes, and fewer transforms.
+MIN_POINTS, MIN_COARSE_POINTS = 1024, 512
 
 # Of waves shorter than the far field's grid holds, the compliance differs by at most this fraction from a
 # half-space's with the modulus of the surface.
@@ -67,14 +64,23 @@ class Division:
         The stencil ends where α × distance is this number.
     spacing_times_alpha : float
         α × spacing of the far field's grid.
+    radius : int
+        Radius of the stencil, in nodes.
+    order : int
+        Nodes along an axis to which a B-spline distributes a pressure.
+    real : type
+        Precision of the displacements.
     """
 
     radius_times_alpha: float
     spacing_times_alpha: float
+    radius: int = WIDE_RADIUS
+    order: int = 4
+    real: type = np.float32
 
     def alpha(self, grid: Grid) -> float:
         """α for the nodes of a grid."""
-        return self.radius_times_alpha / (WIDE_RADIUS * min(grid.spacing))
+        return self.radius_times_alpha / (self.radius * min(grid.spacing))
 
     def far_grid(self, response: Response) -> Grid:
         """Grid of the far field, twice as long where nothing surrounds the map."""
@@ -82,7 +88,7 @@ class Division:
         if response.repeats:
             ny, nx = (good_size(math.ceil(edge / step)) for edge in grid.length)
             return Grid((ny, nx), grid.length, grid.mirrored)
-        ny, nx = (good_size(math.ceil(2 * edge / step) + 2 * ORDER) for edge in grid.length)
+        ny, nx = (good_size(math.ceil(2 * edge / step) + 2 * self.order) for edge in grid.length)
         return Grid((ny, nx), (ny * step, nx * step))
 
 
@@ -91,6 +97,10 @@ DIVISION = Division(2.3, 0.6)
 
 # To a per cent, for inner solves, in half the time.
 INNER_DIVISION = Division(2.2, 1.2)
+
+# Over a free boundary to 2e-7. The stencil of a map that repeats has a tail, as its waves end at the shortest
+# of the grid; it is right to 3e-6 then, which is not enough for the usual tolerance.
+FINE_DIVISION = Division(3.9, 0.4, 39, 12, np.float64)
 
 
 class SplitResponse:
@@ -105,15 +115,18 @@ class SplitResponse:
     def __init__(self, response: Response, division: Division) -> None:
         grid, threads = response.grid, response.fourier.threads
         alpha, unit = division.alpha(grid), 1 / response.nodal_compliance
-        self._threads = threads
-        self._products = StencilProduct(grid, response.repeats, threads, WIDE_RADIUS)
-        self._stencil = whole_stencil(unit * _near_field(response, alpha))
+        self._grid, self._threads = grid, threads
+        self._near = unit * _near_field(response, alpha, division.radius)
+        self._products = None
+        if division.radius == WIDE_RADIUS:
+            self._products = StencilProduct(grid, response.repeats, threads, WIDE_RADIUS)
+            self._near = whole_stencil(self._near)
         far = division.far_grid(response)
-        self._fourier = Fourier(far, np.float32, threads, response.fourier.work)
-        self._factors = (unit * _far_field(response, far, alpha)).astype(np.float32)
-        of_rows, of_columns = (_splines(grid, far, axis) for axis in (0, 1))
+        self._fourier = Fourier(far, division.real, threads, response.fourier.work)
+        self._factors: Array = (unit * _far_field(response, far, alpha, division.order)).astype(division.real)
+        of_rows, of_columns = (_splines(grid, far, axis, division) for axis in (0, 1))
         self._splines = *of_rows, *of_columns, grid.shape[1]
-        self._field = np.empty(far.shape, np.float32)
+        self._field: Array = np.empty(far.shape, division.real)
         self._coefficients = np.empty(far.mode_shape, self._fourier.coefficient_type)
 
     def displacement(self, pressure: Array, nodes: Array, at: Array) -> Array:
@@ -130,10 +143,16 @@ class SplitResponse:
         def far_field() -> None:
             _distribute(nodes, pressure, *splines, field)
             self._fourier.forward(field, self._coefficients)
-            multiply_rows(self._coefficients, self._factors)
+            multiply(self._coefficients, self._factors, 1)
             self._fourier.inverse(self._coefficients, field, overwrite=True)
 
-        out = self._products(self._stencil, nodes, pressure, at, meanwhile=far_field)
+        if self._products is not None:
+            out = self._products(self._near, nodes, pressure, at, meanwhile=far_field)
+        else:
+            far_field()
+            out = np.empty(at.size)
+            sums = partial(_write_near_sums, nodes, pressure, self._grid.shape[1], self._near)
+            in_parts(lambda part: sums(at[part], out[part]), at.size, self._threads)
         in_parts(lambda part: _add_interpolant(at[part], *splines, field, out[part]), out.size, self._threads)
         return out
 
@@ -194,24 +213,14 @@ class CandidateProblem(Problem):
         caused = self._split.displacement(change.astype(np.float32), self.candidates, self.candidates)
         return self._displacement + self.nodal_compliance * caused
 
-    def corrected(self, pressure: Pressure) -> bool:
-        """Take a pressure over a free boundary as the last exact one; False if that takes too long."""
-        response, count = self.response, pressure.nodes.size
-        if response.repeats or count * self.candidates.size > MAX_TERMS * self.grid.size:
-            return False
+    def correct(self, pressure: Pressure) -> None:
+        """Evaluate the displacement under a pressure by the finer division; nothing surrounds the map."""
         values = np.minimum(pressure.values, self.hardness).astype(float)
         self._pressure[:] = 0
         self._pressure[pressure.nodes] = values
-        y, x = self.grid.coordinates()
-        kernel = rectangle_compliance(y[:, None], x, self.grid.spacing, response.solid.effective_modulus)
-        loaded = divmod(self.candidates[pressure.nodes].astype(np.int64), x.size)
-
-        def add(part: slice) -> None:
-            at = divmod(self.candidates[part].astype(np.int64), x.size)
-            _write_sums(*loaded, values, *at, kernel, self._displacement[part])
-
-        in_parts(add, self.candidates.size, self.fourier.threads)
-        return True
+        fine = SplitResponse(self.response, FINE_DIVISION)
+        caused = fine.displacement(values, self.candidates[pressure.nodes], self.candidates)
+        self._displacement[:] = self.nodal_compliance * caused
 
     def step_to(self, found: Pressure, approach: float) -> Step:
         """The step of the whole grid to a pressure of the candidates."""
@@ -222,10 +231,13 @@ class CandidateProblem(Problem):
         return Step(self.candidates[some], before, level, change[some], before == 0, approach)
 
 
-def first_margin(iterate: Iterate, finer: Problem) -> float:
+def first_margin(iterate: Iterate, finer: Problem, is_finest: bool) -> float:
     """Largest pressure that closes the gap of nodes that may touch; 0 if the contact is not dilute."""
-    dilute = 0 < iterate.nodes.size <= MAX_AREA * iterate.problem.grid.size and can_be_split(finer.response)
-    return FIRST_MARGIN * float(iterate.pressure.mean()) if dilute else 0.0
+    fewest = MIN_POINTS if is_finest else MIN_COARSE_POINTS
+    dilute = 0 < iterate.nodes.size <= MAX_AREA * iterate.problem.grid.size
+    if not dilute or min(finer.response.mode_grid.shape) < fewest or not can_be_split(finer.response):
+        return 0.0
+    return FIRST_MARGIN * float(iterate.pressure.mean())
 
 
 def are_few(candidates: Array, problem: Problem) -> bool:
@@ -245,10 +257,9 @@ def candidates_of(iterate: Iterate, system: ContactSystem) -> Array:
 
 
 def can_be_split(response: Response) -> bool:
-    """True if the grid is large, pixels are nearly square, and the solid is a half-space for short waves."""
+    """True if pixels are nearly square, and the solid is a half-space for short waves."""
     grid, solid = response.grid, response.solid
-    ratio = max(grid.spacing) / min(grid.spacing)
-    if min(response.mode_grid.shape) < MIN_POINTS or ratio > MAX_SPACING_RATIO:
+    if max(grid.spacing) / min(grid.spacing) > MAX_SPACING_RATIO:
         return False
     if solid.height is None and solid.interface is None:
         return True
@@ -258,48 +269,54 @@ def can_be_split(response: Response) -> bool:
     return bool(np.abs(relative - 1).max() < MAX_DEVIATION)
 
 
-def _near_field(response: Response, alpha: float) -> Array:
+def _near_field(response: Response, alpha: float, radius: int) -> Array:
     """Displacement near a node per unit of its pressure, without the far field: a stencil."""
     grid, modulus = response.grid, response.solid.effective_modulus
     dy, dx = grid.spacing
-    radius = WIDE_RADIUS
     rows, columns = np.ogrid[: radius + 1, : radius + 1]
     if response.repeats:
         count = good_size(4 * radius)
         tile = Grid((count, count), (count * dy, count * dx))
-        modes = _near_modes(tile, alpha, modulus) / tile.size
+        modes = _near_modes(tile.wavenumber(), alpha, modulus) / tile.size
         out = Fourier(tile).inverse(modes + 0j)[: radius + 1, : radius + 1]
     else:
         y, x = dy * rows, dx * columns
-        far = _erf_over(np.hypot(y, x), alpha) * (dy * dx / (np.pi * modulus))
-        out = rectangle_compliance(y, x, grid.spacing, modulus) - far
+        out = rectangle_compliance(y, x, grid.spacing, modulus)
+        # The mean of the far field over the rectangle of the node, by the rule of Gauss.
+        for a, b in product((-1, 1), repeat=2):
+            distance = np.hypot(y + a * dy / math.sqrt(12), x + b * dx / math.sqrt(12))
+            out -= _erf_over(distance, alpha) * (dy * dx / (4 * np.pi * modulus))
     out = np.where(rows**2 + columns**2 <= radius * (radius + 1), out, 0)
     off = np.abs(np.arange(-radius, radius + 1))
     return out[off[:, None], off]
 
 
-def _far_field(response: Response, far: Grid, alpha: float) -> Array:
-    """Factors of the coefficients on the far field's grid, divided by the coefficients of the splines."""
+def _far_field(response: Response, far: Grid, alpha: float, order: int) -> Array:
+    """Factors of the far field's coefficients with ky ≥ 0, divided by the coefficients of the splines."""
     grid, modulus = response.grid, response.solid.effective_modulus
     if response.repeats:
-        modes = response.on_grid(far).compliance - _near_modes(far, alpha, modulus)
+        modes = response.on_grid(far).half_compliance - _near_modes(far.half_wavenumber(), alpha, modulus)
         modes *= far.size / grid.size
     else:
-        row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in far.shape)
-        y, x = np.ogrid[: row.max() + 1, : column.max() + 1]
+        import scipy.fft
+
+        rows, columns = far.half_shape
+        y, x = np.ogrid[:rows, :columns]
         distance = np.hypot(far.spacing[0] * y, far.spacing[1] * x)
         quarter = _erf_over(distance, alpha) * (grid.spacing[0] * grid.spacing[1] / (np.pi * modulus))
-        modes = Fourier(far).forward(quarter[row[:, None], column]).real * far.size
+        modes = scipy.fft.dctn(quarter, type=1, overwrite_x=True)
     attenuation = []
-    for q, spacing in zip((far.qy, far.qx), far.spacing, strict=True):
-        waves = np.sinc(q * spacing / (2 * np.pi) + np.arange(-2, 3)[:, None]) ** (2 * ORDER)
-        attenuation.append(waves[2] / waves.sum(axis=0) ** 2)
+    wavevector = far.qy[: far.half_shape[0]], far.qx
+    for q, spacing, of_node in zip(wavevector, far.spacing, grid.spacing, strict=True):
+        waves = np.sinc(q * spacing / (2 * np.pi) + np.arange(-2, 3)[:, None]) ** (2 * order)
+        over_node = 1 if response.repeats else np.sinc(q * of_node / (2 * np.pi))
+        attenuation.append(over_node * waves[2] / waves.sum(axis=0) ** 2)
     return modes * attenuation[0][:, None] * attenuation[1]
 
 
-def _near_modes(grid: Grid, alpha: float, modulus: float) -> Array:
+def _near_modes(wavenumber: Array, alpha: float, modulus: float) -> Array:
     """2 erf(q/2α) / (E* q)."""
-    return _erf_over(grid.wavenumber(), 0.5 / alpha) * (2 / modulus)
+    return _erf_over(wavenumber, 0.5 / alpha) * (2 / modulus)
 
 
 def _erf_over(distance: Array, factor: float) -> Array:
@@ -316,34 +333,42 @@ def _write_erf_over(distance: Any, factor: float, out: Any) -> None:
         out[i] = math.erf(factor * r) / r if r > 0 else 2 * factor / math.sqrt(math.pi)
 
 
-@compiled
-def _write_sums(
-    row: Any, column: Any, values: Any, at_row: Any, at_column: Any, kernel: Any, out: Any
-) -> None:
-    """Write the sums of values × kernel at other nodes."""
-    for k in range(out.size):
-        total = 0.0
-        for i in range(row.size):
-            total += values[i] * kernel[abs(row[i] - at_row[k]), abs(column[i] - at_column[k])]
+@compiled_with_arrays
+def _write_near_sums(loaded: Any, values: Any, columns: int, kernel: Any, at: Any, out: Any) -> None:
+    """Write the sums of kernel × values of the loaded nodes around each node; nothing surrounds the map."""
+    radius = kernel.shape[0] // 2
+    first = np.zeros(kernel.shape[0], np.int64)  # the first node that each row of the kernel has reached
+    for k in range(at.size):
+        middle = np.int64(at[k])
+        column, total = middle % columns, 0.0
+        before, after = min(radius, column), min(radius, columns - 1 - column)
+        for line in range(kernel.shape[0]):
+            weights, node, i = kernel[line], middle + (line - radius) * columns, first[line]
+            while i < loaded.size and np.int64(loaded[i]) < node - before:
+                i += 1
+            first[line] = i
+            while i < loaded.size and np.int64(loaded[i]) <= node + after:
+                total += weights[np.int64(loaded[i]) - node + radius] * values[i]
+                i += 1
         out[k] = total
 
 
-def _splines(grid: Grid, far: Grid, axis: int) -> tuple[Array, Array]:
+def _splines(grid: Grid, far: Grid, axis: int, division: Division) -> tuple[Array, Array]:
     """Coarse-grid nodes around each node along an axis, and the values of their B-splines there."""
     ratio, period = grid.spacing[axis] / far.spacing[axis], far.whole_cell.shape[axis]
     position = (np.arange(grid.shape[axis])[:, None] + 0.5) * ratio - 0.5
-    coarse = np.floor(position - ORDER / 2).astype(int) + 1 + np.arange(ORDER)
-
-    def spline(at: Array, order: int) -> Array:
-        if order == 1:
-            return ((at >= 0) & (at < 1)).astype(float)
-        return (at * spline(at, order - 1) + (order - at) * spline(at - 1, order - 1)) / (order - 1)
-
-    values = spline(position - coarse + ORDER / 2, ORDER)
-    coarse %= period
+    last = np.floor(position + division.order / 2).astype(int)
+    steps = np.arange(division.order)
+    at = position + division.order / 2 - last + steps  # distances from the beginnings of the splines
+    values = np.zeros(at.shape)
+    values[:, 0] = 1
+    for order in range(2, division.order + 1):
+        before = np.roll(values, 1, axis=1)
+        values = (at * values + (order - at) * before) / (order - 1)
+    coarse = (last - steps) % period
     if far.mirrored:
         coarse = np.minimum(coarse, period - 1 - coarse)
-    return coarse.astype(np.int32), values.astype(np.float32)
+    return coarse.astype(np.int32), values.astype(division.real)
 
 
 @compiled
@@ -354,9 +379,9 @@ def _distribute(
     field[:] = 0
     for k in range(nodes.size):
         y, x = np.int64(nodes[k]) // columns, np.int64(nodes[k]) % columns
-        for a in range(ORDER):
+        for a in range(row.shape[1]):
             value, line = values[k] * of_row[y, a], row[y, a]
-            for b in range(ORDER):
+            for b in range(row.shape[1]):
                 field[line, column[x, b]] += value * of_column[x, b]
 
 
@@ -367,10 +392,10 @@ def _add_interpolant(
     """Add the interpolant of a field on the coarse-grid nodes to values on nodes."""
     for k in range(nodes.size):
         y, x = np.int64(nodes[k]) // columns, np.int64(nodes[k]) % columns
-        total = np.float32(0)
-        for a in range(ORDER):
-            part, line = np.float32(0), row[y, a]
-            for b in range(ORDER):
+        total = 0.0
+        for a in range(row.shape[1]):
+            part, line = 0.0, row[y, a]
+            for b in range(row.shape[1]):
                 part += field[line, column[x, b]] * of_column[x, b]
             total += of_row[y, a] * part
         out[k] += total
