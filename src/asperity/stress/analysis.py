@@ -254,7 +254,8 @@ class _Analysis:
             floor = max(plane.bound, self._floor * scale, ROUNDING_SHARE * scale)
             self._finder.add(searched, search, floor)
         self._finder.finish()
-        self._search = None  # with the basis fields
+        self._search = None
+        del plane, search, searched  # with the basis fields
         if missing := int(self._references.missing.max()):
             for number, _ in enumerate(self._stream.planes(count=missing, watch=self._watch_again)):
                 self._compare_again(number)

@@ -60,11 +60,10 @@ SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Range of the largest pressure in which planes are in single precision: squares of stresses stay within its
 range."""
 
-KEPT_BYTES = 2 * 8 * 2048 * 2064 * 8
-"""Memory in which the basis fields of two planes are kept side by side: eight fields of 2048² nodes in double
-precision, in rows of 2064 numbers (`PeriodicPlanes.row_length`), so that an analysis needs 1 GiB at most. Of
-larger planes one at a time is kept. The plane above is computed again for comparisons: 4096² nodes take 1.6
-to 1.7 times as long, and 0.9 to 2.1 GiB less."""
+KEPT_BYTES = 2 * 8 * 4096 * 4112 * 8
+"""Memory in which the basis fields of two planes are kept side by side: eight fields of 4096² nodes in double
+precision, in rows of 4112 numbers (`PeriodicPlanes.row_length`). Of larger planes one at a time is kept, and
+the plane above is computed again for comparisons."""
 
 MAX_PLANES = 10_000
 """Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""

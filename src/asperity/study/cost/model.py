@@ -32,7 +32,7 @@ SPACING_POWER = -0.76
 PAPER_SPACING = 0.5
 """Distance between planes, in grid spacings, to which the times of `jobs.csv` belong."""
 
-LARGE_GRID = 2048**2
+LARGE_GRID = 4096**2
 """Nodes above which the memory of a job may grow more slowly: on larger planes the stress keeps one, not two
 (`asperity.stress.planes.stream.KEPT_BYTES`)."""
 
