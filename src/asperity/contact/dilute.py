@@ -12,8 +12,8 @@ square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, chapt
 
 Displacements are right to about 1e-3, or to a per cent in inner solves. The outer loop evaluates the gap of
 the whole grid exactly, so that only the change of the pressure since has this error (`CandidateProblem`).
-Over a free boundary a finer division, with sums over the contact nodes nearby in place of the stencil, gives
-the displacement of the candidates to 2e-7 before.
+Over a free boundary an evaluation is spared: a finer division, in which sums over the contact nodes nearby
+take the place of the stencil, gives the displacement of the candidates to 2e-7.
 """
 
 import math
