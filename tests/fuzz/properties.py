@@ -520,6 +520,7 @@ height has the shape .*: at least \d+ x \d+ points are needed
 a surface that varies is needed
 wavelength_short( = .*)?: a (number|smaller one)
 periodic = 'none': one of declared
+detrend = .*: the file states that the map is one period
 points = .*: (an even number|more)
 ([sl]_filter = .*)+: (a filter that leaves some|less than l_filter)
 """
