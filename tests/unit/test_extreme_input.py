@@ -92,6 +92,7 @@ test_argument_out_of_range_is_refused = refuses(
         lambda: asp.solve_contact([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1),
         "height = .*: real numbers are neede",
     ),
+    (lambda: asp.Body(young=HUGE, poisson=0.3), r"young = 10+\.\.\.: a pressure > 0 with its unit"),
     (lambda: asp.solve_contact(1e80 * EIGHT, HALF_SPACE, area_fraction=0.1), "height: numbers from -1e"),
     (
         lambda: asp.solve_contact(1e-80 * EIGHT, HALF_SPACE, area_fraction=0.1),

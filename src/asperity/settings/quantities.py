@@ -45,7 +45,7 @@ class Quantity:
                 found = float(value)
             else:
                 found = to_si(value, self.dimension)
-        except ValueError:
+        except (ValueError, OverflowError):
             raise NeededError(self.needed(value)) from None
         if not (SMALLEST <= found <= LARGEST or (not self.positive and abs(found) <= LARGEST)):
             raise NeededError(self.needed(value))
