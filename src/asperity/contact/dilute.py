@@ -298,13 +298,11 @@ def _far_field(response: Response, far: Grid, alpha: float, order: int) -> Array
         modes = response.on_grid(far).half_compliance - _near_modes(far.half_wavenumber(), alpha, modulus)
         modes *= far.size / grid.size
     else:
-        import scipy.fft
-
-        rows, columns = far.half_shape
-        y, x = np.ogrid[:rows, :columns]
+        row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in far.shape)
+        y, x = np.ogrid[: row.max() + 1, : column.max() + 1]
         distance = np.hypot(far.spacing[0] * y, far.spacing[1] * x)
         quarter = _erf_over(distance, alpha) * (grid.spacing[0] * grid.spacing[1] / (np.pi * modulus))
-        modes = scipy.fft.dctn(quarter, type=1, overwrite_x=True)
+        modes = Fourier(far).forward(quarter[row[:, None], column]).real[: far.half_shape[0]] * far.size
     attenuation = []
     wavevector = far.qy[: far.half_shape[0]], far.qx
     for q, spacing, of_node in zip(wavevector, far.spacing, grid.spacing, strict=True):
