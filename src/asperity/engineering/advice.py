@@ -1,7 +1,8 @@
 """Warnings and notes on an answer; `advice.yaml` has their texts."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from string import Formatter
 from typing import Any
 
@@ -10,10 +11,12 @@ import numpy as np
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
-from asperity.engineering.answer import LIMITS, Answer, limit_of
-from asperity.engineering.body_stress import BodyAnswer
-from asperity.engineering.press import suggested_hardness
-from asperity.engineering.question import HARDNESS_OVER_YIELD, RESOLUTION_CHANGE, Advice, per_cent
+from asperity.contact import Contact
+from asperity.engineering.body_stress import BodyStress
+from asperity.engineering.numbers import LIMITS, limit_of
+from asperity.engineering.press import HARDNESS_OVER_YIELD, suggested_hardness
+from asperity.engineering.question import RESOLUTION_CHANGE, Stages
+from asperity.engineering.records import Advice, Record, per_cent
 from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
 from asperity.surface.reading.formats import PROFILE
@@ -79,34 +82,56 @@ SPIKE_SIZE = math.inf
 """Uncertainty of a largest pressure on a spike, which is listed before all others."""
 
 Found = tuple[bool, str, dict[str, Any]]
-"""True for a warning, name in `advice.yaml`, and values for its text in addition to the answer; ``size`` is
+"""True for a warning, name in `advice.yaml`, and values for its text in addition to the stages; ``size`` is
 the relative uncertainty that it states."""
 
 
-def advise(answer: Answer) -> tuple[Advice, ...]:
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Further contacts with which an answer is compared.
+
+    Attributes
+    ----------
+    neighbours : (float, Contact or None) or None
+        Width of the contact of a ball or cylinder over the distance to its periodic images (the larger ratio
+        along y and x, or across the cylinder), and the contact under the same load without images (None for
+        layers and cylinders). None without such a form, or with a free boundary.
+    plastic : Contact or None
+        With pressure limited to the hardness; 3 times the yield stress if none is given.
+    unfiltered : Contact or None
+        Under the same load without the Gaussian filters; None if there are none.
+    """
+
+    neighbours: tuple[float, Contact | None] | None
+    plastic: Contact | None
+    unfiltered: Contact | None
+
+
+def advise(
+    stages: Stages, compared: Compared, records: Sequence[Record], of_questions: Iterable[Advice]
+) -> list[Advice]:
     """All warnings and notes on an answer, warnings first."""
     texts = packaged_yaml("asperity.engineering", "advice.yaml")
-    found = [*_on_contact(answer)]
-    shown = answer.case.different_bodies
+    found = [*_on_contact(stages, compared)]
+    shown = stages.asked.different_bodies
     for name in shown:
         where = f" of the {name} body" if len(shown) > 1 else ""
-        for material, body in answer.bodies[name].materials.items():
+        for material, body in stages.bodies[name].materials.items():
             of_material = f" of the {material}{where}" if material else where
             part = _on_body(body)
             found += [(warns, key, values | {"where": of_material}) for warns, key, values in part]
-    found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
-    of_questions = [each for question in answer.case.questions.values() for each in question.advice(answer)]
+    found += [*_on_pixels(stages, records), *_on_map(stages, compared), *_on_neighbours(stages, compared)]
     made: dict[str, Advice] = {}
-    bodies = list(answer.case.bodies.values())
+    bodies = list(stages.asked.bodies.values())
     alike = bodies[0].is_like(bodies[-1]) and not bodies[0].coating
     for warns, key, values in found:
-        text, known = texts[key], {"answer": answer, "numbers": answer.numbers, **values}
+        text, known = texts[key], {"stages": stages, "numbers": stages.numbers, **values}
         words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}
         advice = Advice(warns, **words, size=values.get("size", 0.0))
         # Advice on two bodies of the same material is given once.
         made.setdefault(key if alike and "where" in values else advice.text, advice)
     made |= {each.text: each for each in of_questions}
-    return tuple(sorted(made.values(), key=lambda advice: not advice.warns))
+    return sorted(made.values(), key=lambda advice: not advice.warns)
 
 
 class _Units(Formatter):
@@ -118,20 +143,20 @@ class _Units(Formatter):
         return shown_si(value, format_spec, 3) if format_spec in ("m", "Pa") else format(value, format_spec)
 
 
-def _on_contact(answer: Answer) -> Iterator[Found]:
+def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on missing contact, impossible pressures or heights, a missed area, an inaccurate solution."""
-    numbers, case, face = answer.numbers, answer.case, answer.face
+    numbers, case, face = stages.numbers, stages.asked, stages.face
     if not numbers.contact_nodes:
         yield True, "no_contact", {}
-    young = min(body.layer.young for body in answer.bodies.values())
+    young = min(body.layer.young for body in stages.bodies.values())
     if numbers.pressure_on_spike:
-        yield True, "pressure_on_spike", {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
+        yield True, "pressure_on_spike", {"count": len(stages.rough.spikes), "size": SPIKE_SIZE}
     if numbers.largest_pressure > young:
         yield True, "beyond_modulus", {"young": young}
-    suggested = suggested_hardness(answer.pressed)
+    suggested = suggested_hardness(stages.case)
     if suggested is not None and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
-    if answer.pressed.hardness and answer.plastic is not None and answer.plastic.plastic_area:
+    if stages.case.hardness and compared.plastic is not None and compared.plastic.plastic_area:
         yield False, "clipped_pressure", {"size": 0.0, "meaning": PLASTIC_CONTACT}
     edge = (max if case.map.format == PROFILE else min)(face.grid.period)
     if numbers.peak_to_valley > 0.5 * edge:
@@ -153,9 +178,9 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield True, "inaccurate", {}
 
 
-def _on_body(part: BodyAnswer) -> Iterator[Found]:
+def _on_body(part: BodyStress) -> Iterator[Found]:
     """Advice on implausible constants, and on stress above the strength of any material."""
-    body, stress = part.body, part.largest_von_mises
+    body, stress = part.body, part.von_mises.value
     young, ratio, limit = body.young, body.poisson, body.yield_stress
     values: dict[str, Any] = {"young": young, "ratio": ratio, "limit": limit, "stress": stress}
     too_strong = limit is not None and limit > HIGHEST_YIELD * young
@@ -174,9 +199,9 @@ def _on_body(part: BodyAnswer) -> Iterator[Found]:
         yield True, "surely_yielding", values | {"share": share, "limit": UNLIKELY_STRAIN}
 
 
-def _on_pixels(answer: Answer) -> Iterator[Found]:
+def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
     """Advice on load on small patches, and on the change of the numbers at half the resolution."""
-    numbers, limits = answer.numbers, answer.bodies["lower"].limits
+    numbers, limits = stages.numbers, stages.bodies["lower"].limits
     share, width = numbers.load_on_small_patches, numbers.typical_patch_width
     if share > SMALL_PATCH_SHARE and width <= 2 and not numbers.pressure_on_spike:
         yield True, "spikes", {"size": share}
@@ -188,7 +213,7 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         yield False, "no_estimate_of_stress", {"reason": reason}
     else:
         yield False, "vanishing_pixels", {}
-    known, listed = {}, {row.name for row in answer.rows}
+    known, listed = {}, {each.quantity for each in records}
     for name in filter(listed.__contains__, LIMITS):
         values = limit_of(limits, name)
         least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
@@ -198,10 +223,10 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
             known[name] = values["on_grid"] / values["on_half"] - 1
     if not known:
         return
-    pixel, wave = max(answer.face.grid.spacing), answer.face.wavelength_short
+    pixel, wave = max(stages.face.grid.spacing), stages.face.wavelength_short
     size = max(map(abs, known.values()))
     changed = ", ".join(f"{name} by {100 * change:+.0f} %" for name, change in known.items())
-    if len(answer.case.different_bodies) > 1:
+    if len(stages.asked.different_bodies) > 1:
         changed += "; stresses are from the lower body"
     waves = ""
     if wave / pixel < FEW_PIXELS_PER_WAVE:
@@ -212,10 +237,10 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
     yield not settled, "resolved" if settled else "unresolved", found
 
 
-def _on_map(answer: Answer) -> Iterator[Found]:
+def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on slopes, real contact and edges beyond the theory, and on altered heights."""
-    numbers, face, record = answer.numbers, answer.face, answer.face.treatment
-    for doubt in answer.rough.doubts:
+    numbers, face, record = stages.numbers, stages.face, stages.face.treatment
+    for doubt in stages.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
             warns = subject in ("unit", "physical_size", "missing")
@@ -230,34 +255,34 @@ def _on_map(answer: Answer) -> Iterator[Found]:
         yield True, "edges", {}
     if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
         yield True, "contact_at_edge", {"size": numbers.load_on_edges}
-    if (plain := answer.unfiltered) is not None:
+    if (plain := compared.unfiltered) is not None:
         values = {"height": record.filtered_height, "gradient": record.filtered_gradient}
         yield False, "filtered", values | {"area": 100 * plain.area_fraction, "pressure": plain.max_pressure}
     for share, key in ((record.altered_fraction, "windowed"), (record.filled_fraction, "filled")):
         if share > ALTERED_SHARE:
             yield False, key, {"size": share}
-    if answer.case.map.radius is None:
+    if stages.asked.map.radius is None:
         yield False, "sample", {"size": sampling_error(face.height, face.grid)}
 
 
-def _on_neighbours(answer: Answer) -> Iterator[Found]:
+def _on_neighbours(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on the periodic images of a ball or cylinder, which press on the same body."""
-    if answer.neighbours is None:
+    if compared.neighbours is None:
         return
-    span, alone = answer.neighbours
-    if answer.case.map.form == "cylinder":
-        yield False, "line_contact", {"axis": answer.case.map.cylinder_axis}
-    for part in answer.bodies.values():
-        ratio, stress = part.body.poisson, part.largest_von_mises
-        lateral = ratio / (1 - ratio) * answer.numbers.nominal_pressure
+    span, alone = compared.neighbours
+    if stages.asked.map.form == "cylinder":
+        yield False, "line_contact", {"axis": stages.asked.map.cylinder_axis}
+    for part in stages.bodies.values():
+        ratio, stress = part.body.poisson, part.von_mises.value
+        lateral = ratio / (1 - ratio) * stages.numbers.nominal_pressure
         if lateral > CONFINED * stress:
             yield False, "confined", {"lateral": lateral, "size": lateral / stress}
             break
     if alone is None:
         yield span > WIDE_SPAN, "neighbours", {"span": span}
         return
-    area = answer.numbers.area_fraction / alone.area_fraction - 1
-    pressure = answer.numbers.largest_pressure / alone.max_pressure - 1
+    area = stages.numbers.area_fraction / alone.area_fraction - 1
+    pressure = stages.numbers.largest_pressure / alone.max_pressure - 1
     size = max(abs(area), abs(pressure))
     found = {"span": span, "area": 100 * area, "pressure": 100 * pressure, "size": size}
     yield size > NEIGHBOUR_CHANGE, "neighbours_compared", found

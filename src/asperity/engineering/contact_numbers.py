@@ -58,18 +58,18 @@ class ContactNumbers:
         Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
     """
 
-    area_fraction: float = _named("real contact", "1")
-    contact_area: float = _named("real contact area", "m^2")
-    nominal_pressure: float = _named("mean pressure, nominal", "Pa")
-    mean_pressure: float = _named("mean pressure in contact", "Pa")
-    largest_pressure: float = _named("largest pressure", "Pa")
-    force: float = _named("load on the map", "N")
-    approach: float = _named("approach since first touch", "m")
+    area_fraction: float = _named("contact area fraction", "1")
+    contact_area: float = _named("contact area", "m^2")
+    nominal_pressure: float = _named("mean pressure", "Pa")
+    mean_pressure: float = _named("mean contact pressure", "Pa")
+    largest_pressure: float = _named("maximum pressure", "Pa")
+    force: float = _named("force", "N")
+    approach: float = _named("normal approach", "m")
     mean_gap: float = _named("mean gap", "m")
-    rms_height: float = _named("rms height", "m")
-    rms_gradient: float = _named("rms gradient", "1")
+    rms_height: float = _named("Sq", "m")
+    rms_gradient: float = _named("Sdq", "1")
     gradient_rms_contact: float = _named("rms gradient in contact", "1")
-    patches: int = _named("patches of contact", "1")
+    patches: int = _named("contact spots", "1")
     nominal_area: float = _named("nominal area", "m^2")
     contact_nodes: int
     peak_to_valley: float

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,19 +10,19 @@ from asperity.contact import Contact, solve_contact
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
-from asperity.engineering.question import HARDNESS_OVER_YIELD
+from asperity.engineering.scene import Scene
 from asperity.settings.load import LARGEST_LOAD, Hertz
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
-if TYPE_CHECKING:
-    from asperity.engineering.case import Case
+HARDNESS_OVER_YIELD = 3.0
+"""Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 SMALLEST_APPROACH = 1e-7
 """Least approach over the range of heights; their rounding is 1e-16 of it."""
 
 
-def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:
+def press(face: TreatedMap, case: Scene, progress: Progress | None = None) -> Contact:
     """The contact of a case.
 
     Raises
@@ -36,7 +36,7 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
 
 
-def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
+def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
     """The load as an argument of `solve_contact`; `SettingsError` if it is out of range for the map."""
     load, lowest = case.load, float(face.height.min())
     if isinstance(load, Hertz):
@@ -60,14 +60,14 @@ def imposed_load(face: TreatedMap, case: Case) -> dict[str, Any]:
     return {"approach": lowest + load.value}
 
 
-def suggested_hardness(case: Case) -> float | None:
+def suggested_hardness(case: Scene) -> float | None:
     """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
     surfaces = [body if body.coating is None else body.coating for body in case.bodies.values()]
     known = [each.yield_stress for each in surfaces if each.yield_stress is not None]
     return HARDNESS_OVER_YIELD * min(known) if known and case.hardness is None else None
 
 
-def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact | None:
+def plastic_contact(face: TreatedMap, case: Scene, contact: Contact) -> Contact | None:
     """The contact of a case under its hardness, or under the hardness that its yield stresses suggest.
 
     None without a hardness, if the elastic pressure stays below the suggested one, or if the load exceeds it.

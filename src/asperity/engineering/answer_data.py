@@ -1,0 +1,295 @@
+"""The data of an answer: records, tables and datasets, and planes and sections of its stress.
+
+It is the same after a computation and after it was written and opened again: planes and sections are
+computed from the contact pressure that it holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.core.errors import did_you_mean, shown
+from asperity.core.types import Array
+from asperity.core.units import shown_si
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.body_stress import STRESS_TOLERANCE, Extreme
+from asperity.engineering.face import ReadFile
+from asperity.engineering.records import Advice, Record, find, frame
+from asperity.engineering.scene import Scene
+from asperity.settings.load import UNITS
+from asperity.stress.planes.stream import PlaneStream
+from asperity.stress.section import stress_box
+from asperity.surface.treatment.treatment import TreatedMap
+
+CONTACT_TILES = ("contact area fraction", "maximum pressure", "maximum von Mises stress")
+"""Quantities of contact and stress at the top of the report."""
+
+INTERFACE_TILES = ("maximum shear stress on the interface", "maximum tension across the interface")
+"""Quantities of the interface of a coating, in the order of `Interface.extremes`."""
+
+ALIKE = 0.01
+"""Relative difference up to which numbers of two bodies of one material are shown once."""
+
+REPEATS = (
+    f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
+)
+
+ONE_POSITION = (
+    "the map is from one position of the surface: a discretisation error does not show how positions differ; "
+    "several maps (--pooled) do"
+)
+
+UNCERTAINTIES = 3
+"""Number of uncertainties shown above the answer, the largest ones."""
+
+FADED = 0.1
+"""A section ends where the stress is below this fraction of its largest magnitude."""
+
+
+class Origin(NamedTuple):
+    """How an answer was made: date, versions of packages, and the files that were read."""
+
+    date: str
+    versions: Mapping[str, str]
+    files: tuple[ReadFile, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AnswerData:
+    """The answer of a case as data, in SI units.
+
+    Attributes
+    ----------
+    case : Case
+    face : TreatedMap
+        The rough surface that was pressed, with the treatment of its map.
+    contact : Contact
+    records : tuple of Record
+        All numbers.
+    verdict : tuple of str
+        The answer to each question in a sentence, then sentences about interfaces and the contact.
+    warnings : tuple of Advice
+        Warnings and notes, warnings first.
+    assumptions : tuple of str
+    stress : mapping
+        ``lower`` and, if its stress differs, ``upper`` → result of `asperity.analyse_stress`; its attribute
+        ``extreme_`` and a field holds the extreme value of the field with its depth, y and x.
+    tables : mapping
+        ``peaks``, ``contact_spots``, ``gaps`` and the tables of the questions.
+    datasets : mapping
+        The datasets of the questions.
+    origin : Origin
+    """
+
+    case: Scene
+    face: TreatedMap
+    contact: Contact
+    records: tuple[Record, ...]
+    verdict: tuple[str, ...]
+    warnings: tuple[Advice, ...]
+    assumptions: tuple[str, ...]
+    stress: Mapping[str, xr.Dataset]
+    tables: Mapping[str, pd.DataFrame]
+    datasets: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    origin: Origin = Origin("", {}, ())
+
+    def __getitem__(self, quantity: str) -> Record:
+        return self.record(quantity)
+
+    def record(self, quantity: str, body: str | None = None) -> Record:
+        """The record of a quantity, such as ``maximum von Mises stress``.
+
+        Parameters
+        ----------
+        quantity : str
+        body : "lower" or "upper", optional
+            By default the first body that has it.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        if (found := next(find(self.records, quantity, body), None)) is None:
+            near = did_you_mean(quantity, {each.quantity for each in self.records})
+            of = f" of the {body} body" if body else ""
+            raise KeyError(f"{shown(quantity)}{of}: no number of this answer{near}")
+        return found
+
+    def frame(self) -> pd.DataFrame:
+        """All numbers as a table; the columns are described in ``docs/tables.md``."""
+        return frame(self.records)
+
+    @property
+    def title(self) -> str:
+        """Name of the map, and the case in words."""
+        return f"{self.face.name}: {case_in_words(self.case)}"
+
+    @property
+    def tiles(self) -> list[Record]:
+        """Records at the top of a page: answers to the questions, then numbers of the contact."""
+        records = without_repeats(self.records)
+        return [each for name in tile_names(self.case) for each in find(records, name)]
+
+    @property
+    def uncertainties(self) -> list[str]:
+        """The largest uncertainties of the answer in a few words, the largest first."""
+        sized = sorted((advice for advice in self.warnings if advice.short), key=lambda advice: -advice.size)
+        return list(dict.fromkeys(advice.short for advice in sized))[:UNCERTAINTIES]
+
+    def warnings_table(self) -> pd.DataFrame:
+        """Verdicts, warnings and notes: level, subject, text."""
+        found = [("verdict", "", text) for text in self.verdict]
+        found += [(each.level, each.subject, each.text) for each in self.warnings]
+        return pd.DataFrame(found, columns=["level", "subject", "text"])
+
+    def extreme(self, field: str, body: str = "lower") -> Extreme:
+        """The extreme value of a field of the case in a body, and its place."""
+        return Extreme(*map(float, self.stress[self._of(body)].attrs[f"extreme_{field}"]))
+
+    def depths(self, body: str = "lower") -> Array:
+        """Depths of the planes of the stress in a body."""
+        return self.stress[self._of(body)]["plane_depth"].values
+
+    def _of(self, body: str) -> str:
+        """The body whose stress is kept for a body."""
+        return body if body in self.stress else "lower"
+
+    def loaded(self, body: str = "lower") -> LoadedSolid:
+        """A body under everything that loads it, for `asperity.stress_planes` and others."""
+        loaded = self.case.loaded_body(self.contact, body)
+        for name, question in self.case.questions.items():
+            loaded = question.loaded(loaded, self.contact, self.datasets.get(name))
+        return loaded
+
+    def plane(
+        self, depth: float | None = None, field: str = "von_mises", body: str = "lower"
+    ) -> xr.DataArray:
+        """A field of the stress on the map at a depth, by default the depth of its extreme value.
+
+        Parameters
+        ----------
+        depth : float, optional
+            In m.
+        field : str
+        body : "lower" or "upper"
+
+        Returns
+        -------
+        DataArray
+            In Pa, along `y` and `x`.
+        """
+        depth = self.extreme(field, body).depth if depth is None else depth
+        loaded = self.loaded(body)
+        sliding = self.case.sliding_of(body)
+        stream = PlaneStream(loaded, [depth], None, (field,), STRESS_TOLERANCE, **sliding)
+        plane = next(stream.planes())
+        rows, columns = self.face.part_of(plane.grid)
+        y, x = plane.grid.coordinates()
+        values = plane.field(field, loaded.layer.poisson)[rows, columns]
+        coords = {"y": y[rows], "x": x[columns], "depth": depth}
+        return xr.DataArray(values, coords, ("y", "x"), field)
+
+    def section(
+        self,
+        along: str = "x",
+        at: float | None = None,
+        field: str = "von_mises",
+        body: str = "lower",
+        between: tuple[float, float] | None = None,
+        deepest: float | None = None,
+    ) -> xr.DataArray:
+        """A field of the stress in a vertical section.
+
+        Parameters
+        ----------
+        along : "x" or "y"
+            Horizontal axis of the section.
+        at : float, optional
+            Position on the other axis in m, by default that of the extreme value.
+        field : str
+        body : "lower" or "upper"
+        between : (first, last), optional
+            Part of the horizontal axis, in m.
+        deepest : float, optional
+            Depth at which the section ends, in m.
+
+        Returns
+        -------
+        DataArray
+            In Pa, along `depth` and the horizontal axis, with the position as a coordinate.
+        """
+        extreme, loaded = self.extreme(field, body), self.loaded(body)
+        at = (extreme.y if along == "x" else extreme.x) if at is None else at
+        depths = self.depths(body)
+        if deepest is not None:
+            depths = depths[: max(int(np.searchsorted(depths, deepest)) + 1, 2)]
+        y, x = ((at, at), between) if along == "x" else (between, (at, at))
+        box = stress_box(
+            loaded, depths, y, x, (field,), tolerance=STRESS_TOLERANCE, **self.case.sliding_of(body)
+        )
+        found = box.dataset()[field].isel(poisson=0, **{"y" if along == "x" else "x": 0})
+        return found.drop_vars("poisson")
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__.removesuffix('Data')} of {self.title}>"
+
+
+def tile_names(case: Scene) -> list[str]:
+    """Quantities at the top of a page: first of the questions of the case, then of the contact."""
+    of_questions = [name for question in case.questions.values() for name in question.TILES]
+    coated = any(body.coating is not None for body in case.bodies.values())
+    return list(dict.fromkeys([*(INTERFACE_TILES if coated else ()), *of_questions, *CONTACT_TILES]))
+
+
+def without_repeats(records: Any) -> list[Any]:
+    """Records without those numbers of the upper body that equal the lower body's."""
+    known = {each.quantity: each.value for each in records if each.body == "lower"}
+
+    def is_repeated(each: Any) -> bool:
+        lower = known.get(each.quantity) if each.body == "upper" else None
+        return lower is not None and abs(each.value - lower) <= ALIKE * abs(lower)
+
+    return [each for each in records if not is_repeated(each)]
+
+
+def by_topic(case: Scene, records: Any) -> Iterator[tuple[str, list[Any]]]:
+    """Heading of each part of an answer, and its records."""
+    groups: dict[tuple[str, str], list[Any]] = {}
+    for each in records:
+        groups.setdefault((each.topic, each.body), []).append(each)
+    for (topic, body), found in groups.items():
+        yield heading(case, topic, body), found
+
+
+def heading(case: Scene, topic: str, body: str) -> str:
+    """Heading of the records of a topic about a body."""
+    if topic == "stress":
+        return case.stress_title(body)
+    return f"{topic}, {body} body" if body and len(case.different_bodies) > 1 else topic
+
+
+def case_in_words(case: Scene) -> str:
+    """Bodies and load in one line."""
+    load, kind = case.load, case.load.kind.replace("_", " ").replace("hertz", "Hertz")
+    value = shown_si(load.value, UNITS[load.kind])
+    if load.kind == "area_fraction":
+        kind, value = "contact area fraction", f"{100 * load.value:.4g} %"
+    counter = case.elastic_counter_body
+    upper = "a rigid body" if counter is None else counter.in_words
+    direction = case.sliding_direction
+    along = direction if isinstance(direction, str) else f"{direction:g}° from x"
+    sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""
+    if (slip := case.questions.get("partial_slip")) is not None:
+        moved = "tangential force " + shown_si(slip.tangential_force or 0.0, "N")
+        if slip.tangential_displacement is not None:
+            moved = "tangential displacement " + shown_si(slip.tangential_displacement, "m")
+        sliding = f", {moved} along {along} with friction {case.friction:g}"
+    return f"{case.body.in_words} against {upper}, {kind} imposed: {value}{sliding}"

@@ -1,0 +1,205 @@
+"""The records of an answer that no question asks for: contact, Hertz contact, hardness, stress in a body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.core.units import shown_si
+from asperity.engineering.answer_data import INTERFACE_TILES
+from asperity.engineering.body_stress import DIRECTION, BodyStress
+from asperity.engineering.contact_numbers import ContactNumbers
+from asperity.engineering.press import HARDNESS_OVER_YIELD
+from asperity.engineering.records import (
+    DISCRETISATION,
+    POSITIONS,
+    POSITIVE,
+    Bounds,
+    Position,
+    Record,
+    fraction,
+)
+from asperity.engineering.scene import Scene
+from asperity.settings.load import Hertz
+from asperity.stress.peaks.selection import has_percentile, select_peaks
+
+EXTREMES = {
+    "largest_shear": "maximum shear stress (Tresca)",
+    "principal_1": "maximum tensile stress",
+    "principal_3": "maximum compressive stress",
+    "hydrostatic": "maximum hydrostatic pressure",
+}
+"""Field → name of its extreme value among the numbers, beside the von Mises stress."""
+
+LIMITS = {
+    "contact area fraction": ("area_fraction", None),
+    "rms gradient in contact": ("gradient_rms_contact", None),
+    "maximum pressure": ("largest", "pressure"),
+    "maximum von Mises stress": ("largest", "von_mises"),
+    "90th percentile of the peaks": ("p90", "von_mises"),
+    "99th percentile of the peaks": ("p99", "von_mises"),
+}
+"""Quantity that is extrapolated to zero pixel size → its variable and quantity in `asperity.continuum_limit`."""
+
+PERCENTS = (50, 90, 99)
+"""Percentiles of the von Mises peaks below the contacts that are listed."""
+
+
+def contact_records(
+    numbers: ContactNumbers, limits: xr.Dataset, contact: Contact, of_positions: float
+) -> Iterator[Record]:
+    """Numbers of the contact on the map.
+
+    Parameters
+    ----------
+    numbers : ContactNumbers
+    limits : dataset
+        Of `asperity.continuum_limit`.
+    contact : Contact
+    of_positions : float
+        Relative error of the contact area between measurement positions; NaN where it is not known.
+    """
+    most = Bounds(0.0, contact.hardness, "the hardness")
+    for each in fields(ContactNumbers):
+        if not each.metadata:
+            continue
+        quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
+        record = Record(quantity, value, each.metadata["unit"])
+        if each.name == "area_fraction":
+            record = fraction(quantity, value, note=f"of {shown_si(numbers.nominal_area, 'm^2')}")
+        elif each.name == "contact_area":
+            record = replace(record, bounds=Bounds(0.0, numbers.nominal_area, "the nominal area"))
+        elif each.name == "largest_pressure":
+            record = replace(record, bounds=most, varies=True, better="less")
+        elif each.name == "patches":
+            record = replace(record, note=f"{numbers.contact_nodes} nodes")
+        if each.name == "contact_area":
+            record = _extrapolated(record, limits, "contact area fraction", numbers.nominal_area)
+        record = _extrapolated(record, limits, quantity)
+        if each.name in ("area_fraction", "contact_area"):
+            record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
+        yield record
+
+
+def hertz_records(case: Scene) -> Iterator[Record]:
+    """The smooth Hertz contact around the map."""
+    contact, load = case.hertz_contact, case.load
+    if contact is None or not isinstance(load, Hertz):
+        return
+    y, x = load.at
+    shear, depth = contact.largest_shear(case.body.poisson)
+    at = f"at {y:g} half-widths along y and {x:g} along x" if y or x else "in the middle"
+    values: dict[str, tuple[float, str, dict[str, Any]]] = {
+        "maximum Hertz pressure": (contact.largest_pressure, "Pa", {}),
+        "half-width along x": (contact.half_width_x, "m", {}),
+        "half-width along y": (contact.half_width_y, "m", {}),
+        "Hertz pressure on the map": (case.cell_pressure, "Pa", {"note": at}),
+        "maximum shear stress, smooth": (
+            shear,
+            "Pa",
+            {"position": Position(depth), "note": "without friction"},
+        ),
+    }
+    for name, (value, unit, more) in values.items():
+        if math.isfinite(value):
+            yield Record(name, value, unit, "Hertz contact of the smooth bodies", **more)
+
+
+def plastic_records(contact: Contact, is_given: bool, rms_gradient: float) -> Iterator[Record]:
+    """Numbers of a contact under a hardness, which is given or follows from the yield stress."""
+    topic, note = "plastic contact", ""
+    shares = {
+        "area fraction at the hardness": contact.plastic_area,
+        "load fraction at the hardness": contact.plastic_load,
+    }
+    if not is_given:
+        note = (
+            f"if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other numbers are of the elastic "
+            "contact"
+        )
+        shares = {"plastic contact area fraction": contact.area_fraction} | shares
+    yield Record("hardness", contact.hardness, "Pa", topic, note=note)
+    for name, share in shares.items():
+        yield fraction(name, share, topic=topic)
+    depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
+    yield Record("maximum plastic depth", depth, "m", topic)
+    index = contact.solid.effective_modulus * rms_gradient / contact.hardness
+    yield Record("plasticity index", index, topic=topic, note="E* × Sdq / hardness")
+
+
+def body_records(case: Scene, name: str, stress: BodyStress) -> Iterator[Record]:
+    """Numbers of the stress in a body."""
+    coating, limits = stress.body.coating, stress.limits
+
+    def record(quantity: str, value: float, unit: str = "Pa", **more: Any) -> Record:
+        return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, quantity)
+
+    at = Position(*stress.von_mises[1:])
+    worse: dict[str, Any] = {"varies": True, "better": "less"}
+    yield record("maximum von Mises stress", stress.von_mises.value, position=at, **worse)
+    for field, quantity in EXTREMES.items():
+        found = stress.extremes[field]
+        value = DIRECTION[field] * found.value
+        if value > 0:
+            error = stress.grid_error(field) * value
+            yield record(quantity, value, position=Position(*found[1:]), **worse).with_error(
+                DISCRETISATION, error
+            )
+        else:
+            yield record(quantity, 0.0, words="none")
+    if stress.interface is not None:
+        for material, part in stress.materials.items():
+            quantity, own = f"maximum von Mises stress in the {material}", part.von_mises
+            yield record(quantity, own.value, position=Position(own.depth), **worse)
+        for quantity, found in zip(INTERFACE_TILES, stress.interface.extremes.values(), strict=True):
+            if found.value > 0:
+                yield record(quantity, found.value, position=Position(*found[1:]), **worse)
+            else:
+                yield record(quantity, 0.0, words="none", **worse)
+        for material, value in zip(stress.materials, stress.interface.along, strict=True):
+            yield record(f"σ_xx on the interface, in the {material}", value)
+        if coating is not None and coating.residual_stress:
+            energy = (1 - coating.poisson) * coating.residual_stress**2 * coating.thickness / coating.young
+            note = "which a coating that comes off sets free"
+            yield record("energy of the residual stress of the coating", energy, "J/m^2", note=note)
+        if coating is not None and coating.yield_stress is not None:
+            yield record("yield stress of the coating", coating.yield_stress)
+    peaks = select_peaks(stress.stress, "von_mises", selection="under_contact")["peak_value"].values
+    for percent in PERCENTS:
+        if has_percentile(peaks.size, percent / 100):
+            value = float(np.percentile(np.abs(peaks), percent))
+            yield record(f"{percent}th percentile of the peaks", value, bounds=POSITIVE)
+
+
+def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float = 1.0) -> Record:
+    """A record with its estimate at zero pixel size and its discretisation error, where there is one.
+
+    Parameters
+    ----------
+    record : Record
+    limits : dataset
+    quantity : str
+        Quantity of the limit.
+    size : float
+        Unit of the record over that of the limit.
+    """
+    if quantity not in LIMITS:
+        return record
+    values = limit_of(limits, quantity)
+    estimate = size * values["estimate"]
+    if not (math.isfinite(estimate) and values["error"] > 0):
+        return record
+    return replace(record, extrapolated=estimate).with_error(DISCRETISATION, estimate * values["error"])
+
+
+def limit_of(limits: xr.Dataset, quantity: str) -> dict[str, float]:
+    """Kind → value of a quantity of `LIMITS` in a result of `asperity.continuum_limit`."""
+    output, of = LIMITS[quantity]
+    values = limits[output] if of is None else limits[output].sel(quantity=of)
+    return dict(zip(limits["kind"].values.tolist(), values.values.ravel().tolist(), strict=True))

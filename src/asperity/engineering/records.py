@@ -1,0 +1,316 @@
+"""A number of an answer as a record: quantity, value, unit, position, errors by cause, and bounds.
+
+Every reader (terminal, report, page, tables, sample, comparison) takes numbers from records. Text, rounding
+and unit of a number are made here, and nowhere else.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from asperity.core.markup import with_error
+from asperity.core.units import scaled_unit, shown_si
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+DISCRETISATION = "discretisation"
+PLANES = "discretisation and planes"
+SEARCH = "the search"
+POSITIONS = "between measurement positions"
+INPUTS = "the inputs"
+MODEL = "the model"
+
+CAUSES = (DISCRETISATION, PLANES, SEARCH, POSITIONS, INPUTS, MODEL)
+"""Causes of errors, in the order in which they are shown."""
+
+EXTRAPOLATED = "extrapolated to zero pixel size"
+
+NOT_KNOWN = "not known"
+
+PER_AREA = "1/m^2"
+"""Unit of numbers per area, which are shown per mm²."""
+
+SCALED = ("m", "m^2", "m^3", "Pa", "N", "Ω", "m^3/s")
+"""Units that take prefixes."""
+
+SMALL_UNITS = {PER_AREA: (1e6, "per mm²"), "Pa/m": (1e6, "Pa/µm")}
+"""Unit → its factor and symbol where they do not depend on the value."""
+
+
+class Position(NamedTuple):
+    """Where a number holds, in m; NaN for a coordinate that it does not have."""
+
+    depth: float = math.nan
+    y: float = math.nan
+    x: float = math.nan
+
+
+class Bounds(NamedTuple):
+    """Interval in which a number lies whatever its error, and the reason."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    reason: str = ""
+
+
+FRACTION = Bounds(0.0, 1.0, "a fraction")
+"""Bounds of a fraction; a number with them is shown in per cent."""
+
+POSITIVE = Bounds(0.0, math.inf, "a size")
+
+
+@dataclass(frozen=True)
+class Record:
+    """One number of an answer, in SI units.
+
+    Attributes
+    ----------
+    quantity : str
+        Its name, the same in every file.
+    value : float
+    unit : str
+        SI unit of the value; "1" for a plain number.
+    topic : str
+        Part of the answer to which it belongs, such as ``contact`` or ``stress``.
+    body : str
+        ``lower`` or ``upper``; empty for a number of the contact.
+    position : Position
+    extrapolated : float
+        Estimate at zero pixel size; NaN where there is none.
+    errors : mapping
+        Cause, a member of `CAUSES`, → half-width of the 95 % interval, in the unit. The discretisation error
+        belongs to `extrapolated` where that is given, else to `value`.
+    bounds : Bounds
+    words : str
+        Text in place of the number, such as ``none``; empty for the number itself.
+    note : str
+        Text after the number.
+    varies : bool
+        True if it differs between measurement positions, so that an error without them is incomplete.
+    better : "less", "more" or ""
+        Direction in which the surface with this number is better.
+    """
+
+    quantity: str
+    value: float
+    unit: str = "1"
+    topic: str = "contact"
+    body: str = ""
+    position: Position = Position()
+    extrapolated: float = math.nan
+    errors: Mapping[str, float] = field(default_factory=dict)
+    bounds: Bounds = Bounds()
+    words: str = ""
+    note: str = ""
+    varies: bool = False
+    better: str = ""
+
+    def __post_init__(self) -> None:
+        known = {cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0}
+        object.__setattr__(self, "errors", known)
+        low, high, _ = self.bounds
+        object.__setattr__(self, "extrapolated", min(max(self.extrapolated, low), high))
+
+    @property
+    def best(self) -> float:
+        """The value extrapolated to zero pixel size, or the value where there is none."""
+        return self.extrapolated if math.isfinite(self.extrapolated) else self.value
+
+    @property
+    def error(self) -> float:
+        """Half-width of the interval by all causes that are known together; NaN without any."""
+        return math.hypot(*self.errors.values()) if self.errors else math.nan
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Ends of the interval by all known causes, within the bounds; NaN without an error."""
+        return self._within(self.error)
+
+    def _within(self, error: float) -> tuple[float, float]:
+        low, high, _ = self.bounds
+        ends = (self.best - error, self.best + error)
+        if math.isnan(error):
+            return ends
+        return min(max(ends[0], low), high), min(max(ends[1], low), high)
+
+    def with_error(self, cause: str, error: float) -> Record:
+        """The record with an error in its unit; the same where it is not known."""
+        return replace(self, errors={**self.errors, cause: error}) if error > 0 else self
+
+    @property
+    def unknown(self) -> list[str]:
+        """Causes of errors that are not known although the number has them."""
+        return [POSITIONS] if self.varies and POSITIONS not in self.errors else []
+
+    def scale(self, units: Any = None) -> tuple[float, str]:
+        """Factor and symbol of the unit in which it is shown.
+
+        Parameters
+        ----------
+        units : callable, optional
+            Value and SI unit → factor and symbol, in place of prefixes that suit the value.
+        """
+        if self.bounds is FRACTION or self.bounds == FRACTION:
+            return 0.01, "%"
+        if self.unit in SMALL_UNITS:
+            return SMALL_UNITS[self.unit]
+        if self.unit not in SCALED:
+            return 1.0, "" if self.unit == "1" else self.unit
+        largest = max(abs(self.value), self.error if self.error > 0 else 0.0)
+        return (units or scaled_unit)(largest, self.unit)
+
+    def number(self, units: Any = None, digits: int = 4) -> str:
+        """The value with its unit as text."""
+        if self.words:
+            return self.words
+        factor, symbol = self.scale(units)
+        return f"{self.value / factor:.{digits}g} {symbol}".strip()
+
+    def place(self, units: Any = None) -> str:
+        """Its position as text; empty without one."""
+        shown: list[str] = []
+        if self.position.depth == 0:
+            shown.append("in the surface")
+        elif math.isfinite(self.position.depth):
+            shown.append(f"at a depth of {_length(self.position.depth, units)}")
+        shown += [
+            f"{axis} = {_length(at, units)}"
+            for axis, at in (("x", self.position.x), ("y", self.position.y))
+            if math.isfinite(at)
+        ]
+        return ", ".join(shown)
+
+    def error_texts(self, units: Any = None) -> list[str]:
+        """Each error with its cause as text, and causes that are not known."""
+        factor, symbol = self.scale(units)
+        found = []
+        for cause, error in self.errors.items():
+            if cause == DISCRETISATION and math.isfinite(self.extrapolated):
+                found.append(f"{self._best_text(error, factor, symbol)} {EXTRAPOLATED}")
+            else:
+                found.append(f"± {_rounded(self.best, error, factor)[1]} {symbol}".strip() + f" by {cause}")
+        return [*(text.replace("by between", "between") for text in found)] + [
+            f"{cause}: {NOT_KNOWN}" for cause in self.unknown
+        ]
+
+    def _best_text(self, error: float, factor: float, symbol: str) -> str:
+        """The best value with an error, or the interval where a bound cuts it."""
+        low, high = self._within(error)
+        if low > self.best - error or high < self.best + error:
+            ends = [f"{end / factor:.3g}" for end in (low, high)]
+            text = ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+            return f"{text} {symbol}".strip() + f" (limited by {self.bounds.reason})"
+        return f"{with_error(self.best / factor, error / factor)} {symbol}".strip()
+
+    def best_text(self, units: Any = None) -> str:
+        """The best value with its whole known error, as a sentence shows it."""
+        if self.words or not self.errors:
+            return self.number(units, 3)
+        return self._best_text(self.error, *self.scale(units))
+
+    def text(self, units: Any = None) -> str:
+        """The number, its position, its note and its errors, in one line."""
+        first = " ".join(filter(None, [self.number(units), self.place(units)]))
+        return "; ".join(filter(None, [", ".join(filter(None, [first, self.note])), *self.error_texts(units)]))
+
+    def as_plain(self) -> dict[str, Any]:
+        """The record as plain values for a file; `from_plain` gives it back."""
+        found = asdict(self)
+        return found | {"position": list(self.position), "bounds": list(self.bounds)}
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Record:
+        """The record of the plain values of `as_plain`."""
+        known = {each.name: plain[each.name] for each in fields(cls) if each.name in plain}
+        return cls(**known | {"position": Position(*plain["position"]), "bounds": Bounds(*plain["bounds"])})
+
+
+class Advice(NamedTuple):
+    """A warning or a note.
+
+    Attributes
+    ----------
+    warns : bool
+        True if a number of the answer must not be used without a check; a note adds information.
+    subject : str
+        Short heading.
+    text : str
+        One or two sentences.
+    short : str
+        The uncertainty of the answer in a few words; empty if there is none.
+    size : float
+        Relative size of that uncertainty.
+    """
+
+    warns: bool
+    subject: str
+    text: str
+    short: str = ""
+    size: float = 0.0
+
+    @property
+    def level(self) -> str:
+        """``"warning"`` or ``"note"``."""
+        return "warning" if self.warns else "note"
+
+
+def per_cent(share: float) -> str:
+    """A fraction as text in per cent."""
+    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+
+
+def _length(value: float, units: Any) -> str:
+    if units is None:
+        return shown_si(value, "m")
+    factor, symbol = units(value, "m")
+    return f"{value / factor:.4g} {symbol}"
+
+
+def _rounded(value: float, error: float, factor: float) -> tuple[str, str]:
+    """Value and error as text, with the digits that the error leaves."""
+    number, _, size = with_error(value / factor, error / factor).partition(" ± ")
+    return number, size
+
+
+def fraction(quantity: str, value: float, **settings: Any) -> Record:
+    """A record of a fraction, between 0 and 1, which is shown in per cent."""
+    return Record(quantity, value, bounds=FRACTION, **settings)
+
+
+def find(records: Iterable[Record], quantity: str, body: str | None = None) -> Iterator[Record]:
+    """Records of a quantity, of one body or of all."""
+    return (each for each in records if each.quantity == quantity and body in (None, each.body))
+
+
+def frame(records: Iterable[Record]) -> pd.DataFrame:
+    """Records as a table; the columns are described in ``docs/tables.md``."""
+    import pandas as pd
+
+    columns: dict[str, list[Any]] = {
+        name: [] for name in ("topic", "body", "quantity", "value", "unit", "extrapolated", "error")
+    }
+    causes = {cause: f"error_{cause.replace('the ', '').replace(' ', '_')}" for cause in CAUSES}
+    columns |= {name: [] for name in (*causes.values(), "low", "high", "bound", *Position._fields, "text")}
+    for each in records:
+        row: dict[str, Any] = {
+            "topic": each.topic,
+            "body": each.body,
+            "quantity": each.quantity,
+            "value": each.value,
+            "unit": each.unit,
+            "extrapolated": each.extrapolated,
+            "error": each.error,
+            "low": each.interval[0],
+            "high": each.interval[1],
+            "bound": each.bounds.reason,
+            "text": each.text(),
+        }
+        row |= {name: each.errors.get(cause, math.nan) for cause, name in causes.items()}
+        row |= dict(zip(Position._fields, each.position, strict=True))
+        for name, column in columns.items():
+            column.append(row[name])
+    return pd.DataFrame(columns)

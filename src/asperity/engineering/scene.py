@@ -1,0 +1,266 @@
+"""The scene of a case: map, bodies and load, without the questions.
+
+The physics is imported where it is needed: forms, help and schemas are made without it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from asperity.core.types import FIELDS
+from asperity.core.units import shown_si
+from asperity.settings.body import Body
+from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
+from asperity.settings.map import CounterMap, Map
+from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting
+
+if TYPE_CHECKING:
+    from asperity.contact import Contact
+    from asperity.elasticity.loaded_solid import LoadedSolid
+    from asperity.elasticity.solid import Solid
+    from asperity.elasticity.two_bodies import TwoBodies
+    from asperity.stress.cycles.hertz_contact import HertzContact
+
+MATERIALS = "materials.yaml"
+"""Name of a user's own table of materials beside the case file."""
+
+
+class Scene(Settings):
+    """Map, bodies and load, on which the contact depends. Numbers are in SI units."""
+
+    map: Map = setting(...)
+    """The height map that is pressed, peaks upward; or the name of its file alone."""
+    body: Body = setting(...)
+    """The body, whose surface is the map."""
+    counter_body: Body | None = optional("rigid and flat")
+    """The counter body, rigid if only its map is given. Which of the two is rough does not matter as long as
+    the slopes are small."""
+    load: Load = setting(...)
+    """The load."""
+    fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
+        ("von_mises",)
+    )
+    """Fields of the stress whose peaks are listed and that are drawn."""
+    materials: str | None = optional(
+        f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
+    )
+    """File with materials of your own."""
+    @field_validator("counter_body", mode="wrap")
+    @classmethod
+    def _or_rigid(cls, value: Any, made: Any) -> Any:
+        return Body.or_rigid(value, made)
+
+    @property
+    def questions(self) -> Mapping[str, Any]:
+        """The questions that are asked, by the names of their groups; a scene alone has none."""
+        return {}
+
+    def _problems(self) -> Iterator[tuple[str, str]]:
+        """Settings of map, bodies and load that exclude each other, and loads that are too large."""
+        if self.body.map is not None:
+            yield "body.map", ": not accepted; the map of the body is the group `map`"
+        if "form" in self.map.model_fields_set and self.map.radius is None:
+            yield "map.form", ": needs map.radius"
+        if self.map.radius_y is not None and (self.map.radius is None or self.map.form == "cylinder"):
+            yield "map.radius_y", ": needs map.radius, the radius along x, and no cylinder"
+        if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
+            yield "map.cylinder_axis", ": needs map.form: cylinder"
+        if self.map.periodic == "none":
+            refused = ": not accepted with map.periodic = none, a free boundary"
+            yield from ((key, refused) for key in self.layers_and_coatings)
+        load = self.load
+        if isinstance(load, Hertz):
+            needed = ": half-spaces are needed in a Hertz contact"
+            yield from ((key, needed) for key in self.layers_and_coatings)
+            if self.map.periodic == "none":
+                needed = "a periodic map is needed in a Hertz contact, of which it is a part"
+                yield "map.periodic", f" = none: {needed}"
+            if self.map.radius is not None:
+                yield "map.radius", ": not accepted in a Hertz contact, whose radii stand in the load"
+        if load.kind in ("mean_pressure", "hertz_pressure") or isinstance(load, Hertz):
+            yield from self.problems_of_pressure(self.cell_pressure)
+
+    def problems_of_pressure(self, mean_pressure: float) -> Iterator[tuple[str, str]]:
+        """A mean pressure on the map that is too large, or not below the hardness."""
+        from asperity.elasticity.loaded_solid import LARGEST
+
+        most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST)
+        given = shown_si(self.load.value, UNITS[self.load.kind])
+        if not mean_pressure < most:
+            needed = f"a mean pressure of less than {shown_si(most, 'Pa')} is needed"
+            yield (
+                f"load.{self.load.kind}",
+                f" = {given}: {needed}, it would be {shown_si(mean_pressure, 'Pa')}",
+            )
+        elif self.hardness and not mean_pressure < self.hardness:
+            bodies = self.groups_of_bodies.items()
+            name = next(name for name, body in bodies if body.hardness == self.hardness)
+            needed = f"more than the pressure {shown_si(mean_pressure, 'Pa')} is needed"
+            text = f" = {shown_si(self.hardness, 'Pa')}: {needed}, the mean over the nominal area"
+            yield f"{name}.hardness", text
+
+    @property
+    def elastic_counter_body(self) -> Body | None:
+        """The counter body; None if it is rigid."""
+        return None if self.counter_body is None or self.counter_body.is_rigid else self.counter_body
+
+    @property
+    def groups_of_bodies(self) -> dict[str, Body]:
+        """The elastic bodies by the names of their groups."""
+        groups = {"body": self.body, "counter_body": self.elastic_counter_body}
+        return {name: body for name, body in groups.items() if body is not None}
+
+    @property
+    def layers_and_coatings(self) -> list[str]:
+        """Dotted keys of the layers and coatings of the elastic bodies."""
+        keys = (
+            (name, body, key) for name, body in self.groups_of_bodies.items() for key in ("layer", "coating")
+        )
+        return [f"{name}.{key}" for name, body, key in keys if getattr(body, key) is not None]
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """The elastic bodies by their place, ``lower`` and ``upper``."""
+        return dict(zip(("lower", "upper"), self.groups_of_bodies.values(), strict=False))
+
+    @property
+    def different_bodies(self) -> dict[str, Body]:
+        """The elastic bodies by name; of two with the same stress only the lower one.
+
+        Equal bodies have the same stress without friction and without moving faces.
+        """
+        cycles = self.questions.get("cycles")
+        moves = self.friction or (cycles is not None and cycles.shifts is not None)
+        counter = self.elastic_counter_body
+        alike = counter is not None and self.body.is_like(counter)
+        return {"lower": self.body} if alike and not moves else self.bodies
+
+    def stress_title(self, body: str) -> str:
+        """Heading of the stress of one body."""
+        if self.elastic_counter_body is None:
+            return "stress in the elastic body"
+        if len(self.different_bodies) == 1:
+            return "stress in both bodies"
+        return f"stress in the {body} body ({self.bodies[body].in_words})"
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction of the stress."""
+        sliding = self.questions.get("sliding")
+        return 0.0 if sliding is None else sliding.friction
+
+    @property
+    def sliding_direction(self) -> str | float:
+        """Direction in which the counter body moves over the body."""
+        sliding = self.questions.get("sliding")
+        given = None if sliding is None else sliding.direction
+        return "x" if given is None else given
+
+    @property
+    def carried(self) -> float:
+        """Fraction of the load that the contact carries; a film carries the rest."""
+        film = self.questions.get("film")
+        return 1.0 if film is None else 1.0 - film.share
+
+    def sliding_of(self, body: str) -> dict[str, Any]:
+        """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
+        from asperity.elasticity.loaded_solid import traction_direction
+
+        direction = traction_direction(self.sliding_direction, body)
+        return {"friction": self.friction, "sliding_direction": direction}
+
+    @property
+    def hardness(self) -> float | None:
+        """The smaller hardness of the bodies; None if they have none."""
+        known = [body.hardness for body in self.bodies.values() if body.hardness is not None]
+        return min((hardness for hardness in known if math.isfinite(hardness)), default=None)
+
+    @cached_property
+    def solid(self) -> Solid | TwoBodies:
+        """The solid, or the two bodies, that the solver presses."""
+        if (counter := self.elastic_counter_body) is None:
+            return solid_of(self.body)
+        from asperity.elasticity.two_bodies import TwoBodies
+
+        return TwoBodies(solid_of(self.body), solid_of(counter))
+
+    @property
+    def hertz_contact(self) -> HertzContact | None:
+        """The Hertz contact under the load."""
+        if not isinstance(self.load, Hertz):
+            return None
+        return hertz_contact(self.load, self.load.kind, self.load.value, self.solid.effective_modulus)
+
+    @property
+    def cell_pressure(self) -> float:
+        """Mean pressure on the map in a Hertz contact; without one the load."""
+        contact, load = self.hertz_contact, self.load
+        return contact.largest_pressure * load.share if contact and isinstance(load, Hertz) else load.value
+
+    def loaded_body(self, contact: Contact, name: str) -> LoadedSolid:
+        """A body under the pressure of a contact, with the stress that coating and Hertz contact add.
+
+        The contact carries `carried` of the pressure of the Hertz contact, and slides.
+        """
+        loaded, load = contact.in_body(name), self.load
+        coating = self.bodies[name].coating
+        if coating is not None and coating.residual_stress:
+            stress = coating.residual_stress * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+            within = coating.thickness
+            return replace(loaded, background=lambda depth: stress if depth <= within else 0 * stress)
+        if not isinstance(load, Hertz):
+            return loaded
+        pressure = contact.mean_pressure / self.carried
+        smooth = hertz_contact(load, "mean_pressure", pressure, self.solid.effective_modulus)
+        sliding = self.sliding_of(name)
+        sliding["friction"] *= self.carried
+        below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
+        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
+
+    def under(self, **load: float) -> Scene:
+        """The same bodies under another load, without questions."""
+        if isinstance(self.load, Hertz):
+            load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
+        given = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
+        return Scene(**given, load=load)
+
+    @property
+    def counter_map(self) -> CounterMap | None:
+        """The map of the counter body, without the options that it has from the map."""
+        return None if self.counter_body is None else self.counter_body.map
+
+    def with_maps(self, surface: Map, counter: CounterMap | None) -> Self:
+        """The same case with other options of its maps."""
+        counter_body = self.counter_body
+        if counter_body is not None and counter is not None:
+            counter_body = counter_body.model_copy(update={"map": counter})
+        return self.replaced(map=surface, counter_body=counter_body)
+
+
+def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float) -> HertzContact:
+    """The Hertz contact under a kind of load; a `mean_pressure` is the pressure at the place of the map."""
+    from asperity.stress.cycles.hertz_contact import HertzContact
+
+    given = {"force": load} if kind == "force" else {"largest_pressure": load}
+    if kind == "mean_pressure":
+        given["largest_pressure"] /= place.share
+    return HertzContact.from_radii(*place.radii, effective_modulus, **given)
+
+
+def solid_of(body: Body) -> Solid:
+    """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
+    from asperity.elasticity.solid import Solid
+
+    if body.layer is not None:
+        return Solid(body.young, body.poisson, body.layer.height, body.layer.bottom)
+    base = Solid(body.young, body.poisson)
+    if body.coating is None:
+        return base
+    return Solid(body.coating.young, body.coating.poisson, body.coating.thickness, base=base)

@@ -1,0 +1,364 @@
+"""All stages from a map to an answer: map → contact → stress in the bodies → questions → answer.
+
+Each stage adds its results once. A question gets the complete results of the stages before it.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from datetime import datetime
+from importlib.metadata import version
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.core.arguments import require_finite
+from asperity.core.types import Progress
+from asperity.core.units import shown_si
+from asperity.core.version import __version__
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.advice import Compared, advise
+from asperity.engineering.answer_data import AnswerData, Origin
+from asperity.engineering.body_stress import BodyStress, body_stress
+from asperity.engineering.case import Case
+from asperity.engineering.contact_numbers import contact_numbers, contact_spots, gap_of
+from asperity.engineering.continuum import solved_on_half
+from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.numbers import body_records, contact_records, hertz_records, plastic_records
+from asperity.engineering.places import Blocks, blocks_of
+from asperity.engineering.press import imposed_load, plastic_contact, press
+from asperity.engineering.question import Findings, Pressed, Stages
+from asperity.engineering.records import INPUTS, Record, per_cent
+from asperity.settings.model import Problem, SettingsError
+from asperity.surface.treatment.treatment import TreatedMap
+
+SEPARATE_SHARE = 0.4
+"""Edge of a map over the smaller width of its Hertz contact up to which the pressure of the contact changes
+by less than a tenth over the map."""
+
+STRESS = 2.0
+"""Work of the stress in a body; the contact has a work of 1."""
+
+GAP_FRACTIONS = np.linspace(0, 1, 101)
+"""Cumulative area fractions for which the gap is listed."""
+
+PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
+"""Name of a property of peaks → its column in the table of peaks."""
+
+PACKAGES = ("numpy", "numba", "xarray", "SurfaceTopography")
+"""Packages whose versions an answer names; it also names the library of the Fourier transforms."""
+
+
+def answer_of(
+    case: Case,
+    rough: RoughFace | None = None,
+    progress: Progress | None = None,
+    on_stage: Callable[[str], None] | None = None,
+) -> AnswerData:
+    """The answer of a case.
+
+    Parameters
+    ----------
+    case : Case
+    rough : RoughFace, optional
+        The result of `read_face` for it; by default it is read here.
+    progress : callable, optional
+        Called as progress(done, total).
+    on_stage : callable, optional
+        Called with the name of each stage, a key of `work_of`, when it begins.
+
+    Raises
+    ------
+    SettingsError, MapError, ConvergenceError
+        As for `asperity.run`.
+    """
+    rough = rough or read_face(case.map, case.counter_map)
+    asked = case.on_face(rough)
+    if wrong := problems_on_map(asked, rough):
+        raise SettingsError("", wrong)
+    parts = _Parts(progress, work_of(asked, rough.face.grid.mirrored), on_stage)
+    pressed = _pressed(asked, rough, parts)
+    bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
+    bodies = {name: bodies.get(name, bodies["lower"]) for name in pressed.case.bodies}
+    parts.next("comparisons")
+    compared = _compared(pressed)
+    stages = Stages(**vars(pressed), bodies=bodies, records=_records(pressed, bodies, compared))
+    found = {}
+    for name, question in asked.questions.items():
+        if others := question.other_cases(asked):
+            stages = replace(stages, others={key: answer_of(each).records for key, each in others.items()})
+        found[name] = question.compute(stages, parts.next(name))
+    records = _with_inputs([*stages.records, *(each for one in found.values() for each in one.records)], found)
+    known = {each.quantity: each.value for each in records if not each.words}
+    require_finite("run", known)
+    warnings = advise(stages, compared, records, [each for one in found.values() for each in one.warnings])
+    answer = AnswerData(
+        asked,
+        pressed.face,
+        pressed.contact,
+        tuple(records),
+        tuple(_verdict(stages, found)),
+        tuple(warnings),
+        tuple(each.assumption for each in found.values() if each.assumption),
+        {name: _stress(stages, name, found) for name in asked.different_bodies},
+        _tables(stages, found),
+        _datasets(stages, found),
+        _origin(rough, pressed.contact),
+    )
+    parts.end()
+    return answer
+
+
+def _pressed(asked: Case, rough: RoughFace, parts: _Parts) -> Pressed:
+    """The contact of a case, on its nodes and on half of them, and what follows from it alone."""
+    case, prepared = asked, {}
+    for name, question in asked.questions.items():
+        case, rough, prepared[name] = question.prepare(case, rough, parts.next(f"before {name}"))
+    contact = press(rough.face, case, parts.next("contact"))
+    spots = contact_spots(rough.face, contact)
+    parts.next("half of the nodes")
+    coarse = solved_on_half(contact)
+    tractions = {
+        name: (question.tractions(asked, contact), question.tractions(asked, coarse.contact))
+        for name, question in asked.questions.items()
+    }
+    return Pressed(
+        asked=asked,
+        case=case,
+        rough=rough,
+        contact=contact,
+        coarse=coarse,
+        spots=spots,
+        numbers=contact_numbers(rough, contact, spots),
+        blocks=_blocks(asked, rough.face, contact),
+        prepared=prepared,
+        tractions=tractions,
+    )
+
+
+def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
+    """Blocks of the map, whose scatter gives the error between positions; None if too few, or with a form.
+
+    Under an imposed approach or contact area the numbers do not follow the load on a block.
+    """
+    imposed = case.load.kind in ("approach", "area_fraction")
+    if imposed or case.map.radius is not None or face.boundary == "free":
+        return None
+    return blocks_of(face, contact.pressure)
+
+
+def _analysed(pressed: Pressed, name: str, parts: _Parts) -> BodyStress:
+    """The stress in one body, seen by the observers of the questions."""
+    asked, contacts = pressed.asked, (pressed.contact, pressed.coarse.contact)
+
+    def under(number: int) -> LoadedSolid:
+        loaded = asked.loaded_body(contacts[number], name)
+        for each, question in asked.questions.items():
+            loaded = question.loaded(loaded, contacts[number], pressed.tractions[each][number])
+        return loaded
+
+    loaded, on_half = under(0), under(1)
+    observed = {
+        each: observer
+        for each, question in asked.questions.items()
+        if (observer := question.observer(pressed, name, loaded)) is not None
+    }
+    progress = parts.next(f"stress {name}")
+    return body_stress(
+        asked, pressed.face, pressed.contact, pressed.coarse, name, (loaded, on_half), observed, progress
+    )
+
+
+def _compared(pressed: Pressed) -> Compared:
+    """Further contacts with which the answer is compared."""
+    face, case, contact = pressed.face, pressed.case, pressed.contact
+    neighbours = None
+    if face.boundary == "periodic" and case.map.radius is not None and len(pressed.spots):
+        neighbours = neighbours_of(face, case, contact)
+    unfiltered = None if pressed.rough.unfiltered is None else press(pressed.rough.unfiltered, case)
+    return Compared(neighbours, plastic_contact(face, case, contact), unfiltered)
+
+
+def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compared) -> list[Record]:
+    """The records that no question asks for."""
+    numbers, blocks, contact = pressed.numbers, pressed.blocks, pressed.contact
+    of_positions = np.nan if blocks is None else blocks.error(blocks.means(contact.pressure > 0))
+    found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions)]
+    found += hertz_records(pressed.asked)
+    if compared.plastic is not None:
+        is_given = pressed.case.hardness is not None
+        found += plastic_records(compared.plastic, is_given, numbers.rms_gradient)
+    for name in pressed.asked.different_bodies:
+        found += body_records(pressed.asked, name, bodies[name])
+    return found
+
+
+def _with_inputs(records: list[Record], found: Mapping[str, Findings]) -> list[Record]:
+    """The records, those of a topic together, with their errors by the tolerances of the inputs."""
+    relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
+    records = [
+        each.with_error(INPUTS, relative.get((each.quantity, each.body), 0.0) * abs(each.value))
+        for each in records
+    ]
+    topics = list(dict.fromkeys((each.topic, each.body) for each in records))
+    return sorted(records, key=lambda each: topics.index((each.topic, each.body)))
+
+
+def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
+    """The answer to each question in a sentence, then a sentence about interfaces and the contact."""
+    texts = [each.verdict for each in found.values()]
+    for name in stages.asked.different_bodies:
+        if (interface := stages.bodies[name].interface) is not None:
+            shear, tension = (max(each.value, 0.0) for each in interface.extremes.values())
+            pulled = f"a tension of up to {shown_si(tension, 'Pa', 3)}" if tension else "no tension"
+            shown = f"shear of up to {shown_si(shear, 'Pa', 3)} and {pulled}"
+            texts.append(f"the interface of the coating of the {name} body bears {shown}")
+    pressure = shown_si(stages.numbers.largest_pressure, "Pa", 3)
+    contact = f"the bodies touch on {per_cent(stages.numbers.area_fraction)} of the area"
+    texts.append(f"{contact}, under a pressure of up to {pressure}")
+    return [f"{text[0].upper()}{text[1:]}." for text in texts if text]
+
+
+def _stress(stages: Stages, name: str, found: Mapping[str, Findings]) -> xr.Dataset:
+    """The result of the stress in a body, with its extreme values."""
+    part, attributes = stages.bodies[name], dict[str, Any]()
+    for each in found.values():
+        attributes |= each.attributes.get(name, {})
+    extremes = {f"extreme_{field}": list(each) for field, each in part.extremes.items()}
+    return part.stress.assign_attrs(extremes | attributes)
+
+
+def _tables(stages: Stages, found: Mapping[str, Findings]) -> dict[str, pd.DataFrame]:
+    """All tables of an answer by name."""
+    gaps = np.quantile(gap_of(stages.contact), GAP_FRACTIONS)
+    tables = {
+        "peaks": _peaks(stages, found),
+        "contact_spots": stages.spots,
+        "gaps": pd.DataFrame({"cumulative_area_fraction": GAP_FRACTIONS, "gap_m": gaps}),
+    }
+    for each in found.values():
+        tables |= each.tables
+    return tables
+
+
+def _peaks(stages: Stages, found: Mapping[str, Findings]) -> pd.DataFrame:
+    """Peaks of the contact pressure and of the fields of the case, the largest magnitudes first."""
+    tables = [rows for each in found.values() for rows in each.peaks]
+    for body in stages.asked.different_bodies:
+        stress = stages.bodies[body].stress
+        names = [str(name) for name in stress.variables if stress[name].dims == ("peak",)]
+        table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
+        table = table.rename(columns=PEAK_COLUMNS).assign(body=body)
+        tables.insert(0, table[table["quantity"].isin(("pressure", *stages.asked.fields))])
+    peaks = pd.concat(tables, ignore_index=True)
+    peaks = peaks.assign(size=peaks["value_Pa"].abs())
+    order = {"body": True, "quantity": False, "size": False}
+    peaks = peaks.sort_values([*order], ascending=[*order.values()], ignore_index=True)
+    return peaks[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
+
+
+def _datasets(stages: Stages, found: Mapping[str, Findings]) -> dict[str, xr.Dataset]:
+    """All datasets of an answer by name; tractions have the name of their question."""
+    datasets = {name: own for name, (own, _) in stages.tractions.items() if own is not None}
+    for each in found.values():
+        datasets |= each.datasets
+    return datasets
+
+
+def _origin(rough: RoughFace, contact: Contact) -> Origin:
+    """How the answer was made."""
+    versions = {"asperity": __version__, "Python": platform.python_version()}
+    versions |= {package: version(package) for package in PACKAGES if find_spec(package)}
+    engine, _, number = contact.fft_engine.partition(" ")
+    date = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z")
+    return Origin(date, versions | {engine: number}, rough.files)
+
+
+def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
+    """Stages of the answer of a case → their work; the contact has a work of 1.
+
+    The contact takes about equal time at all loads but the largest. The work of a stage is known to a factor
+    of two: the numbers serve for the progress and for estimates of time.
+    """
+    costs = {name: question.cost(case, is_mirrored) for name, question in case.questions.items()}
+    work = {f"before {name}": before for name, (before, _) in costs.items()}
+    work |= {"contact": 1.0, "half of the nodes": 0.3}
+    work |= {f"stress {name}": STRESS for name in case.different_bodies}
+    work["comparisons"] = 1.0 if case.hardness is None else 0.1
+    return work | {name: after for name, (_, after) in costs.items()}
+
+
+class _Parts:
+    """Progress of stages one after the other, each a part of the whole by its work."""
+
+    def __init__(
+        self,
+        progress: Progress | None,
+        work: Mapping[str, float],
+        on_stage: Callable[[str], None] | None = None,
+    ) -> None:
+        self._progress, self._work, self._done = progress, work, 0.0
+        self._on_stage, self._total = on_stage, sum(work.values())
+
+    def next(self, name: str) -> Progress:
+        """Progress of the next stage, which begins; those before it are done."""
+        if self._on_stage is not None:
+            self._on_stage(name)
+        begin, work = self._done, self._work.get(name, 0.0)
+        self._done += work
+
+        def report(done: float, total: float) -> None:
+            if self._progress is not None:
+                self._progress((begin + work * (done / total if total else 1.0)) / self._total, 1.0)
+
+        report(0.0, 1.0)
+        return report
+
+    def end(self) -> None:
+        """Report that everything is done."""
+        if self._progress is not None:
+            self._progress(1.0, 1.0)
+
+
+def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
+    """Settings of a case that do not go with its map."""
+    found: list[tuple[str, str]] = []
+    if (contact := case.hertz_contact) is not None:
+        widths = 2 * contact.half_width_y, 2 * contact.half_width_x
+        part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
+        for axis, width, edge in zip("yx", widths, rough.face.grid.length, strict=True):
+            if width < edge:
+                given = f"{shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}"
+                text = (
+                    f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
+                )
+                text += f'it is {given}. Use a part of the map, map.crop = "{part}", or press the whole form '
+                text += "with its force or pressure: map.radius and map.radius_y with map.periodic = none"
+                found.append((f"load.radius_{axis}", text))
+    for question in case.questions.values():
+        found += [*question.problems(case, rough)]
+    try:
+        imposed_load(rough.face, case)
+    except SettingsError as error:
+        found += error.found
+    return [Problem(*each) for each in dict.fromkeys(map(tuple, found))]
+
+
+def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:
+    """Width of a contact over the distance between its periodic images, and the contact without them.
+
+    None for layers, whose contact cannot be solved without images. The images of a cylinder along its axis
+    continue it: its width is taken across the axis, and without images, where it would end, no contact is
+    solved.
+    """
+    widths = np.ptp(np.argwhere(contact.pressure > 0), axis=0) + 1
+    spans = dict(zip("yx", (widths / face.grid.shape).tolist(), strict=True))
+    if case.map.form == "cylinder":
+        return spans["x" if case.map.cylinder_axis == "y" else "y"], None
+    return max(spans.values()), None if case.solid.height is not None else press(face.map_alone(), case)
