@@ -100,6 +100,14 @@ class AnswerData:
     datasets: Mapping[str, xr.Dataset] = field(default_factory=dict)
     origin: Origin = Origin("", {}, ())
 
+    def __getattr__(self, name: str) -> Any:
+        """A part of an opened answer, which is read when it is first asked for."""
+        later = self.__dict__.get("_later", {})
+        if name not in later:
+            raise AttributeError(f"{type(self).__name__} has no attribute {name}")
+        object.__setattr__(self, name, later[name]())
+        return self.__dict__[name]
+
     def __getitem__(self, quantity: str) -> Record:
         return self.record(quantity)
 

@@ -22,7 +22,7 @@ from asperity.engineering.questions.film import Film
 from asperity.engineering.questions.leak import Leak
 from asperity.engineering.questions.load_curve import LoadCurve
 from asperity.engineering.questions.partial_slip import PartialSlip
-from asperity.engineering.questions.run_in import RunIn
+from asperity.engineering.questions.running_in import RunningIn
 from asperity.engineering.questions.sample import SampleOfMaps
 from asperity.engineering.questions.sensitivity import Sensitivity, split_tolerances
 from asperity.engineering.questions.sliding import Sliding
@@ -49,10 +49,10 @@ class Case(Scene):
 
     film: Film | None = optional("not asked")
     """A film carries a part of the load."""
-    run_in: RunIn | None = optional("not asked")
-    """Run-in: first loads flatten the map."""
+    running_in: RunningIn | None = optional("not asked")
+    """Running-in: first loads flatten the map."""
     sliding: Sliding | None = optional("no friction")
-    """Full sliding."""
+    """Gross sliding."""
     conduction: Conduction | None = optional(
         "asked if both bodies give a conductivity or resistivity themselves"
     )

@@ -8,15 +8,11 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
-
 from asperity.core.system import flush, sha256_of
 from asperity.results.atomic import LOCK as LOCK
 from asperity.results.atomic import locked as locked
+from asperity.engineering.scene import Scene
 from asperity.results.atomic import write_text
-
-if TYPE_CHECKING:
-    from asperity.engineering.case import Case
 
 MANIFEST = ".asperity-run.json"
 """File with the names and checksums of all files of an answer in its folder; no other file is replaced."""
@@ -42,39 +38,52 @@ SAMPLE = (
 CASE_FILE = "case.yaml"
 """Name of the case file of an answer."""
 
+DATA = "answer.json"
+"""Name of the file with the records of an answer."""
 
-def names_of(case: "Case | None") -> list[str]:
-    """Names of the files that the answer of a case may have; without a case, the names for all answers."""
-    tables = (f"{name}.csv" for name in ("peaks", "spots", "gaps", "answer", "advice"))
-    names = [CASE_FILE, "surface.nc", "contact.nc", *tables, "answer.xlsx"]
-    names += ["height.png", "pressure.png", "report.html"]
-    if case is None:
-        return names
-    names += ["plastic_depth.png"] if case.hardness else []
-    for question in case.questions.values():
-        names += question.files(case)
-    for body, constants in case.different_bodies.items():
-        suffix = f"_{body}" if len(case.different_bodies) > 1 else ""
-        names += [f"stress{suffix}.nc"]
-        if constants.coating is not None:
-            names += [f"interface_{name}{suffix}.png" for name in ("shear", "tension")]
-        for field in case.fields:
-            end = ("" if field == "von_mises" else f"_{field}") + suffix
-            names += [f"{view}{end}.png" for view in ("plane", "section", "peaks")]
-    return names
+STEMS = (
+    *("case", "answer", "surface", "contact", "stress", "peaks", "contact_spots", "gaps", "warnings", "report"),
+    *("height", "pressure", "plastic_depth", "plane", "section", "interface", "map"),
+)
+"""First words of the names of the files that every answer may have."""
+
+SUFFIXES = (".yaml", ".json", ".nc", ".npy", ".csv", ".xlsx", ".png", ".html")
+"""Ends of the names of the files of answers."""
 
 
-def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] | None = None) -> str:
-    """Reason why an answer with files of these names cannot be written into a folder, empty if it can."""
-    folder, names = Path(folder), names_of(None) if names is None else names
+def stems_of(case: Scene) -> tuple[str, ...]:
+    """First words of the names of the files that the answer of a case may have."""
+    of_questions = (name for question in case.questions.values() for name in question.FILES)
+    return tuple(dict.fromkeys((*STEMS, *of_questions)))
+
+
+def folder_problem(
+    folder: str | os.PathLike[str], names: Iterable[str] = (), stems: tuple[str, ...] = ()
+) -> str:
+    """Reason why files cannot be written into a folder, empty if they can.
+
+    Parameters
+    ----------
+    folder : path
+    names : iterable of str
+        Names of the files.
+    stems : tuple of str
+        First words of the names of further files that an answer may have.
+    """
+    folder = Path(folder)
     try:
         existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        there = [*folder.iterdir()] if existing == folder and folder.is_dir() else []
     except OSError as error:
         return f"cannot be written ({error.strerror})"
     if not existing.is_dir():
         return "a file, the name of a folder is needed" if existing == folder else f"{existing} is a file"
-    for path in (folder / name for name in names if (folder / name).exists()):
-        if path.name not in names_in(folder):
+    own, names = names_in(folder), set(names)
+    for path in sorted(there):
+        is_like = path.suffix in SUFFIXES and path.stem.startswith(stems or ("\0",))
+        if not (path.name in names or is_like) or path.is_dir():
+            continue
+        if path.name not in own:
             return f"holds {path.name}, which asperity run has not written; another folder is needed"
         if not path.stat().st_mode & stat.S_IWUSR:
             return f"holds {path.name}, which is read-only; another folder is needed"

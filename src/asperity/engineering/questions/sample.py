@@ -6,7 +6,7 @@ from asperity.settings.quantities import Area
 
 
 class SampleOfMaps(Question):
-    """Several maps, from different places of one surface, are pooled; see `asperity.pool_answers`.
+    """Several maps, from different places of one surface, are pooled; see `asperity.pool`.
 
     The group asks for means with 95 % intervals; `map.file` lists the maps.
     """

@@ -1,4 +1,4 @@
-"""Full sliding: a shear traction of friction times pressure, which enters the stress."""
+"""Gross sliding: a shear traction of friction times pressure, which enters the stress."""
 
 from __future__ import annotations
 
@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainValidator, PrivateAttr, WithJsonSchema
 
+from asperity.core.types import Progress
 from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Question, per_cent
+from asperity.engineering.question import Findings, Question, Stages
+from asperity.engineering.records import Advice, per_cent
+from asperity.engineering.scene import Scene
 from asperity.settings.model import NeededError, Number, optional, setting
+from asperity.surface.treatment.treatment import TreatedMap
 
 if TYPE_CHECKING:
-    from asperity.engineering.question import Answer, Case
-    from asperity.surface.treatment.treatment import TreatedMap
+    from asperity.engineering.face import RoughFace
 
 NEGLECTED_COUPLING = 0.1
 """Relative change of a displacement by friction above which a warning is given."""
@@ -42,14 +45,14 @@ Direction = Annotated[
 
 
 class Sliding(Question):
-    """Full sliding of the bodies.
+    """Gross sliding of the bodies.
 
     The shear traction is the coefficient of friction times the pressure. The pressure is computed without
     friction.
     """
 
     friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
-    """Coefficient of friction in full sliding. It enters the stress; the pressure is computed without
+    """Coefficient of friction in gross sliding. It enters the stress; the pressure is computed without
     friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
     direction: Direction | None = optional(
         "with friction the axis nearest to the lay of the map; x without a lay"
@@ -70,25 +73,31 @@ class Sliding(Question):
         found._chosen = at if has_lay else "the map has no strong lay"
         return found
 
-    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():
             if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
                 needed = f"0 is needed with {name}.layer.bottom = frictionless, which bears no shear"
                 yield "sliding.friction", f" = {self.friction:g}: {needed}"
 
-    def verdict(self, answer: Answer) -> str:
-        """Direction and force of friction."""
-        if not self.friction or "partial_slip" in answer.case.questions:
-            return ""
-        along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
-        force = shown_si(self.friction * answer.numbers.force, "N", 3)
-        return f"the counter body slides along {along} against a force of friction of {force} on the map"
-
-    def advice(self, answer: Answer) -> Iterator[Advice]:
-        """Direction that was not given; change of the displacement by the neglected friction."""
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
+        """Direction and force of friction, and the change of the displacement by the neglected friction."""
         if not self.friction:
-            return
+            return Findings()
+        warnings = [*self._warnings(stages)]
+        if "partial_slip" in stages.asked.questions:
+            return Findings(warnings=warnings)
+        along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
+        force = shown_si(self.friction * stages.numbers.force, "N", 3)
+        return Findings(
+            verdict=f"the counter body slides along {along} against a force of friction of {force} on the map",
+            warnings=warnings,
+            assumption="In gross sliding the shear traction is the coefficient of friction times the pressure; "
+            "the pressure is computed without friction.",
+        )
+
+    def _warnings(self, stages: Stages) -> Iterator[Advice]:
+        """Direction that was not given; change of the displacement by the neglected friction."""
         if self._chosen:
             along = f"sliding.direction is not given: the faces slide along {self.direction}"
             text = f"{along}, as {self._chosen}. The stress depends on the direction."
@@ -97,9 +106,9 @@ class Sliding(Question):
 
         from asperity.elasticity.two_bodies import sliding_coupling
 
-        face = answer.face
+        face = stages.face
         wave = np.geomspace(face.wavelength_short, max(face.grid.period), 100)
-        change = self.friction * sliding_coupling(answer.case.solid, 2 * np.pi / wave)
+        change = self.friction * sliding_coupling(stages.asked.solid, 2 * np.pi / wave)
         most = int(change.argmax())
         size, where = float(change[most]), shown_si(wave[most], "m", 3)
         if not size > 0:  # between equal bodies
@@ -114,11 +123,3 @@ class Sliding(Question):
         short = f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}"
         yield Advice(size > NEGLECTED_COUPLING, "friction in the contact", text, short, size)
 
-    def assumption(self, answer: Answer) -> str:
-        """Shear traction in full sliding, and a pressure without friction."""
-        if not self.friction or "partial_slip" in answer.case.questions:
-            return ""
-        return (
-            "In full sliding the shear traction is the coefficient of friction times the pressure; the"
-            " pressure is computed without friction."
-        )

@@ -1,0 +1,110 @@
+"""Running-in: first loads flatten the map at the hardness, and the answer is the elastic contact after them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from asperity.contact import Contact
+from asperity.core.types import Progress
+from asperity.core.units import shown_si
+from asperity.engineering.face import RoughFace
+from asperity.engineering.press import press
+from asperity.engineering.question import Findings, Question, Stages
+from asperity.engineering.records import Advice, Record, fraction
+from asperity.engineering.scene import Scene
+from asperity.settings.model import Whole, optional, setting
+from asperity.settings.quantities import Pressure
+
+UNCHANGED = 1e-6
+"""Plastic depth of another load, over the range of heights, below which it changes nothing: the error of the
+contact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Flattening:
+    """The first contact, and the largest depth by which each load has flattened the map."""
+
+    first: Contact
+    depths: list[float]
+
+    @property
+    def another(self) -> float:
+        """Flattening by one more load over the flattening by the first load (largest depths)."""
+        return self.depths[-1] / self.depths[0] if self.depths[0] else 0.0
+
+
+class RunningIn(Question):
+    """Running-in: first loads, as large as the load of the case, flatten the map.
+
+    Where the pressure reaches the hardness, a load flattens the map by the overlap of the bodies. The answer
+    describes the elastic contact of the flattened map under the same load.
+    """
+
+    ASKS = "What remains after running-in?"
+
+    loads: Whole = setting(1, ge=1, le=20, example=1)
+    """Number of loads that flatten the map before the answer."""
+    hardness: Pressure | None = optional("the smaller hardness of the bodies", example="7 GPa")
+    """Hardness at which the first loads flatten the map."""
+
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
+        """A hardness that is missing or not above the load, and moving faces."""
+        hardness = self.hardness or case.hardness
+        if hardness is None:
+            yield "running_in.hardness", ": missing; a pressure above the mean pressure is needed"
+        elif case.load.kind in ("mean_pressure", "hertz_pressure") and not case.cell_pressure < hardness:
+            least = f"more than the mean pressure {shown_si(case.cell_pressure, 'Pa')} is needed"
+            yield "running_in.hardness", f" = {shown_si(hardness, 'Pa')}: {least}"
+        cycles = case.questions.get("cycles")
+        if cycles is not None and cycles.shifts is not None and case.counter_map is not None:
+            refused = "running_in and cycles.shifts, which press each face many times"
+            yield "counter_body.map", f": not accepted with {refused}"
+
+    def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
+        """A contact for each load, and one more."""
+        return self.loads + 1.0, 0.0
+
+    def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, Flattening]:
+        """The elastic case and the flattened map."""
+        hardness, face = self.hardness or case.hardness or math.inf, rough.face
+        plastic = case.replaced(body=case.body.replaced(hardness=hardness))
+        first: Contact | None = None
+        depths: list[float] = []
+        for number in range(self.loads + 1):  # the last one shows if another load changes anything
+            contact = press(face, plastic)
+            depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
+            first, depths = first or contact, [*depths, depth]
+            if number < self.loads:
+                face = replace(face, height=contact.flattened_height())
+            progress(number + 1, self.loads + 1)
+        assert first is not None
+        times = f"{self.loads} load{'s' * (self.loads > 1)} at a hardness of {shown_si(hardness, 'Pa')}"
+        done = f"flattened by {times}, by up to {shown_si(depths[0], 'm', 3)} at the first"
+        face = replace(face, done=(*face.done, done))
+        elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
+        return case.replaced(**elastic), rough._replace(face=face), Flattening(first, depths)
+
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
+        """The first contact, the depth of flattening, and the depth by which another load would flatten."""
+        found: Flattening = stages.prepared["running_in"]
+        first, depth, topic = found.first, found.depths[0], "running-in"
+        words, note = "none: it changes nothing", ""
+        if found.depths[-1] > UNCHANGED * stages.numbers.peak_to_valley:
+            words, note = "", f"{100 * found.another:.2g} % of the first"
+        records = [
+            fraction("contact area fraction of the first load", first.area_fraction, topic=topic),
+            fraction("area fraction at the hardness of the first load", first.plastic_area, topic=topic),
+            Record("maximum flattening of the first load", depth, "m", topic),
+            Record("flattening by another load", found.depths[-1], "m", topic, words=words, note=note),
+        ]
+        nothing = "the first load stays below the hardness everywhere: it flattens nothing."
+        return Findings(
+            records=records,
+            verdict=f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}" if depth else "",
+            warnings=[] if depth else [Advice(False, "running-in", nothing)],
+            assumption="Running-in flattens the surface where the pressure reaches the hardness, without "
+            "residual stress, pile-up or wear; numbers hold for the elastic contact of the flattened surface.",
+        )
