@@ -124,7 +124,7 @@ for node in ast.parse(pathlib.Path(sys.argv[1]).read_text()).body:
     if isinstance(node, (ast.Import, ast.ImportFrom)):
         exec(ast.unparse(node))
 names = {name for name in sys.modules if name.startswith("asperity.")}
-print(*(sys.modules[name].__file__ for name in names))
+print(*(sys.modules[name].__file__ for name in names), sep="\\n")
 """
 
 
@@ -132,7 +132,8 @@ print(*(sys.modules[name].__file__ for name in names))
 def test_all_that_a_script_imports_is_hashed(rules, name):
     """Python itself says which modules those are."""
     path = ROOT / "workflow/scripts" / name
-    imported = {Path(file) for file in run(ROOT, sys.executable, "-c", IMPORTED, str(path)).stdout.split()}
+    said = run(ROOT, sys.executable, "-c", IMPORTED, str(path)).stdout
+    imported = {Path(file) for file in said.splitlines()}
     hashed = {file for file in rules["files_of"](name) if isinstance(file, Path)}
     assert imported
     assert imported <= hashed
