@@ -12,7 +12,7 @@ import netCDF4
 import xarray as xr
 
 from asperity.core.errors import shown
-from asperity.core.units import shown_si, to_si
+from asperity.core.units import to_si
 from asperity.results import dataset
 from asperity.results.atomic import write_problem
 
@@ -26,13 +26,8 @@ OWN_BEGIN = {
 }
 """Suffix → pattern of the first bytes of files that the commands write."""
 
-MAKERS = {
-    "surface": "asperity surface",
-    "contact": "asperity solve",
-    "stress": "asperity stress",
-    "statistics": "asperity peaks",
-}
-"""Stage → command that makes its results."""
+MAKERS = {"contact": "asp.solve_contact", "stress": "asp.analyse_stress"}
+"""Stage → function of the library that makes its results, besides `asperity run` and the study."""
 
 
 def read_result(path: str | Path, stages: Collection[str]) -> tuple[str, xr.Dataset]:
@@ -56,28 +51,9 @@ def read_result(path: str | Path, stages: Collection[str]) -> tuple[str, xr.Data
 def required(given: Mapping[str, Any], stage: str, what: str) -> Any:
     """The result of a stage, which an option or a figure needs; `ValueError` if none is given."""
     if stage not in given:
-        maker = f" (of {MAKERS[stage]})" if stage in MAKERS else ""
+        maker = f" (of asperity run or {MAKERS[stage]})" if stage in MAKERS else ""
         raise ValueError(f"{what}: a {stage} file{maker} is needed, none is given")
     return given[stage]
-
-
-def read_stage(path: str | Path, stage: str) -> xr.Dataset:
-    """Read a result file of one stage.
-
-    Raises
-    ------
-    ValueError
-        If it is a result of another stage, or of ``asperity run``.
-    DatasetError
-        If it is missing or damaged.
-    """
-    _, data = read_result(path, [stage])
-    if "map" in dataset.settings_of(data):
-        raise ValueError(
-            f"{path}: a result of asperity run, which computes all stages itself; a result of "
-            "asperity surface, solve or stress is needed"
-        )
-    return data
 
 
 def is_result(path: str | Path) -> bool:
@@ -131,13 +107,6 @@ _BARE = re.compile(r"[+-]?[\d.]+(?:[eE][+-]?\d+)?")
 def is_si(data: xr.Dataset) -> bool:
     """True for a result in SI."""
     return data.attrs.get("unit_system") == "SI"
-
-
-def in_words(value: float, unit: str, si: bool) -> str:
-    """A number in SI with its unit, or one in the units of the study."""
-    if si:
-        return shown_si(value, unit)
-    return f"{value:.6g} E*" if unit == "Pa" else f"{value:.6g}"
 
 
 def length(name: str, text: str, si: bool) -> float:

@@ -81,7 +81,7 @@ class MapDescription(NamedTuple):
     needed : list of str
         Options that every calculation needs besides the file; each text begins with a field of `MapOptions`.
     choices : list of str
-        Options that asperity solve and a study need too, and that asperity run chooses by itself.
+        Options that `asperity.prepare_map` and a study need too, and that asperity run chooses by itself.
     warnings : list of str
         As of `map_warnings`.
     """
