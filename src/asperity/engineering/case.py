@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from contextlib import nullcontext
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from asperity.core.types import FIELDS
 from asperity.core.units import shown_si
@@ -27,14 +27,15 @@ from asperity.engineering.questions.load_curve import LoadCurve
 from asperity.engineering.questions.partial_slip import PartialSlip
 from asperity.engineering.questions.run_in import RunIn
 from asperity.engineering.questions.sample import SampleOfMaps
-from asperity.engineering.questions.sensitivity import Sensitivity, split_tolerances
+from asperity.engineering.questions.sensitivity import Sensitivity
 from asperity.engineering.questions.sliding import Sliding
 from asperity.engineering.questions.yielding import Yielding
 from asperity.settings.body import Body
 from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
-from asperity.settings.materials import own_materials
+from asperity.settings.materials import OwnMaterials, known_materials, own_materials, table
 from asperity.settings.model import DISTINCT, ContradictionError, Settings, one_of, optional, setting
+from asperity.settings.quantities import split_tolerances
 
 if TYPE_CHECKING:
     from asperity.contact import Contact
@@ -43,9 +44,6 @@ if TYPE_CHECKING:
     from asperity.elasticity.two_bodies import TwoBodies
     from asperity.engineering.face import RoughFace
     from asperity.stress.cycles.hertz_contact import HertzContact
-
-PRESSED = ("young", "poisson", "hardness", "coating", "layer", "map")
-"""Settings of a body on which its contact depends."""
 
 MATERIALS = "materials.yaml"
 """Name of a user's own table of materials beside the case file."""
@@ -79,16 +77,15 @@ class Case(Settings):
         ("von_mises",)
     )
     """Fields of the stress whose peaks are listed and that are drawn."""
-    materials: str | None = optional(
-        f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
-    )
-    """File with materials of your own."""
+    materials: OwnMaterials | None = optional(f"`{MATERIALS}` beside the case, if there is one")
+    """File with materials of your own, or a group of them: name → constants. The case of an answer holds
+    those that it uses."""
     film: Film | None = optional("not asked")
     """A film carries a part of the load."""
-    run_in: RunIn | None = optional("not asked")
-    """Run-in: first loads flatten the map."""
+    running_in: RunIn | None = optional("not asked")
+    """Running-in: first loads flatten the map."""
     sliding: Sliding | None = optional("no friction")
-    """Full sliding."""
+    """Gross sliding."""
     conduction: Conduction | None = optional(
         "asked if both bodies give a conductivity or resistivity themselves"
     )
@@ -108,15 +105,26 @@ class Case(Settings):
     sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
+    model_config = ConfigDict(json_schema_extra={"renamed": {"run_in": "running_in"}})
+
     @model_validator(mode="wrap")
     @classmethod
-    def _with_materials(cls, value: Any, made: Any) -> Any:
-        """The case, whose bodies may be of materials of the user, and whose inputs may have tolerances."""
-        if isinstance(value, Mapping):
-            value = split_tolerances(value)
-        file = value.get("materials") if isinstance(value, Mapping) else None
-        with own_materials(file) if isinstance(file, str) else nullcontext():
+    def _expanded(cls, value: Any, made: Any) -> Any:
+        """The case, whose inputs may have tolerances, and whose bodies may be of materials of the user."""
+        if not isinstance(value, Mapping):
             return made(value)
+        value, own = split_tolerances(value), {}
+        with suppress(ValueError):  # reported by the check of the field
+            own = own_materials(value.get("materials") or {})
+            value = {**value, "materials": own}
+        with known_materials(own):
+            found = made(value)
+        bodies = [body for body in (found.body, found.counter_body) if body is not None]
+        used = {each.name: each for body in bodies for each in body.materials}
+        own = {name: each for name, each in used.items() if table().get(name) != each}
+        found.__dict__["materials"] = own or None
+        found.model_fields_set.update(["materials"] if own else [])
+        return found
 
     @field_validator("counter_body", mode="wrap")
     @classmethod
@@ -200,10 +208,7 @@ class Case(Settings):
     @property
     def layers_and_coatings(self) -> list[str]:
         """Dotted keys of the layers and coatings of the elastic bodies."""
-        keys = (
-            (name, body, key) for name, body in self.groups_of_bodies.items() for key in ("layer", "coating")
-        )
-        return [f"{name}.{key}" for name, body, key in keys if getattr(body, key) is not None]
+        return [f"{name}.layers" for name, body in self.groups_of_bodies.items() if body.layers]
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -316,11 +321,8 @@ class Case(Settings):
         """The same bodies under another load alone: no question about it is asked."""
         if isinstance(self.load, Hertz):
             load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
-        asked = dict.fromkeys((*self.questions, "run_in", "film"))
-        bodies = {  # without the constants that imply questions
-            name: Body(**{each: getattr(body, each) for each in PRESSED if getattr(body, each) is not None})
-            for name, body in self.groups_of_bodies.items()
-        }
+        asked = dict.fromkeys((*self.questions, "running_in", "film"))
+        bodies = {name: body.pressed() for name, body in self.groups_of_bodies.items()}
         return self.replaced(**{**asked, **bodies, "sliding": self.sliding, "load": load})
 
     def written(self) -> dict[str, Any]:
@@ -347,12 +349,12 @@ def solid_of(body: Body) -> Solid:
     """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
     from asperity.elasticity.solid import Solid
 
-    if body.layer is not None:
-        return Solid(body.young, body.poisson, body.layer.height, body.layer.bottom)
-    base = Solid(body.young, body.poisson)
-    if body.coating is None:
-        return base
-    return Solid(body.coating.young, body.coating.poisson, body.coating.thickness, base=base)
+    if body.base is not None:
+        return Solid(body.young, body.poisson, body.layers[0].thickness, body.base)
+    solid = Solid(body.young, body.poisson)
+    for layer in reversed(body.layers):
+        solid = Solid(layer.young, layer.poisson, layer.thickness, base=solid)
+    return solid
 
 
 def is_question(kind: Any) -> bool:

@@ -176,8 +176,8 @@ def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     """
     bodies, cycles, curve, leak = case.different_bodies, case.cycles, case.load_curve, case.leak
     work = {f"before {name}": 0.0 for name in case.questions}
-    if case.run_in is not None:
-        work["before run_in"] = case.run_in.loads + 1.0
+    if case.running_in is not None:
+        work["before running_in"] = case.running_in.loads + 1.0
     work |= {"contact": 1.0, "half of the nodes": 0.3}
     flow = FLOW if leak is not None and leak.viscosity is not None else 0.1 if leak is not None else 0.0
     work |= dict.fromkeys(case.questions, 0.0)

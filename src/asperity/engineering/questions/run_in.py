@@ -51,12 +51,12 @@ class RunIn(Question):
         """A hardness that is missing or not above the load, and moving faces."""
         hardness = self.hardness or case.hardness
         if hardness is None:
-            yield "run_in.hardness", ": missing; a pressure above the mean pressure is needed"
+            yield "running_in.hardness", ": missing; a pressure above the mean pressure is needed"
         elif case.load.kind in ("mean_pressure", "hertz_pressure") and not case.cell_pressure < hardness:
             least = f"more than the mean pressure {shown_si(case.cell_pressure, 'Pa')} is needed"
-            yield "run_in.hardness", f" = {shown_si(hardness, 'Pa')}: {least}"
+            yield "running_in.hardness", f" = {shown_si(hardness, 'Pa')}: {least}"
         if case.cycles is not None and case.cycles.shifts is not None and case.counter_map is not None:
-            refused = "run_in and cycles.shifts, which press each face many times"
+            refused = "running_in and cycles.shifts, which press each face many times"
             yield "counter_body.map", f": not accepted with {refused}"
 
     def before_contact(self, case: Case, rough: RoughFace, progress: Progress) -> tuple[Case, RoughFace, Any]:

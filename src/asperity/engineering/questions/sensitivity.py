@@ -7,14 +7,14 @@ times this change. Inputs are taken as independent.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import Field
 
 from asperity.engineering.question import Question, Row
-from asperity.settings.model import ContradictionError, Number
+from asperity.settings.body import OF_LAYER
+from asperity.settings.model import Number, value_at, with_value
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,13 +26,14 @@ GROUP = "change for one per cent more of an input"
 STEP = 0.01
 """Relative change of an input."""
 
-OF_BODY = ("young", "hardness", "yield_stress", "coating.young", "coating.thickness", "fatigue_torsion")
+OF_BODY = (
+    *("young", "hardness", "yield_stress", "fatigue_torsion"),
+    *("layers.0.young", "layers.0.thickness", "layers.0.yield_stress"),
+)
 """Constants of a body that are varied, if it has them."""
 
-OTHERS = ("sliding.friction", "film.load_share", "film.lambda_ratio", "run_in.hardness")
+OTHERS = ("sliding.friction", "film.load_share", "film.lambda_ratio", "running_in.hardness")
 """Other inputs that are varied, if they are given."""
-
-_TOLERANCE = re.compile(r"(.+?)\s*(?:±|\+/?-)\s*(\d+(?:\.\d+)?)\s*%")
 
 
 class Change(NamedTuple):
@@ -115,48 +116,21 @@ class Sensitivity(Question):
 
 def inputs_of(case: Case) -> list[str]:
     """Dotted keys of the inputs that a case has."""
-    of_bodies = [f"{name}.{key}" for name in case.groups_of_bodies for key in OF_BODY]
-    values = {key: _at(case, key) for key in [f"load.{case.load.kind}", *of_bodies, *OTHERS]}
+    of_bodies = [
+        f"{name}.{key}"
+        for name, body in case.groups_of_bodies.items()
+        for key in OF_BODY
+        if body.base is None or key not in OF_LAYER
+    ]
+    values = {key: value_at(case, key) for key in [f"load.{case.load.kind}", *of_bodies, *OTHERS]}
     return [key for key, value in values.items() if isinstance(value, float) and 0 < value < math.inf]
 
 
-def _at(settings: Any, key: str) -> Any:
-    """The setting of a dotted key; None if a group of it is not given."""
-    for part in key.split("."):
-        settings = getattr(settings, part, None)
-    return settings
-
-
-def varied(settings: Any, key: str) -> Any:
-    """The settings with one per cent more of an input."""
-    name, _, rest = key.partition(".")
-    value = getattr(settings, name)
-    changes = {name: varied(value, rest) if rest else value * (1 + STEP)}
-    if name == "fatigue_torsion":  # the ratio of the limits stays
-        changes["fatigue_bending"] = settings.fatigue_bending * (1 + STEP)
-    return settings.replaced(**changes)
-
-
-def split_tolerances(value: Mapping[str, Any]) -> dict[str, Any]:
-    """The groups of a case with inputs such as ``210 GPa ± 5 %`` split into value and tolerance."""
-    tolerances: dict[str, float] = {}
-
-    def plain(each: Any, key: str) -> Any:
-        if isinstance(each, Mapping):
-            return {name: plain(part, f"{key}.{name}" if key else str(name)) for name, part in each.items()}
-        if not (isinstance(each, str) and "±" in each):
-            return each
-        if (found := _TOLERANCE.fullmatch(each.strip())) is None:
-            text = f" = {each}: a tolerance in per cent is needed, such as 210 GPa ± 5 %"
-            raise ContradictionError((key, text))
-        tolerances[key] = float(found[2]) / 100
-        try:
-            return float(found[1])
-        except ValueError:
-            return found[1]
-
-    groups = plain(value, "")
-    if tolerances:
-        asked = groups.get("sensitivity") or {}
-        groups["sensitivity"] = {**asked, "tolerances": {**asked.get("tolerances", {}), **tolerances}}
-    return dict(groups)
+def varied(case: Any, key: str) -> Any:
+    """The case with one per cent more of an input."""
+    group = key.partition(".")[0]
+    changed = with_value(case, key, value_at(case, key) * (1 + STEP))
+    if key.endswith("fatigue_torsion"):  # the ratio of the limits stays
+        other = f"{group}.fatigue_bending"
+        changed = with_value(changed, other, value_at(case, other) * (1 + STEP))
+    return changed

@@ -73,8 +73,8 @@ class Sliding(Question):
     def check(self, case: Case) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():
-            if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
-                needed = f"0 is needed with {name}.layer.bottom = frictionless, which bears no shear"
+            if self.friction and body.base == "frictionless":
+                needed = f"0 is needed with {name}.base = frictionless, which bears no shear"
                 yield "sliding.friction", f" = {self.friction:g}: {needed}"
 
     def verdict(self, answer: Answer) -> str:
