@@ -134,7 +134,7 @@ def case_of_map(content: Mapping[str, Any], number: int) -> dict[str, Any]:
     found = copy.deepcopy(dict(content))
     for keys in (*MAP_FILES, (CHECKSUMS, "map"), (CHECKSUMS, "counter_map")):
         if isinstance(given := at(found, keys), list):
-            put(found, keys, given[number])
+            put(found, keys, at(given, [str(number)]))
     return found
 
 

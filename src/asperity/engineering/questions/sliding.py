@@ -28,7 +28,7 @@ def _direction(value: Any) -> str | float:
     """Direction x or y, or an angle in degrees."""
     if value in ("x", "y"):
         return str(value)
-    with suppress(TypeError, ValueError):
+    with suppress(TypeError, ValueError, OverflowError):
         if not isinstance(value, bool) and math.isfinite(angle := float(value)):
             return angle
     raise NeededError("x, y or an angle in degrees from x towards y")
