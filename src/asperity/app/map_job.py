@@ -14,7 +14,7 @@ from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import MAP_FILES, at
+from asperity.engineering.case_file import MAP_FILES, at, case_of_map
 from asperity.engineering.face import RoughFace, read_face
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
@@ -80,9 +80,7 @@ class MapJob:
     def check(self, content: Mapping[str, Any], number: int) -> dict[str, Any]:
         """Problems of a case, constants and description of its map; heights are sent ahead."""
         found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
-        files = at(content, MAP_FILES[0])
-        if isinstance(files, list):  # of a sample the first map is shown
-            content = {**content, "map": {**content["map"], "file": files[0]}}
+        content = case_of_map(content, 0)  # of a sample the first map is shown
         rough = self._of_map(content, found)
         try:
             case = Case.read(content)
@@ -162,7 +160,7 @@ class MapJob:
         """Constants of the bodies that are from the table, and the smooth Hertz contact."""
         constants = {}
         for name, body in case.groups_of_bodies.items():
-            for each in body.of_table:
+            for each in body.from_material:
                 value = getattr(body, each)
                 constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")
         found: dict[str, Any] = {"constants": constants}

@@ -21,7 +21,7 @@ from asperity.app.pictures import AnswerPictures, Ends, MapPictures, Units
 from asperity.app.worker import Worker
 from asperity.core.errors import InputError
 from asperity.core.units import shown_si, to_si
-from asperity.engineering.case_file import MAP_FILES, at, load_case, names_of_maps
+from asperity.engineering.case_file import MAP_FILES, at, case_of_map, load_case, names_of_maps
 from asperity.engineering.question import Row
 
 LONGEST_TEXT = 4000
@@ -170,10 +170,7 @@ class Session:
         files = content["map"]["file"]
         maps = files if isinstance(files, list) else [files]
         names = names_of_maps(maps)
-        contents = {
-            name: {**content, "map": {**content["map"], "file": file}}
-            for name, file in zip(names, maps, strict=True)
-        }
+        contents = {name: case_of_map(content, number) for number, name in enumerate(names)}
         numbered = (self.folder / f"answer_{number}" for number in count(1))
         slot = self._add(names[0], next(folder for folder in numbered if not folder.exists()), "running")
         slot.worker.send("run", contents=contents, folder=str(slot.folder))
