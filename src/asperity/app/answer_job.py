@@ -16,7 +16,7 @@ from asperity.engineering.answer import open_answer
 from asperity.engineering.answer_data import AnswerData, by_topic, load_in_words, without_repeats
 from asperity.engineering.jobs import arranged, computed, sample_of
 from asperity.engineering.records import Advice, Record
-from asperity.engineering.sample import Sample
+from asperity.engineering.sample import SampleData
 from asperity.results.atomic import locked
 from asperity.stress.planes.planes import StressPlane, named_fields
 from asperity.stress.planes.stream import PlaneStream
@@ -80,7 +80,7 @@ class AnswerJob:
     def open(self, folder: str) -> dict[str, Any]:
         """What a folder holds in words and numbers, with the pictures of its answer or of its first map."""
         self._whole = found = open_answer(folder)
-        maps = found.answers if isinstance(found, Sample) else {}
+        maps = found.answers if isinstance(found, SampleData) else {}
         self._answers = maps or {"": found}
         names = ", ".join(maps) or found.face.name
         return {
@@ -106,11 +106,13 @@ class AnswerJob:
         }
 
     def compare(self, names: Sequence[str], folder: str) -> dict[str, Any]:
-        """Verdict and differences of this answer and that of another folder, by their names."""
+        """Verdict, and differences of all numbers, of this answer and that of another folder."""
         from asperity.engineering.show.comparison import compared
 
         found = compared(dict(zip(names, (self._whole, open_answer(folder)), strict=True)))
-        return {"verdict": found.verdict, "text": found.text()}
+        first, second = (found.records[name] for name in names)
+        differences = [found.difference(key, *names) for key in first if key in second]
+        return {"verdict": found.verdict, "differences": differences}
 
     def _look_at(self, name: str) -> None:
         """Forget the planes of the answer of another map."""
@@ -181,16 +183,16 @@ class AnswerJob:
         return {"picture": {"values": section.astype(np.float32), **frame}}
 
 
-def _described(found: AnswerData | Sample) -> dict[str, Any]:
+def _described(found: AnswerData | SampleData) -> dict[str, Any]:
     """Words and records of an answer or a sample, as the page shows them."""
     shown: list[Record] = without_repeats(found.records)
-    of_sample = isinstance(found, Sample)
+    of_sample = isinstance(found, SampleData)
     return {
         "title": found.title,
         "verdict": [*found.verdict],
         "tiles": found.tiles[:MOST_TILES],
         "topics": [
-            (heading, [(each, found.values(each) if isinstance(found, Sample) else ()) for each in records])
+            (heading, [(each, found.values(each) if isinstance(found, SampleData) else ()) for each in records])
             for heading, records in by_topic(found.case, shown)
         ],
         "bodies": len(found.case.different_bodies),

@@ -157,7 +157,7 @@ def _of_case(case: Case) -> dict[str, Any]:
     """Constants of the bodies that are from the table, and the smooth Hertz contact."""
     constants = {}
     for name, body in case.groups_of_bodies.items():
-        for each in body.of_table:
+        for each in body.from_material:
             value = getattr(body, each)
             constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")
     found: dict[str, Any] = {"constants": constants}

@@ -31,7 +31,7 @@ def _direction(value: Any) -> str | float:
     """Direction x or y, or an angle in degrees."""
     if value in ("x", "y"):
         return str(value)
-    with suppress(TypeError, ValueError):
+    with suppress(TypeError, ValueError, OverflowError):
         if not isinstance(value, bool) and math.isfinite(angle := float(value)):
             return angle
     raise NeededError("x, y or an angle in degrees from x towards y")
@@ -51,7 +51,7 @@ class Sliding(Question):
     friction.
     """
 
-    friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
+    friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1, varied=True)
     """Coefficient of friction in gross sliding. It enters the stress; the pressure is computed without
     friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
     direction: Direction | None = optional(
@@ -76,8 +76,8 @@ class Sliding(Question):
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():
-            if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
-                needed = f"0 is needed with {name}.layer.bottom = frictionless, which bears no shear"
+            if self.friction and body.base == "frictionless":
+                needed = f"0 is needed with {name}.base = frictionless, which bears no shear"
                 yield "sliding.friction", f" = {self.friction:g}: {needed}"
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
@@ -90,10 +90,10 @@ class Sliding(Question):
         along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
         force = shown_si(self.friction * stages.numbers.force, "N", 3)
         return Findings(
-            verdict=f"the counter body slides along {along} against a force of friction of {force} on the map",
+            verdict=f"the counter body slides along {along} against a friction force of {force} on the map",
             warnings=warnings,
-            assumption="In gross sliding the shear traction is the coefficient of friction times the pressure; "
-            "the pressure is computed without friction.",
+            assumption="In gross sliding the shear traction is the coefficient of friction times the "
+            "pressure; the pressure is computed without friction.",
         )
 
     def _warnings(self, stages: Stages) -> Iterator[Advice]:
@@ -122,4 +122,3 @@ class Sliding(Question):
         text = f"the contact is solved without friction. {text}"
         short = f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}"
         yield Advice(size > NEGLECTED_COUPLING, "friction in the contact", text, short, size)
-
