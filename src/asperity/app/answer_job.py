@@ -12,11 +12,10 @@ import numpy as np
 from asperity.app.map_job import Ends, along, contents_of, picture
 from asperity.core.errors import InputError
 from asperity.core.types import Array
-from asperity.engineering.answer import open_answer
+from asperity.engineering.answer import Answer, Sample, open_answer
 from asperity.engineering.answer_data import AnswerData, by_topic, load_in_words, without_repeats
 from asperity.engineering.jobs import arranged, computed, sample_of
 from asperity.engineering.records import Advice, Record
-from asperity.engineering.sample import SampleData
 from asperity.results.atomic import locked
 from asperity.stress.planes.planes import StressPlane, named_fields
 from asperity.stress.planes.stream import PlaneStream
@@ -80,7 +79,7 @@ class AnswerJob:
     def open(self, folder: str) -> dict[str, Any]:
         """What a folder holds in words and numbers, with the pictures of its answer or of its first map."""
         self._whole = found = open_answer(folder)
-        maps = found.answers if isinstance(found, SampleData) else {}
+        maps = {} if isinstance(found, Answer) else found.answers
         self._answers = maps or {"": found}
         names = ", ".join(maps) or found.face.name
         return {
@@ -183,20 +182,20 @@ class AnswerJob:
         return {"picture": {"values": section.astype(np.float32), **frame}}
 
 
-def _described(found: AnswerData | SampleData) -> dict[str, Any]:
-    """Words and records of an answer or a sample, as the page shows them."""
+def _described(found: AnswerData | Sample) -> dict[str, Any]:
+    """Words and records of an answer or a sample, as the page shows them; values are those of the maps."""
+    is_answer = isinstance(found, AnswerData)
     shown: list[Record] = without_repeats(found.records)
-    of_sample = isinstance(found, SampleData)
     return {
         "title": found.title,
         "verdict": [*found.verdict],
         "tiles": found.tiles[:MOST_TILES],
         "topics": [
-            (heading, [(each, found.values(each) if isinstance(found, SampleData) else ()) for each in records])
+            (heading, [(each, () if is_answer else found.values(each)) for each in records])
             for heading, records in by_topic(found.case, shown)
         ],
         "bodies": len(found.case.different_bodies),
-        "maps": found.names if of_sample else (),
-        "uncertainties": [] if of_sample else found.uncertainties,
-        "warnings": [Advice(True, "", text) for text in found.warnings] if of_sample else found.warnings,
+        "maps": () if is_answer else found.names,
+        "uncertainties": found.uncertainties if is_answer else (),
+        "warnings": found.warnings if is_answer else [Advice(True, "", text) for text in found.warnings],
     }
