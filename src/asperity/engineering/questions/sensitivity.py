@@ -99,7 +99,11 @@ def _varied_in(group: Settings, key: str) -> dict[str, float]:
         elif value is not None and isinstance(extra := field.json_schema_extra, dict) and extra.get("varied"):
             found[own] = value
     if getattr(group, "base", None) is not None:  # the constants of its layer
-        found = {own: value for own, value in found.items() if own.rpartition(".")[2] not in OF_LAYER or ".layers." in own}
+        found = {
+            own: value
+            for own, value in found.items()
+            if own.rpartition(".")[2] not in OF_LAYER or ".layers." in own
+        }
     return found
 
 
