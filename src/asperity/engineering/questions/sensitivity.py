@@ -98,12 +98,8 @@ def _varied_in(group: Settings, key: str) -> dict[str, float]:
                 found |= _varied_in(each, f"{own}.{number}") if isinstance(each, Settings) else {}
         elif value is not None and isinstance(extra := field.json_schema_extra, dict) and extra.get("varied"):
             found[own] = value
-    if getattr(group, "base", None) is not None:  # the constants of its layer
-        found = {
-            own: value
-            for own, value in found.items()
-            if own.rpartition(".")[2] not in OF_LAYER or ".layers." in own
-        }
+    if getattr(group, "base", None) is not None:  # the body has the constants of its layer
+        return {own: value for own, value in found.items() if own.removeprefix(f"{key}.") not in OF_LAYER}
     return found
 
 
