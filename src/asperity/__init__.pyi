@@ -13,11 +13,11 @@ from .contact import solve_load_path as solve_load_path
 from .elasticity.loaded_solid import LoadedSolid as LoadedSolid
 from .elasticity.solid import Solid as Solid
 from .elasticity.two_bodies import TwoBodies as TwoBodies
+from .engineering.answer import open_answer as open_answer
+from .engineering.answer import pool as pool
+from .engineering.answer import run as run
 from .engineering.case import Case as Case
 from .engineering.continuum import continuum_limit as continuum_limit
-from .engineering.output import write_answer as write_answer
-from .engineering.run import run as run
-from .engineering.sample import pool_answers as pool_answers
 from .fourier import fft_engine as fft_engine
 from .fourier.grid import Grid as Grid
 from .results.dataset import read_result as read_result

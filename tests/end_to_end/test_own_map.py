@@ -104,14 +104,19 @@ def test_the_first_commands_of_the_pages_run(answers, capsys, tmp_path):
     assert len(ADDED) >= 12
 
 
-def test_stages_in_si_run_in_a_row(answers, capsys):
-    stages = re.findall(r"^    (asperity (?:surface|solve|stress|peaks) .*)$", OWN_MAP, re.MULTILINE)
-    assert len(stages) == 4
-    for line in stages:
-        assert main(shlex.split(line)[1:]) == 0
-    printed = capsys.readouterr().out
-    assert "mean pressure 50 MPa" in printed
-    assert "GPa at depth" in printed
+def test_steps_of_the_library_run_in_a_row(answers, capsys):
+    """And their files go through view, export and verify."""
+    found = {}
+    exec(re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)[1], found)
+    assert found["contact"].mean_pressure == pytest.approx(50e6, rel=1e-6)
+    assert float(found["peaks"]["peak_counts"].sum()) > 0
+    for line in (
+        "view contact.nc section y=40um x=0-60um",
+        "export contact.nc stress.nc --peaks all.csv --surface surface.csv",
+        "verify contact.nc stress.nc",
+    ):
+        assert main(line.split()) == 0
+    assert "certificate computed anew" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("flags", ADDED)
@@ -183,7 +188,7 @@ def test_pages_show_every_case():
 def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copy(DATA / "steel.x3p", tmp_path)
-    (example,) = re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)
+    example, _ = re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)
     exec(example, {})
     assert "real contact" in capsys.readouterr().out
     assert dataset.read(tmp_path / "steel/contact.nc").attrs["unit_system"] == "SI"

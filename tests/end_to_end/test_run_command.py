@@ -182,11 +182,11 @@ def refused(capsys):
 
 
 def test_files_that_run_has_not_written_are_kept(path, tmp_path, refused):
-    (tmp_path / "contact.nc").write_text("of asperity solve")
+    (tmp_path / "contact.nc").write_text("of asperity view")
     command = ["run", path, *COMMAND, "--out"]
     assert "holds contact.nc, which asperity run has not written" in refused(*command, tmp_path)
     assert "holds the map; another folder is needed" in refused(*command, path.parent)
-    assert (tmp_path / "contact.nc").read_text() == "of asperity solve"
+    assert (tmp_path / "contact.nc").read_text() == "of asperity view"
 
 
 def test_everything_wrong_is_named_at_once(tmp_path, refused):

@@ -35,6 +35,7 @@ from inputs import (
 
 import asperity as asp
 from asperity.contact import dilute
+from asperity.core.errors import is_refusal
 from asperity.fourier.grid import with_mirror_images
 from asperity.surface.treatment.treatment import make_periodic
 
@@ -478,13 +479,12 @@ def try_run(case):
 # The command line
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-"))
-SOLVE = "--periodic mirrored --detrend tilt --area-fraction 0.2"
 MAP = bad_input.matrix(bad_input.ROWS)
 
 
 @functools.cache
 def files():
-    """Results of a chain of commands."""
+    """Results of the stages of a small study."""
     return bad_input.make_chain(FOLDER)
 
 
@@ -508,11 +508,20 @@ def map_files(draw):
 
 
 def try_map(case):
-    """A damaged map file: solved or refused."""
+    """A damaged map file: pressed by the library, or refused with a line for each problem."""
     content, suffix = case
-    (FOLDER / f"given.{suffix}").write_bytes(content)
-    words = ["solve", f"{FOLDER}/given.{suffix}", *SOLVE.split(), "--out", f"{FOLDER}/given_contact.nc"]
-    random_input.require_answered(words, {}, FOLDER)
+    path = FOLDER / f"given.{suffix}"
+    path.write_bytes(content)
+    random_input.require_answered(["info", str(path)], {}, FOLDER)
+    try:
+        surface = asp.prepare_map(path, periodic="mirrored", detrend="tilt")
+        asp.solve_contact(surface.height, asp.Solid(1.0, 0.3), surface.grid, area_fraction=0.2)
+    except (ValueError, asp.ConvergenceError) as error:
+        if isinstance(error, ValueError) and not is_refusal(error):
+            raise
+        lines = getattr(error, "lines", [str(error)])
+        require(all(line.isprintable() and len(line) < random_input.MAX_MESSAGE for line in lines), "lines")
+        return "refused"
 
 
 TREATED = r"""

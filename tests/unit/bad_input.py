@@ -2,15 +2,19 @@
 
 import contextlib
 import io
-import re
 from pathlib import Path
 
 import numpy as np
-from small_study import SURFACE
+from samples import HALF_SPACE
+from small_study import CONTACT, LAYER, STRESS, SURFACE
 
+import asperity as asp
 from asperity.cli import main as cli
 from asperity.results import dataset
 from asperity.settings import __main__ as config
+from asperity.study.stages.contact import press_surface
+from asperity.study.stages.statistics import SeedResults, surface_statistics
+from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
 
 ROOT = Path(__file__).parents[2]
@@ -70,42 +74,35 @@ STAGES = ("surface", "contact", "stress", "statistics")
 
 
 def make_chain(folder):
-    """Results of one surface, contact, stress and statistics, made in a folder by the command line."""
+    """Results of one surface, contact, stress and statistics, made in a folder by the stages of the study."""
+    surface = make_surface(SMALL, 1)
+    contact = press_surface(surface, LAYER, CONTACT | {"area_fraction": 0.2, "path_area_fractions": [0.2]})
+    stress = compute_stress(contact, LAYER, STRESS)[LAYER["lateral"]]
+    statistics = surface_statistics([SeedResults(1, surface, contact, stress)], 60, 1000, 0.95)
+    settings = {"name": "small", "seed": 1, "surface": SMALL, "layer": LAYER, "stress": STRESS}
     paths = {stage: str(folder / f"{stage}.nc") for stage in STAGES}
-    settings = {"name": "small", "seed": 1, "surface": SMALL}
-    dataset.write(make_surface(SMALL, 1), paths["surface"], "Rough surface", settings)
-    for command in (
-        ["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]],
-        ["stress", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["stress"]],
-        ["peaks", paths["stress"], "--contact", paths["contact"], "--out", paths["statistics"]],
-    ):
-        assert answer(cli.main, command)[0] == 0
+    for path, result in zip(paths.values(), (surface, contact, stress, statistics), strict=True):
+        dataset.write(result, path, "A small study", settings)
     return paths
 
 
 HUGE = "9" * 5000
 SPECTRUM = '{"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}'
-SOLVE = "solve {surface} --out {folder}/c.nc"
-SURFACE = "surface --out {folder}/s.nc"
 RUN = "run {surface} --young 1GPa --poisson 0.3 --unit m --out {folder}/out"
-BAND = "--hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.05 --rms-height 0.001"
-SI_BAND = "--hurst 0.8 --wavelength-long 20um --wavelength-short 4000nm --rms-height 8e-5mm --length 80um"
-
-
-def shortest(wavelength, band=BAND):
-    """Options of a surface with another shortest wavelength."""
-    return re.sub(r"(?<=short )\S+", wavelength, band)
-
 
 COMMANDS = [
     ("polish", 2, "invalid choice: 'polish'"),
-    ("solve s.nc", 2, "the following arguments are required: --out"),
-    ("solve s.nc --out x.nc --area 0.1", 2, "--area: not accepted; did you mean --"),
-    (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
-    ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "--poisson: 0.2 0.2: a list of 1 to 16 distinct items"),
-    ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
-    ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
+    ("solve s.nc", 2, "invalid choice: 'solve'"),
+    ("study init", 2, "the following arguments are required: FOLDER"),
+    ("view {contact} gap --ot x.png", 2, "--ot: not accepted; did you mean --out?"),
+    (f"plan {SPECTRUM} --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
+    ("view {contact} gap --fft-engine \u00fc\x1b[31m", 2, "--fft-engine: 'ü\\x1b[31m': ducc0 or pyfftw or s"),
+    ("view {folder}/none.nc gap", 1, "none.nc: no such file"),
+    ("view {contact} gap --out {folder}", 1, "a folder, the name of a file is needed"),
+    ("view {contact} gap --out x.docx", 1, "x.docx: the name of a picture is needed, ending in .p"),
+    # names that are too long for a file
+    (f"view {{contact}} gap --out {{folder}}/{LONG}", 1, "File name too long"),
+    ("info {surface} --unit 7", 1, "--unit = '7': a unit of length such as nm, um, mm or m"),
     (f"{RUN} --force 1N --force=2N", 2, "--force: given 2 times"),
     (
         f"{RUN} --force 1N --set load_curve.loads={[*range(1, 101)]}".replace(", ", ","),
@@ -121,20 +118,9 @@ COMMANDS = [
         "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma: 1.2GPa) is need",
     ),
     (f"{RUN} --mean-pressure 1MPa --hardness 700HV", 2, "(kPa, MPa, GPa, N/mm^2; 700 HV is 6.865 GPa) or in"),
-    ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
-    ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
-    ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
-    ("plot 7 {statistics} --out {folder}/x.png", 1, "figure 7: a contact file (of asperity solve) is needed"),
-    ("plot 12 {statistics} --out {folder}/x.png", 1, "figure 12 is drawn from the validation of the study o"),
-    ("plot 9 {statistics} --out {folder}/x.docx", 1, "x.docx: the name of a picture is needed, ending in .p"),
-    # names that are too long for a file
-    (f"solve {{surface}} --out {{folder}}/{LONG}", 1, "File name too long"),
-    # Poisson's ratios that were not analysed
-    ("plot 9 {statistics} --poisson 0.2 --out {folder}/x.png", 1, "set --poisson to one of 0, 0.33"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
     ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as"),
     ('plan {"hurst":[', 1, "YAML is needed; "),
-    # options and loads of solve
     ("run map.x3p --poison 0.3", 2, "--poison: not accepted; did you mean --poisson?"),
     (
         "run {surface} --unit m --out {folder}/out --mean-pressure 5MPa",
@@ -143,23 +129,19 @@ COMMANDS = [
     ),
     (f"{RUN} --mean-pressure 5Mpa", 2, "(kPa, MPa, GPa, N/mm^2; did you mean 5 MPa?) is needed"),
     ("run map.x3p --pressure 5MPa", 2, "--pressure: not accepted; did you mean --mean-pressure?"),
+    (
+        f"{RUN} --approach -3nm",
+        2,
+        "--approach = '-3nm': a length > 0 with its unit (nm, um, mm, m) is needed",
+    ),
+    (f"{RUN} --force -.5 N", 2, "--force = '-.5 N': a force > 0 with its unit (mN, N, kN) is needed"),
+    (f"{RUN} --area-fraction -1e-3", 2, "--area-fraction = -0.001: a number > 0 and ≤ 1 is needed"),
     (f"{RUN} --set load.hertz_pressure=1GPa", 2, "load.hertz_pressure: needs radius_x"),
     (f"{RUN} --set load.radius_x=5mm --area-fraction 0.1", 2, "--area-fraction: hertz_pressure, force or m"),
-    (f"{SOLVE} --mean-pressure 50MPa", 1, "--mean-pressure = '50MPa': needs --young and a surface with a"),
-    (f"{SOLVE} --force 3", 1, "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as"),
-    (f"{SOLVE} --approach 0.9", 1, "approach = 0.9: less than 0.0"),
-    # surfaces
-    (f"{SURFACE} {BAND} --length 80", 1, "--length = '80': a number with a unit of length"),
-    (f"{SURFACE} {shortest('2um')}", 1, "--wavelength-short = '2um': a number in cell lengths is needed, or"),
-    (f"{SURFACE} {shortest('0.5')}", 1, "--wavelength-short = 0.5: at most 0.25, the longest, is needed"),
-    (f"{SURFACE} {shortest('1e-4')}", 1, "--points = 80000, the default: a whole number"),
-    (f"{SURFACE} {SI_BAND} --points 16", 1, "--points = 16: at least 40 are needed, two on"),
-    (f"{SURFACE} {BAND} --skewness 1", 1, "--skewness, --kurtosis: both are needed, or none of them"),
-    (f"{SURFACE} {BAND} --skewness 1 --kurtosis 2", 1, "--skewness = 1.0, --kurtosis = 2.0: no Johnson"),
     # exports
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
     ("export {folder}", 1, "{folder}: a folder; a file in it is needed, such as {folder}/contact.nc"),
-    ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity stress) is needed, none is"),
+    ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity run or asp.analyse_stress)"),
     ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv or .parquet is needed"),
     ("export {contact} --field xx f.vti", 1, "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is"),
     ("export {contact} --field xx:1 f.vti", 1, "--field = '1': a range such as 0-0.1 is needed"),
@@ -196,15 +178,46 @@ class Intruder:
         return open, ("pwned", "w")
 
 
-MIRRORED = "--periodic mirrored"
+MIRRORED = {"periodic": "mirrored"}
 MAPS = [
-    ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
-    ("nan.asc", matrix([*ROWS[:7], ["nan", *ROWS[7][1:]]]), MIRRORED, "--undefined: 1 points of the map"),
-    ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
+    ("map.asc", matrix(ROWS), {}, "set it to declared, mirrored or windowed"),
+    ("nan.asc", matrix([*ROWS[:7], ["nan", *ROWS[7][1:]]]), MIRRORED, "undefined: 1 points of the map"),
+    ("bare.asc", matrix(ROWS, ""), MIRRORED, "physical_size: the file does not say"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
-    ("short.asc", matrix(ROWS), MIRRORED + " --wavelength-short 1e-4", "--wavelength-short = 0.0001: a numb"),
+    ("short.asc", matrix(ROWS), MIRRORED | {"wavelength_short": 1e-4}, "wavelength_short = 100 µm: a number"),
     ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is of format x3p, its"),
 ]
+
+STEP = {"method": "active_set", "approach": 0.9, "tolerance": 1e-6, "precision": "float64"}
+
+
+def loaded(of):
+    """The half-space under the pressure of a chain."""
+    return asp.LoadedSolid(of("contact").pressure.values, asp.Grid((64, 64)), HALF_SPACE)
+
+
+BAND = {"hurst": 0.8, "wavelength_long": 0.25, "wavelength_short": 0.05, "rms_height": 0.001, "seed": 1}
+CALLS = [
+    (lambda of: asp.self_affine((64, 64), **BAND | {"wavelength_short": 0.5}), "wavelength_short = 0.5: "),
+    (lambda of: asp.self_affine((16, 16), **BAND), "wavelength_short = 0.05: "),
+    (lambda of: asp.surface.with_moments(asp.self_affine((64, 64), **BAND), 1.0, 2.0), "no Johnson curve"),
+    (lambda of: press_surface(of("surface"), LAYER, STEP), "approach = 0.9: less than 0.0"),
+    (
+        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, area_fraction=10**400),
+        "area_fraction = 1",
+    ),
+    (
+        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, area_fraction=-0.1),
+        "area_fraction = -0.1",
+    ),
+    (lambda of: asp.analyse_stress(loaded(of), poisson=[0.2, 0.2]), "poisson = 0.2: given 2 times"),
+    (lambda of: asp.stress.pool_peaks([of("stress")] * 2, [0.1], bins=20), "gradients"),
+    (lambda of: asp.read_result("none.nc"), "none.nc: no such file"),
+    (lambda of: asp.write_result(of("contact"), LONG, "Contact"), "File name too long"),
+    (lambda of: asp.write_result(of("contact"), ".", "Contact"), "is needed"),
+    (lambda of: of("contact").asperity.plot().savefig("x.docx"), "is not supported"),
+]
+"""Calls of the library with the results of a chain by stage, and the line that each is answered with."""
 
 
 def answer(function, arguments):
@@ -231,9 +244,3 @@ def answer_to_command(text, files, folder):
     for name, path in {**files, "folder": str(folder)}.items():
         text = text.replace(f"{{{name}}}", path)
     return answer(cli.main, [part for part in text.split(" ") if part])
-
-
-def answer_to_map(name, content, options, folder):
-    """Exit code and message for a height map."""
-    (folder / name).write_bytes(content)
-    return answer(cli.main, ["solve", str(folder / name), "--out", str(folder / "out.nc"), *options.split()])

@@ -23,20 +23,20 @@ CONFIGURATION = yaml.safe_load(Path(PAPER).read_text(encoding="utf-8"))
 for surface in CONFIGURATION["surfaces"].values():
     surface["label"] = "plain"  # mathematics takes long to parse
 COMMANDS = (
-    "solve {surface} --area-fraction 0.2 --out {folder}/new.nc",
-    "stress {contact} --poisson 0.33 --out {folder}/new.nc",
-    "peaks {stress} --contact {contact} --out {folder}/new.nc",
-    "plot 9 {statistics} --out {folder}/x.png",
+    "view {contact} plane depth=max --poisson 0.33 --out {folder}/x.png",
+    "export {contact} {stress} --peaks {folder}/new.csv --field xx:0-0.1 {folder}/new.vti",
+    "verify {contact}",
+    "info {surface} --unit um",
     "run {surface} --young 70GPa --mean-pressure 1MPa --set map.points=8 --out {folder}/answer",
-    "surface --help",
+    "view --help",
     'plan {"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}',
 )
 VOCABULARY = """
-    solve stress peaks plot plan run surface view export --young --set map.radius=1mm --periodic
-    body.hardness= 1e-300 1e300 1e400 --material 100Cr6 --mean-pressure --case load_curve.loads=[1]
-    --friction --counter-young 70GPa --physical-size --contact --path --poisson --points --periodic --detrend
-    --undefined --help --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins
-    --confidence --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3
+    plan run info verify view export gap section plane peaks y=0.5 depth=max --young --set --periodic
+    map.radius=1mm body.hardness= 1e-300 1e300 1e400 --material 100Cr6 --mean-pressure --case
+    load_curve.loads=[1] --friction --counter-young 70GPa --physical-size --field --peaks --surface --profile
+    --poisson --detrend --unit --help --version --out --area-fraction --spacing --channel --missing
+    --body upper --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3
     --hardness --save --counter-material --counter-map --sliding-direction 1GPa s.yaml
     9 16 24 -- - = % %s { float32 bonded von_mises {surface} {contact} {stress} {statistics} {folder}/none.nc
 """

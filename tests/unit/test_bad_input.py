@@ -5,8 +5,11 @@ from pathlib import Path
 
 import pytest
 import random_input
-from bad_input import COMMANDS, CONFIGS, MAPS, ROOT, answer_to_command, answer_to_config, answer_to_map
+from bad_input import CALLS, COMMANDS, CONFIGS, MAPS, ROOT, answer_to_command, answer_to_config
 from hypothesis import given, settings
+
+import asperity as asp
+from asperity.results import dataset
 
 few = settings(max_examples=20)
 """The same examples in every run; `make fuzz` draws new ones."""
@@ -54,13 +57,21 @@ def test_wrong_command_line_is_answered(chain, chain_in_si, folder, arguments, e
 @pytest.mark.parametrize(("name", "content", "options", "line"), MAPS)
 def test_wrong_height_map_is_answered(folder, name, content, options, line):
     pytest.importorskip("SurfaceTopography")
-    code, said = answer_to_map(name, content, options, folder)
-    assert code == 1
-    assert line in said
-    for problem in said.splitlines(keepends=True):
-        require_one_line(problem, "asperity: ", "")
-        assert name in problem
+    (folder / name).write_bytes(content)
+    with pytest.raises(asp.MapError) as error:
+        asp.prepare_map(name, **options)
+    assert line in str(error.value)
+    for problem in error.value.lines:
+        require_one_line(f"{problem}\n", name, "")
     assert os.listdir(folder) == [name]
+
+
+@pytest.mark.parametrize(("call", "line"), CALLS)
+def test_wrong_call_is_answered(chain, folder, call, line):
+    with pytest.raises((ValueError, TypeError, dataset.DatasetError)) as error:
+        call(lambda stage: dataset.read(chain[stage]))
+    require_one_line(f"{error.value}\n", "", line)
+    assert not os.listdir(folder)
 
 
 @few

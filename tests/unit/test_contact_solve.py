@@ -240,6 +240,12 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(np.diag([np.nan] + 15 * [0.0])), ".*1 of 256 nodes are not finite"),
     (lambda: pressed(boundary="open"), "boundary = 'open': one of periodic, free is needed"),
     (lambda: pressed(FLAT, SLAB, boundary="free"), "boundary = 'free': half-spaces are .* of height 1"),
+    (  # in units of the heights it would be another number
+        lambda: asp.solve_contact(
+            1e-7 * np.eye(8), asp.Solid(2e11, 0.3, height=1e-5), 1e-4, mean_pressure=1e6, boundary="free"
+        ),
+        "boundary = 'free': half-spaces are .* of height 1e-05, under",
+    ),
     (lambda: pressed(method="gfmd", boundary="free"), "method = 'gfmd': active_set is needed for boundary ="),
     (lambda: covering(1e-60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
     (
@@ -259,7 +265,7 @@ test_wrong_argument_is_refused = refuses(
     ),
     (
         lambda: solve_load_path(FLAT, HALF_SPACE, forces=[1], hardnes=1),
-        "hardnes: not an argument of solve; did",
+        "hardnes: not an argument of solve_load_path; did",
     ),
     (lambda: pressed(hardness=-np.inf), "hardness = -inf: a number > 0, .* or inf for an elastic contact"),
     (

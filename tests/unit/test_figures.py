@@ -6,11 +6,12 @@ from matplotlib.figure import Figure
 from small_study import CONTACT, LAYER
 
 from asperity.fourier.grid import Grid
-from asperity.paper.figures import cases, cell, figures_of, peaks
+from asperity.paper.figures import cases, cell, draw, figures_of, known, peaks
 from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
 from asperity.study.stages.contact import press_surface
 from asperity.surface.roughness import surface_dataset
+from asperity.views.style import save, style
 
 
 def density_axis(*lines):
@@ -117,3 +118,15 @@ def test_results_are_a_tree_of_stages_studies_surfaces():
     assert tree("fig12") == {"validation": {"punch": "validation/punch"}}
     assert tree("peaks_mine") == {"statistics": {"d": "statistics/d"}}
     assert not {"fig10_measured", "fig01", "poisson_decay_mine"} & figures.keys()
+
+
+@pytest.mark.parametrize(
+    ("name", "stages"), [("fig07", ["contact"]), ("fig09", ["statistics"]), ("fig14", ["statistics"])]
+)
+def test_figures_of_the_paper_are_drawn(chain, tmp_path, name, stages):
+    """From the results of one surface, as the rule of the study draws them."""
+    shown = {stage: {"small": dataset.read(chain[stage])} for stage in stages}
+    pictures = [tmp_path / "figure.png", tmp_path / "figure.pdf"]
+    with style():
+        save(draw(known()[name], shown), *pictures)
+    assert all(picture.stat().st_size > 3000 for picture in pictures)

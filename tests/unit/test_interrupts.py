@@ -8,12 +8,13 @@ from importlib import import_module
 import numpy as np
 import pytest
 
+import asperity as asp
 from asperity.cli.main import INTERRUPTED, main
 
 COMMANDS = {
     "run": "{map} --unit um --physical-size 16um 16um --set 'map.orientation=peaks up' --young 1GPa "
     "--poisson 0.3 --area-fraction 0.1 --out {out}/x",
-    "stress": "{contact} --out {out}/x.nc",
+    "export": "{contact} --field xx:0-0.1 {out}/x.vti",
     "view": "{contact} pressure --out {out}/x.png",
     "plan": "'{{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}}'",
 }
@@ -30,7 +31,7 @@ def signalling(number, genuine):
 
 
 @pytest.mark.parametrize(
-    ("command", "number"), [*((command, signal.SIGINT) for command in COMMANDS), ("stress", signal.SIGTERM)]
+    ("command", "number"), [*((command, signal.SIGINT) for command in COMMANDS), ("export", signal.SIGTERM)]
 )
 def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypatch):
     """After the computation, before a file gets its name or the answer is printed."""
@@ -48,3 +49,16 @@ def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypa
     assert capfd.readouterr().err.splitlines()[-1] == f"asperity: {INTERRUPTED}"
     assert not [path for path in out.rglob("*") if path.is_file()]
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == handlers
+
+
+def test_interrupted_write_leaves_nothing(chain, tmp_path, monkeypatch):
+    """The library: the file as it was before, and nothing half written."""
+    contact, path = asp.read_result(chain["contact"]), tmp_path / "contact.nc"
+    asp.write_result(contact, path, "Contact")
+    before = path.read_bytes()
+    for name in ("rename", "replace"):
+        monkeypatch.setattr(os, name, signalling(signal.SIGINT, getattr(os, name)))
+    with pytest.raises(KeyboardInterrupt):
+        asp.write_result(2 * contact, path, "Contact")
+    assert os.listdir(tmp_path) == ["contact.nc"]
+    assert path.read_bytes() == before

@@ -53,7 +53,6 @@ def status(*words):
         return ended.code
 
 
-SOLVE = ["solve", "mine.txt", "--periodic", "mirrored", "--out"]
 RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
 COUNTER = ["--counter-map", "other.txt", "--counter-material", "100Cr6"]
 
@@ -69,9 +68,6 @@ COUNTER = ["--counter-map", "other.txt", "--counter-material", "100Cr6"]
         ([*RUN, "--save", ""], "--save = '': a name is needed"),
         (["run", "mine.txt", *STEEL, "--out", "mine.txt/b"], "mine.txt is a file"),
         (["run", "mine.txt", *STEEL, "--out", "used"], "holds section.png, which asperity run has"),
-        ([*SOLVE, "mine.txt"], "--out mine.txt: is read too"),
-        ([*SOLVE, "study.yaml"], "--out study.yaml: asperity has not written this file"),
-        ([*SOLVE, ""], "--out = '': the name of a file is needed"),
     ],
 )
 def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
@@ -134,7 +130,8 @@ def test_exports_and_pictures_replace_only_own_files(folder, chain, capsys):
         (["export", contact, "--surface", contact], f"--surface {contact}: is read too"),
         (["view", contact, "gap", "--out", "v.png", "v.png"], "--out v.png: named twice"),
         (["view", contact, "gap", "--out", "v.xyz"], "v.xyz: the name of a picture is needed"),
-        (["plot", "7", contact, "--out", "v.png", "./v.png"], "--out ./v.png: named twice"),
+        (["view", contact, "gap", "--out", "v.png", "./v.png"], "--out ./v.png: named twice"),
+        (["view", contact, "gap", "--out", ""], "--out = '': the name of a file is needed"),
     ):
         assert status(*words) == 1
         assert line in capsys.readouterr().err

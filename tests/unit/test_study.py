@@ -92,3 +92,46 @@ def test_study_has_the_estimates_of_the_library():
     scale = found["continuum_gradient_rms_contact"].sel(kind="estimate")
     quantile = found["continuum_peak_quantile"].sel(of).sel(level=0.99) * scale
     np.testing.assert_allclose(quantile, expected["p99"].sel(of), rtol=0.01)
+
+
+def test_library_in_si_has_the_numbers_of_the_study():
+    """A surface with materials and a load in SI is computed by the library; the study has no units."""
+    edge, young = 80e-6, 210e9
+    modulus = young / (1 - LAYER["poisson"] ** 2)
+    size = {name: SURFACE[name] * edge for name in ("wavelength_long", "wavelength_short", "rms_height")}
+    height = asp.self_affine((64, 64), SURFACE["hurst"], **size, seed=1, length=edge)
+    _, surface, study, stress = results_of(1)
+    np.testing.assert_allclose(height / edge, surface["height"], rtol=0, atol=1e-15)
+    contact = asp.solve_contact(height, asp.Solid(young, LAYER["poisson"]), edge, area_fraction=0.1)
+    np.testing.assert_allclose(
+        contact.pressure / modulus, study["pressure"], atol=1e-5 * float(study["pressure"].max())
+    )
+    np.testing.assert_allclose(contact.gap / edge, study["gap"], atol=1e-8)
+    depths = stress["plane_depth"].values * edge
+    own = asp.analyse_stress(contact, depths, poisson=STRESS["poisson"], tolerance=STRESS["tolerance"])
+    assert own.sizes["peak"] == stress.sizes["peak"]
+    for name, unit in {"peak_value": modulus, "peak_depth": edge}.items():
+        np.testing.assert_allclose(own[name] / unit, stress[name], rtol=1e-4, atol=1e-8)
+
+
+def test_given_heights_at_one_spectrum(tmp_path):
+    """From moments, a honed surface and a map, turned over and without its missing points."""
+    gaussian = asp.self_affine((64, 64), 0.8, 0.25, 0.125, 1e-3, seed=1)
+    heights = np.random.default_rng(1).gamma(2.0, size=(30, 40)) * 1e-6
+    heights[3, 4] = np.nan
+    np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
+    of_map = {"file": str(tmp_path / "map.csv"), "physical_size": ["3 um", "4 um"], "unit": "m"}
+    surface = asp.HeightMap(heights, (3e-6, 4e-6))
+    level = asp.prepare_map(surface, periodic="none", undefined="harmonic").height
+    plateau = {"rpq": 0.2, "rvq": 0.6, "rmq": 60.0}
+    for given, distribution in (
+        ({"moments": {"skewness": 0.5, "kurtosis": 4.0}}, {"moments": (0.5, 4.0)}),
+        ({"plateau": plateau}, {"plateau": (0.2, 0.6, 60.0)}),
+        ({"map": of_map | {"orientation": "peaks up"}}, {"sample": level[np.isfinite(heights)]}),
+    ):
+        made = make_surface(SURFACE | {"heights": given}, 1)
+        shaped = asp.surface.with_heights(gaussian, **distribution)
+        np.testing.assert_allclose(made["height"], shaped.height, rtol=0, atol=1e-15)
+        assert float(made["heights_residual"]) == pytest.approx(shaped.heights_residual)
+    with pytest.raises(asp.MapError, match=r"map.csv: orientation: "):
+        make_surface(SURFACE | {"heights": {"map": of_map}}, 1)

@@ -6,7 +6,7 @@ import shutil
 from hashlib import sha256
 
 import pytest
-from small_study import SETTINGS, STRESS, results_of
+from small_study import SETTINGS, results_of
 
 from asperity.cli.main import main
 from asperity.results import dataset
@@ -69,19 +69,15 @@ def test_a_later_run_keeps_damage_visible(results):
 def test_a_result_that_lacks_something_is_an_error(tmp_path, capsys):
     """Made by someone who can compute a fingerprint; a damaged file is refused before."""
     _, _, contact, stress = results_of(1)
-    without = contact.copy(deep=False)
-    del without.attrs["solid"]
-    files = {"stress": stress, "without": without, "unloaded": contact.assign(pressure=0 * contact.pressure)}
+    files = {"contact": contact.drop_vars("gap"), "stress": stress.drop_vars("peak_value")}
     for name, data in files.items():
-        own = SETTINGS | {"stress": STRESS} if name == "stress" else SETTINGS
-        dataset.write(data, tmp_path / f"{name}.nc", name, own)
-    paths = {name: str(tmp_path / f"{name}.nc") for name in (*files, "out")}
-    for words, line in (
-        (["stress", paths["without"]], "KeyError: 'solid'"),
-        (["peaks", paths["stress"], "--contact", paths["unloaded"]], "ZeroDivisionError: Weights sum to"),
-    ):
-        assert main([*words, "--out", paths["out"]]) == 1
-        said = capsys.readouterr().err
-        assert said.startswith("Traceback")
-        assert line in said
-        assert "asperity: an error of asperity itself, or a result file" in said.splitlines()[-1]
+        dataset.write(data, tmp_path / f"{name}.nc", name, SETTINGS)
+    assert main(["verify", str(tmp_path / "contact.nc")]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("Traceback")
+    assert "KeyError: " in said
+    assert "asperity: an error of asperity itself, or a result file" in said.splitlines()[-1]
+    assert main(["export", str(tmp_path / "stress.nc"), "--peaks", str(tmp_path / "p.csv")]) == 1
+    assert capsys.readouterr().err.endswith(
+        "a result of no stage, one of surface or contact or stress is needed\n"
+    )

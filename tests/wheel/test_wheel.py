@@ -24,24 +24,26 @@ from asperity.cli.parser import parse
 from asperity.core.packages import ALTERNATIVES, PACKAGES
 
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
-SURFACE = "--hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125 --rms-height 1e-3 --points 64"
+RESULTS = """
+import asperity as asp
+height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.1)
+contact.to_netcdf("c.nc")
+asp.write_result(asp.analyse_stress(contact).assign_attrs(unit_system="SI"), "t.nc", "Stress")
+"""
+"""Makes the results that the commands take."""
 STEEL = ROOT / "tests/data/steel.x3p"
 COMMANDS = (
     ("", ["plan", SPECTRUM]),
-    ("", f"surface --out s.nc {SURFACE}".split()),
-    ("", ["solve", "s.nc", "--out", "c.nc"]),
     ("", ["verify", "c.nc"]),
-    ("", ["stress", "c.nc", "--out", "t.nc"]),
-    ("", ["peaks", "t.nc", "--contact", "c.nc", "--out", "p.nc"]),
     ("", ["export", "t.nc", "--peaks", "p.csv"]),
-    ("", ["export", "c.nc", "--field", "von_mises:0-0.1", "f.vti"]),
+    ("", ["export", "c.nc", "--field", "von_mises:0-0.1m", "f.vti"]),
     ("", ["study", "init", "study"]),
-    ("plot", ["view", "s.nc", "height"]),
-    ("plot", ["plot", "9", "p.nc", "--out", "f.png"]),
+    ("plot", ["view", "c.nc", "height"]),
     ("maps", ["info", str(STEEL.with_suffix(".gwy"))]),
     ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --mean-pressure 50MPa --out steel".split()),
 )
-"""Extra that a command needs, and the command; each uses the results of those before."""
+"""Extra that a command needs, and the command."""
 
 pytestmark = pytest.mark.xdist_group("wheel")  # what is built and installed is shared
 
@@ -129,8 +131,8 @@ def test_the_commands_are_accepted():
 
 
 def test_commands_work_outside_the_project(shared):
-    found = shared.run("asperity", *COMMANDS[1][1])
-    assert found.returncode == 0, found.stderr
+    for found in (shared.run("python", "-c", RESULTS), shared.run("asperity", "verify", "c.nc", "t.nc")):
+        assert found.returncode == 0, found.stderr
     where = shared.run("python", "-c", "import asperity; print(asperity.__file__, asperity.__version__)")
     assert str(shared.packages) in where.stdout
     assert where.stdout.endswith(f" {asperity.__version__}\n")
@@ -156,6 +158,8 @@ def test_commands_work_or_name_the_missing_extra(built, tmp_path, extra):
     environment = Environment(tmp_path)
     install(environment, built, extra)
     extras = [*PACKAGES, *ALTERNATIVES]
+    made = environment.run("python", "-c", RESULTS)
+    assert made.returncode == 0, made.stderr
     for needed, command in COMMANDS:
         found = environment.run("asperity", *command)
         if extras.index(needed) <= extras.index(extra):

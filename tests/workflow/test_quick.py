@@ -15,6 +15,8 @@ from types import SimpleNamespace
 import pytest
 from project import QUICK, ROOT, STUDY, copy_project, run, snakemake, snakemake_here
 
+import asperity
+
 
 def test_manifest_holds_every_result(quick_study):
     results = quick_study.results
@@ -48,15 +50,38 @@ def test_own_figure_is_drawn_from_results(quick_study, tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.glob("*.png")} == {"von_mises_peaks.png", "pressure.png"}
 
 
-@pytest.fixture(scope="module")
-def rules():
-    """Functions of the workflow that find the code of a job."""
-    folder = SimpleNamespace(get_path_or_uri=lambda **_: str(ROOT / "workflow/rules"))
-    given = {"config": {"fft_engine": "ducc0"}, "workflow": SimpleNamespace(current_basedir=folder)}
+def rules_in(folder):
+    """Functions of the workflow in a folder that find the code of a job."""
+    place = SimpleNamespace(get_path_or_uri=lambda **_: str(folder / "workflow/rules"))
+    given = {"config": {"fft_engine": "ducc0"}, "workflow": SimpleNamespace(current_basedir=place)}
     return runpy.run_path(str(ROOT / "workflow/rules/code.smk"), given)
 
 
+@pytest.fixture(scope="module")
+def rules():
+    """Functions of the workflow of the project."""
+    return rules_in(ROOT)
+
+
 STAGES = {"contact", "stress", "statistics", "validation", "claims", "figures"}
+
+
+@pytest.mark.parametrize(("library", "project"), [("a library", "b"), ("b", "a project")])
+def test_the_hash_of_code_does_not_depend_on_its_folders(rules, tmp_path, monkeypatch, library, project):
+    """Library and scripts are copied, in both orders, files of a folder in another order."""
+    made = shutil.copytree(rules["LIBRARY"], tmp_path / library, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(rules["SCRIPTS"], tmp_path / project / "workflow/scripts")
+    monkeypatch.setattr(asperity, "__file__", str(made / "__init__.py"))
+    found = Path.rglob
+    monkeypatch.setattr(Path, "rglob", lambda *given: sorted(found(*given), reverse=True))
+    copied = rules_in(tmp_path / project)
+    assert copied["LIBRARY"] == made
+    for name in (*STAGES, "report_page"):
+        assert copied["code_of"](f"{name}.py") == rules["code_of"](f"{name}.py"), name
+    with open(made / "results/variables.yaml", "a", encoding="utf-8") as file:
+        file.write("\n")
+    changed = rules_in(tmp_path / project)
+    assert all(changed["code_of"](f"{name}.py") != rules["code_of"](f"{name}.py") for name in STAGES)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +124,7 @@ for node in ast.parse(pathlib.Path(sys.argv[1]).read_text()).body:
     if isinstance(node, (ast.Import, ast.ImportFrom)):
         exec(ast.unparse(node))
 names = {name for name in sys.modules if name.startswith("asperity.")}
-print(*(sys.modules[name].__file__ for name in names))
+print(*(sys.modules[name].__file__ for name in names), sep="\\n")
 """
 
 
@@ -107,7 +132,8 @@ print(*(sys.modules[name].__file__ for name in names))
 def test_all_that_a_script_imports_is_hashed(rules, name):
     """Python itself says which modules those are."""
     path = ROOT / "workflow/scripts" / name
-    imported = {Path(file) for file in run(ROOT, sys.executable, "-c", IMPORTED, str(path)).stdout.split()}
+    said = run(ROOT, sys.executable, "-c", IMPORTED, str(path)).stdout
+    imported = {Path(file) for file in said.splitlines()}
     hashed = {file for file in rules["files_of"](name) if isinstance(file, Path)}
     assert imported
     assert imported <= hashed
@@ -124,21 +150,25 @@ def test_wrong_configuration_ends_before_any_job(tmp_path):
     assert not (folder / "results").exists()
 
 
-def test_a_copied_study_is_complete_and_an_edited_file_is_noticed(quick_study, tmp_path):
-    """Copied without the times of its files; every result is as new as an adversary would have it."""
+@pytest.mark.parametrize("newest", [2e9, 1e9])
+def test_a_copied_study_is_complete_and_an_edited_file_is_noticed(quick_study, tmp_path, newest):
+    """Copied without the times of its files and without empty folders; every result is as new as an
+    adversary would have it, and all are newer or older than the scripts that made them.
+    """
     shutil.copytree(
         quick_study.folder.parent, tmp_path, symlinks=True, copy_function=shutil.copyfile, dirs_exist_ok=True
     )
     folder, copied = (tmp_path / path.name for path in (quick_study.folder, quick_study.results))
+    (folder / ".snakemake/incomplete").rmdir()  # Snakemake then converts its folder
     results = sorted(path for path in copied.rglob("*") if path.is_file())
     stages = ("surface", "contact", "stress", "statistics")
     for path in results:  # the earlier the stage, the newer the file
         stage = path.relative_to(copied).parts[0]
-        time = 2e9 - 1e6 * (stages.index(stage) if stage in stages else len(stages))
+        time = newest - 1e6 * (stages.index(stage) if stage in stages else len(stages))
         os.utime(path, (time, time))
     assert "Nothing to be done" in snakemake_here(folder, *STUDY, "--dry-run")
     edited = next(path for path in results if path.match("contact/*/*.nc"))
     with open(edited, "ab") as file:
         file.write(b"\0")
-    os.utime(edited, (2e9, 2e9))
+    os.utime(edited, (newest, newest))
     assert re.search(r"^stress +1$", snakemake_here(folder, *STUDY, "--dry-run"), re.MULTILINE)

@@ -12,9 +12,7 @@ from asperity.core.packages import NAMES
 LIBRARY = Path(asperity.__file__).parent
 SCRIPTS = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "scripts"
 # Files that modules read, found by their names in the modules.
-DATA = {
-    path.name: path for path in LIBRARY.rglob("*") if path.suffix in (".csv", ".j2", ".mplstyle", ".yaml")
-}
+DATA = [path for path in LIBRARY.rglob("*") if path.suffix in (".csv", ".j2", ".mplstyle", ".yaml")]
 # Packages whose version may change a number.
 WATCHED = ("numpy", "scipy", "numba", "SurfaceTopography", "mpmath", "skfem")
 
@@ -38,7 +36,10 @@ def used_by(path):
         return set()
     text = path.read_text(encoding="utf-8")
     words = set(re.findall(r'"([\w.]+)', text))
-    found = {file for name, file in DATA.items() if name in words}
+    named = [file for file in DATA if file.name in words]
+    beside = {file.name for file in named if file.parent == path.parent}
+    # Of files of one name in several folders, a module reads the one beside it.
+    found = {file for file in named if file.parent == path.parent or file.name not in beside}
     found |= {name for name in WATCHED if any(word.startswith(f"{name}.") for word in words)}
     for name in imported(ast.parse(text).body):
         package, *parts = name.split(".")
@@ -70,8 +71,14 @@ def code_of(script, *modules):
     if LIBRARY / "views/style.py" in used:
         packages.add("matplotlib")
     digest = hashlib.sha256()
-    for file in sorted(each for each in used if isinstance(each, Path)):
-        digest.update(file.read_bytes())
+    # By names below the two folders: where they are, and which stands first, does not reach the hash.
+    files = {
+        file.relative_to(SCRIPTS.parent if file.parent == SCRIPTS else LIBRARY).as_posix(): file
+        for file in used
+        if isinstance(file, Path)
+    }
+    for name, file in sorted(files.items()):
+        digest.update(f"{name} {hashlib.sha256(file.read_bytes()).hexdigest()}\n".encode())
     for name in sorted(packages):
         try:
             digest.update(f"{name} {version(name)}".encode())

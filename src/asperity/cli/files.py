@@ -12,7 +12,10 @@ import netCDF4
 import xarray as xr
 
 from asperity.core.errors import shown
-from asperity.core.units import shown_si, to_si
+from asperity.core.units import to_si
+from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.answer_files import read_data
+from asperity.engineering.folder import DATA, names_in
 from asperity.results import dataset
 from asperity.results.atomic import write_problem
 
@@ -26,17 +29,14 @@ OWN_BEGIN = {
 }
 """Suffix → pattern of the first bytes of files that the commands write."""
 
-MAKERS = {
-    "surface": "asperity surface",
-    "contact": "asperity solve",
-    "stress": "asperity stress",
-    "statistics": "asperity peaks",
-}
-"""Stage → command that makes its results."""
+MAKERS = {"contact": "asp.solve_contact", "stress": "asp.analyse_stress"}
+"""Stage → function of the library that makes its results, besides `asperity run` and the study."""
 
 
-def read_result(path: str | Path, stages: Collection[str]) -> tuple[str, xr.Dataset]:
-    """Stage and content of a result file of one of the accepted stages.
+def read_results(path: str | Path, stages: Collection[str]) -> dict[str, Any]:
+    """Stage → result of a file, or of the folder of an answer, of the accepted stages.
+
+    The contact of an answer is the answer itself: film, slip, coating and residual stress load its bodies.
 
     Raises
     ------
@@ -45,39 +45,28 @@ def read_result(path: str | Path, stages: Collection[str]) -> tuple[str, xr.Data
     DatasetError
         If it is missing or damaged.
     """
+    path = Path(path)
+    folder = path if path.is_dir() else path.parent
+    is_answer = DATA in names_in(folder)
+    if path.is_dir():
+        answer = read_data(folder, AnswerData)
+        surface = dataset.read(folder / "surface.nc") if "surface" in stages else None
+        known = {"surface": surface, "contact": answer, "stress": answer.stress["lower"]}
+        return {stage: known[stage] for stage in stages}
     data = dataset.read(path)
     stage = dataset.stage_of(data)
     if stage is None or stage not in stages:
-        known = " or ".join(stages)
-        raise ValueError(f"{path}: a result of {stage or 'no stage'}, one of {known} is needed")
-    return stage, data
+        known_stages = " or ".join(stages)
+        raise ValueError(f"{path}: a result of {stage or 'no stage'}, one of {known_stages} is needed")
+    return {stage: read_data(folder, AnswerData) if is_answer and path.name == "contact.nc" else data}
 
 
 def required(given: Mapping[str, Any], stage: str, what: str) -> Any:
     """The result of a stage, which an option or a figure needs; `ValueError` if none is given."""
     if stage not in given:
-        maker = f" (of {MAKERS[stage]})" if stage in MAKERS else ""
+        maker = f" (of asperity run or {MAKERS[stage]})" if stage in MAKERS else ""
         raise ValueError(f"{what}: a {stage} file{maker} is needed, none is given")
     return given[stage]
-
-
-def read_stage(path: str | Path, stage: str) -> xr.Dataset:
-    """Read a result file of one stage.
-
-    Raises
-    ------
-    ValueError
-        If it is a result of another stage, or of ``asperity run``.
-    DatasetError
-        If it is missing or damaged.
-    """
-    _, data = read_result(path, [stage])
-    if "map" in dataset.settings_of(data):
-        raise ValueError(
-            f"{path}: a result of asperity run, which computes all stages itself; a result of "
-            "asperity surface, solve or stress is needed"
-        )
-    return data
 
 
 def is_result(path: str | Path) -> bool:
@@ -128,16 +117,9 @@ _RANGE = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?\s*[A-Za-zµμ]*)\s*(?:-|\.\.
 _BARE = re.compile(r"[+-]?[\d.]+(?:[eE][+-]?\d+)?")
 
 
-def is_si(data: xr.Dataset) -> bool:
+def is_si(data: Any) -> bool:
     """True for a result in SI."""
-    return data.attrs.get("unit_system") == "SI"
-
-
-def in_words(value: float, unit: str, si: bool) -> str:
-    """A number in SI with its unit, or one in the units of the study."""
-    if si:
-        return shown_si(value, unit)
-    return f"{value:.6g} E*" if unit == "Pa" else f"{value:.6g}"
+    return isinstance(data, AnswerData) or data.attrs.get("unit_system") == "SI"
 
 
 def length(name: str, text: str, si: bool) -> float:

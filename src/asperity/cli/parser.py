@@ -22,18 +22,13 @@ COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
 SHARED: dict[str, Any] = COMMANDS.pop("shared")
 """Name → a group of arguments that several commands share."""
 
-MANY = 8
-"""Most values of a list that a message shows."""
-
 DESCRIPTION = """\
-Stress inside an elastic solid pressed against a rough surface. The command run takes a measured map,
-materials and a load with their units. The others have lengths in units of the longer edge of the periodic
-cell, stresses in units of the effective modulus E/(1 - poisson^2)."""
+Stress inside an elastic solid pressed against a rough surface: from a measured map, materials and a load with
+their units to an answer. The steps of a calculation are functions of the library."""
 
 EPILOG = """\
-From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, plot. Its cost and
-error beforehand: plan. Pictures and tables of its results: view, export. Whether they
-hold: verify. The study of the paper: study."""
+From a map to an answer: run; as a page in the browser: app. Pictures and tables of its results: view, export.
+Whether they hold: verify. The study of the paper: study; its cost and error beforehand: plan."""
 
 _PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"} | {
     quantity: quantity.upper() for quantity in ("pressure", "force", "length", "area", "volume")
@@ -46,6 +41,8 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options, allow_abbrev=False)
+        # A negative quantity such as -3nm is a value, which the option refuses with the accepted range.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
         """End the process with status 2."""
@@ -145,12 +142,8 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     for key, given in entry.items():
         if key == "arguments":
             found |= given
-        elif key == "settings":
-            pairs = ((section, name) for section, names in given.items() for name in names)
-            found |= {flag(name): {"setting": f"{section}.{name}"} for section, name in pairs}
         elif key == "case":
-            each_key = {name: {"key": each} for name, each in given.items() if isinstance(each, str)}
-            found |= given | each_key
+            found |= {name: {"key": each} if isinstance(each, str) else each for name, each in given.items()}
         elif key == "with":
             for shared in given:
                 found |= arguments(SHARED[shared])
@@ -158,32 +151,38 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], explained: bool) -> None:
-    """Add the arguments of a command or group; settings of a case are explained only where help is wanted."""
+    """Add the arguments of a command or group; settings are explained only where help is wanted."""
     for flag, given in arguments(entry).items():
-        options = dict(given)
+        options = {
+            name: value for name, value in given.items() if name not in ("key", "setting", "default_text")
+        }
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
-        own = ("setting", "default_text", "accepts")
-        key, default_text, words = (options.pop(name, None) for name in own)
-        if (of_case := options.pop("key", None)) is not None:
-            parser.add_argument(flag, **_of_case(of_case) | options if explained else options)
-            continue
         if "type" in options:
             options["type"] = TYPES[options["type"]]
-        if key is not None:
-            options = _of_setting(key, default_text, words, "type" in options) | options
-        elif "help" in options:
+        if "help" in options:
             options["help"] = options["help"].replace("%", "%%")
+        if "setting" in given:
+            options |= {"dest": given["setting"], "type": partial(value_of, given["setting"])}
+        if explained and ("key" in given or "setting" in given):
+            options = _of_field(given) | options
         parser.add_argument(flag, **options)
 
 
-def _of_case(key: str) -> dict[str, Any]:
-    """Keywords of `add_argument` for a setting of a case, which `asperity run` checks itself."""
+def _of_field(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Placeholder and help of a setting of a case or of the study."""
     from asperity.engineering.case import Case
-    from asperity.settings.model import entry_of
+    from asperity.settings.configuration import Configuration
+    from asperity.settings.model import accepted, entry_of
 
-    entry = entry_of(Case, key)
-    return {"metavar": _placeholder(entry), "help": _help(entry, entry.get("default_text"))}
+    entry = entry_of(Case, given["key"]) if "key" in given else entry_of(Configuration, given["setting"])
+    facts = [] if "enum" in entry else [accepted(entry)]
+    if "unit" in entry:
+        facts.append(f"unit: {entry['unit']}")
+    if default := given.get("default_text") or entry.get("default_text") or entry.get("default"):
+        facts.append(f"default: {default}")
+    text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
+    return {"metavar": _placeholder(entry), "help": text.replace("`", "").replace("%", "%%")}
 
 
 def _placeholder(entry: Mapping[str, Any]) -> str:
@@ -196,95 +195,21 @@ def _placeholder(entry: Mapping[str, Any]) -> str:
     return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
 
 
-def _help(entry: Mapping[str, Any], default_text: str | None, words: str | None = None) -> str:
-    """Description of a setting with its accepted values and its default, as argparse takes it."""
-    from asperity.settings.model import accepted
-
-    facts = [] if "enum" in entry else [words or accepted(entry.get("items", entry))]
-    if "unit" in entry and not words:
-        facts.append(f"unit: {entry['unit']}")
-    if default_text:
-        facts.append(f"default: {default_text}")
-    text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
-    return text.replace("`", "").replace("%", "%%")
-
-
-def _of_setting(key: str, default_text: str | None, words: str | None, as_text: bool) -> dict[str, Any]:
-    """Keywords of `add_argument` for a setting of the study; its value is stored under its key.
-
-    `default_text` and `words`, the accepted values, replace the texts of the setting. With `as_text` the
-    command itself checks the value.
-    """
-    from asperity.settings.model import entry_of, item_of
-
-    group, name = _place_of(key)
-    entry = entry_of(group, name)
-    items, value = item_of(entry), None
-    if not (default_text or as_text):
-        value = entry.get("default") if name != key else _default_of_study(key)
-        default_text = entry.get("default_text") if value is None else str(value)
-    if key.startswith("measured."):  # the map knows its defaults; those that are given are for maps alone
-        value = None
-    made: dict[str, Any] = {"dest": key, "default": value, "metavar": _placeholder(items)}
-    if is_list := items is not entry:
-        fewest = entry.get("minItems")
-        made["nargs"] = fewest if fewest and fewest == entry.get("maxItems") else "+"
-    if not as_text:
-        made |= {"action": _StoreList} if is_list else {"type": partial(value_of, key)}
-    return made | {"help": _help(entry, default_text or entry.get("default_text"), words)}
-
-
-def _default_of_study(key: str) -> Any:
-    from asperity.settings.check import default  # a slow import that options of a map do not need
-
-    return default(key)
-
-
-def _place_of(key: str) -> tuple[Any, str]:
-    """Class that holds a setting of the study, and the key of the setting in it.
-
-    Options that say how a map is read are in `FileOptions`, which is imported in a third of the time.
-    """
-    from asperity.settings.map import FileOptions
-
-    of_file = key.removeprefix("measured.NAME.")
-    if of_file != key and of_file in FileOptions.model_fields:
-        return FileOptions, of_file
-    from asperity.settings.configuration import Configuration
-
-    return Configuration, key
-
-
-class _StoreList(argparse.Action):
-    """Store a list of values that the setting accepts, each and as a whole."""
-
-    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        try:
-            setattr(namespace, self.dest, value_of(self.dest, values))
-        except argparse.ArgumentTypeError as error:
-            raise argparse.ArgumentError(self, str(error)) from error
-
-
-def value_of(key: str, given: str | list[str]) -> Any:
-    """Value of a setting, from the text or texts of an argument.
+def value_of(key: str, text: str) -> Any:
+    """Value of a setting of the study, from the text of an argument.
 
     Raises
     ------
     argparse.ArgumentTypeError
         If it is not accepted.
     """
+    from asperity.settings.configuration import Configuration
     from asperity.settings.model import NeededError, converted
 
     try:
-        return converted(*_place_of(key), given)
+        return converted(Configuration, key, text)
     except NeededError as error:
-        refused = error.given
-        if isinstance(refused, str):
-            text = shown(refused)
-        else:
-            more = f" ... ({len(refused)} values)" if len(refused) >= MANY else ""
-            text = " ".join(refused[:MANY]) + more
-        raise argparse.ArgumentTypeError(f"{text}: {error} is needed") from None
+        raise argparse.ArgumentTypeError(f"{shown(text)}: {error} is needed") from None
 
 
 def _number(text: str, above: float = -math.inf) -> float:
@@ -305,17 +230,6 @@ def _direction(text: str) -> str | float:
     raise argparse.ArgumentTypeError(f"{shown(text)}: x, y or an angle in degrees from x towards y is needed")
 
 
-def _figure_number(text: str) -> int:
-    """Number of a figure that can be drawn, from text such as ``9`` or ``fig09``."""
-    from asperity.paper.figures import known
-
-    drawn = sorted(figure.number for figure in known().values() if figure.number)
-    number = text.lower().removeprefix("fig").removesuffix(".py")
-    if not (number.isdecimal() and int(number) in drawn):
-        raise argparse.ArgumentTypeError(f"{text[:60]!r}: one of {', '.join(map(str, drawn))} is needed")
-    return int(number)
-
-
 def _port(text: str) -> int:
     if not (text.isdecimal() and int(text) < 2**16):
         raise argparse.ArgumentTypeError(f"{shown(text)}: a number from 0 to {2**16 - 1} is needed")
@@ -323,13 +237,10 @@ def _port(text: str) -> int:
 
 
 TYPES: dict[str, Callable[[str], Any]] = {
-    "text": str,
     "number": _number,
     "positive": partial(_number, above=0),
     "port": _port,
-    "seed": lambda text: value_of("seeds", [text])[0],
     "direction": _direction,
-    "figure": _figure_number,
 }
 """Types of arguments by the names that `commands.yaml` uses."""
 
@@ -350,8 +261,6 @@ def with_flags(message: str, command: str) -> str:
     known = {key for each in (entry, *entry.get("groups", ())) for key in arguments(each)}
     names = {name.removeprefix("--").replace("-", "_") for name in known if name.startswith("--")}
     head, colon, rest = f"{message}".partition(":")
-    if "pressure" in names:
-        head = re.sub("^mean_pressure ", "pressure ", head)
     given = re.compile(rf"(?:^|(?<=, ))({'|'.join(names)})(?= = |, |$)")
     return given.sub(lambda found: flag(found[0]), head) + colon + rest
 

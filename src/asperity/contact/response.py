@@ -258,8 +258,15 @@ def response_on(
     Raises
     ------
     ValueError
-        If the condition is unknown, or is not known for this solid.
+        As of `check_boundary`.
     """
+    check_boundary(boundary, solid, grid)
+    kind = RESPONSES[boundary]
+    return kind(solid, kind.transforms(grid, dtype, threads), omits_mean)
+
+
+def check_boundary(boundary: str, solid: Solids, grid: Grid) -> None:
+    """Raise `ValueError` if a condition at the edge of the map is unknown, or not known for this solid."""
     choice("boundary", boundary, tuple(RESPONSES))
     if boundary == "free" and solid.height is not None:
         raise ValueError(
@@ -268,8 +275,6 @@ def response_on(
         )
     if boundary == "free" and grid.mirrored:
         raise ValueError("boundary = 'free': a grid without mirror images is needed")
-    kind = RESPONSES[boundary]
-    return kind(solid, kind.transforms(grid, dtype, threads), omits_mean)
 
 
 def multiply(coefficients: Array, half: Array, threads: int) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from asperity.contact import active_set, gfmd
 from asperity.contact.certificate import checked_certificate, field_in_double, rms_deviation
 from asperity.contact.problem import Control, Problem, State, Units
-from asperity.contact.response import response_on
+from asperity.contact.response import check_boundary, response_on
 from asperity.contact.solution import Contact
 from asperity.core.arguments import (
     LARGEST,
@@ -189,6 +189,7 @@ def solve_contact(
         raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
     if method == "gfmd" and boundary != "periodic":
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
+    check_boundary(boundary, solid, grid)
     solid_units = Units.of_solid(solid, grid)
     solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
@@ -299,7 +300,7 @@ def solve_load_path(
     kind = dict(zip(paths, _CONTROLS, strict=True))[name]
     known = solve_contact.__kwdefaults__ or {}
     for unknown in (word for word in settings if word not in known):
-        raise TypeError(f"{unknown}: not an argument of solve{did_you_mean(unknown, known)}")
+        raise TypeError(f"{unknown}: not an argument of solve_load_path{did_you_mean(unknown, known)}")
     if not isinstance(values, Iterable):
         raise TypeError(f"{name} = {shown(values)}: a list of loads is needed")
     values, hardness = list(values), settings.get("hardness")

@@ -1,9 +1,11 @@
 from .answer import Answer as Answer
-from .body_stress import BodyAnswer as BodyAnswer
+from .answer import open_answer as open_answer
+from .answer import pool as pool
+from .answer import run as run
 from .case import Case as Case
 from .case_file import save_case as save_case
 from .moving import MovingContact as MovingContact
-from .output import write_answer as write_answer
 from .questions.load_curve import load_curve as load_curve
-from .run import answer_of as answer_of
+from .records import Record as Record
 from .sample import Sample as Sample
+from .stages import answer_of as answer_of

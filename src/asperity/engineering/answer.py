@@ -220,8 +220,7 @@ def _with_heights(map: Any, length: Any) -> Any:
     if isinstance(source, (np.ndarray, list, tuple)):
         if length is None:
             raise ValueError("length: the edges (y, x) of the map in m are needed with an array of heights")
-        heights = np.ma.filled(np.ma.asarray(source, dtype=float), np.nan)
-        group["file"] = HeightMap(heights, length, unit="m", name="map")
+        group["file"] = HeightMap(source, length, unit="m", name="map")  # type: ignore[arg-type]
     elif length is not None:
         raise ValueError("length: not accepted with a file or a HeightMap, which have their own")
     else:

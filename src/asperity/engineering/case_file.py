@@ -20,9 +20,10 @@ import yaml
 from asperity.core.errors import InputError, shown
 from asperity.core.system import sha256_of
 from asperity.core.version import __version__
-from asperity.engineering.case import MATERIALS, Case
+from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, checksums_in
+from asperity.engineering.scene import MATERIALS
 from asperity.results.atomic import write_text
 from asperity.settings.reader import load
 from asperity.surface.reading.height_map import HeightMap

@@ -173,7 +173,7 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
             "length_m": np.sqrt(4 / np.pi * area * ratio),
             "width_m": np.sqrt(4 / np.pi * area / ratio),
             "angle_deg": np.degrees(np.arctan2(2 * yx, xx - yy) / 2) % 180,
-            "largest_pressure_Pa": largest,
+            "maximum_pressure_Pa": largest,
             "nodes": nodes,
             "spans": np.array(SPANS)[spans @ [1, 2]],
         }

@@ -26,12 +26,12 @@ COMPLETE = ".complete"
 COMPARISON = ("comparison.csv", "comparison.html")
 """Names of the files that compare several answers."""
 
-ANSWERS = "answers.json"
+SAMPLE_DATA = "sample.json"
 """Name of the file of pooled answers with the checksum of the manifest of each."""
 
 SAMPLE = (
-    *("sample.csv", "peaks_per_area.csv", "largest.csv"),
-    *("sample.html", "sample.xlsx", "case.yaml", ANSWERS),
+    *("sample.csv", "peaks_per_area.csv", "maximum.csv"),
+    *("sample.html", "sample.xlsx", "case.yaml", SAMPLE_DATA),
 )
 """Names of the files of pooled answers."""
 

@@ -21,10 +21,12 @@ from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import direction_cosines, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.engineering.question import MOST_SHIFTS
 from asperity.fourier.grid import Edges, Grid, with_mirror_images
 from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.histories import MovingPressure
+
+MOST_SHIFTS = 10_000
+"""Most positions of moving bodies."""
 
 LONGEST_STEP = 8
 """Most nodes along an axis of one step in a direction of the grid."""
@@ -75,8 +77,8 @@ class MovingContact:
     hardness : float, optional
         As for `asperity.solve_contact`.
     film_share : float
-        Share of the load that a film carries, as a smooth pressure without a shear traction; the asperities
-        carry the rest.
+        Fraction of the load that a film carries, as a smooth pressure without a shear traction; the
+        asperities carry the rest.
     wavelength_short : float, optional
         Shortest wavelength of the faces; a step is at most half of it. By default it is two node steps, so
         that every node is a position.

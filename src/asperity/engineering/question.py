@@ -101,7 +101,7 @@ class Stages(Pressed):
     bodies : mapping
         ``lower`` and, if it is elastic, ``upper`` → `BodyStress`; the same for two bodies of equal stress.
     records : sequence of Record
-        Of the contact and of the stress.
+        Of the contact, of the stress, and of the questions before.
     others : mapping
         Name of each of the `other_cases` of the question that is answered → the records of that case.
     """

@@ -110,10 +110,15 @@ class Record:
     better: str = ""
 
     def __post_init__(self) -> None:
-        known = {cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0}
-        object.__setattr__(self, "errors", known)
         low, high, _ = self.bounds
-        object.__setattr__(self, "extrapolated", min(max(self.extrapolated, low), high))
+        plain = {
+            "value": _plain(self.value),
+            "extrapolated": _plain(min(max(self.extrapolated, low), high)),
+            "position": Position(*map(_plain, self.position)),
+            "errors": {cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0},
+        }
+        for name, value in plain.items():
+            object.__setattr__(self, name, value)
 
     @property
     def best(self) -> float:
@@ -154,7 +159,7 @@ class Record:
         units : callable, optional
             Value and SI unit → factor and symbol, in place of prefixes that suit the value.
         """
-        if self.bounds is FRACTION or self.bounds == FRACTION:
+        if self.bounds == FRACTION:
             return 0.01, "%"
         if self.unit in SMALL_UNITS:
             return SMALL_UNITS[self.unit]
@@ -261,6 +266,11 @@ class Advice(NamedTuple):
 def per_cent(share: float) -> str:
     """A fraction as text in per cent."""
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+
+
+def _plain(value: float) -> float:
+    """A number of Python; one object for all that are not known, so that equal records compare equal."""
+    return math.nan if math.isnan(value) else float(value)
 
 
 def _length(value: float, units: Any) -> str:

@@ -6,7 +6,7 @@ Each stage adds its results once. A question gets the complete results of the st
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from importlib.metadata import version
@@ -91,10 +91,10 @@ def answer_of(
     stages = Stages(**vars(pressed), bodies=bodies, records=_records(pressed, bodies, compared))
     found = {}
     for name, question in asked.questions.items():
-        if others := question.other_cases(asked):
-            stages = replace(stages, others={key: answer_of(each).records for key, each in others.items()})
-        found[name] = question.compute(stages, parts.next(name))
-    records = _with_inputs([*stages.records, *(each for one in found.values() for each in one.records)], found)
+        others = {key: answer_of(each).records for key, each in question.other_cases(asked).items()}
+        found[name] = question.compute(replace(stages, others=others), parts.next(name))
+        stages = replace(stages, records=[*stages.records, *found[name].records])
+    records = _with_inputs(stages.records, found)
     known = {each.quantity: each.value for each in records if not each.words}
     require_finite("run", known)
     warnings = advise(stages, compared, records, [each for one in found.values() for each in one.warnings])
@@ -199,7 +199,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     return found
 
 
-def _with_inputs(records: list[Record], found: Mapping[str, Findings]) -> list[Record]:
+def _with_inputs(records: Sequence[Record], found: Mapping[str, Findings]) -> list[Record]:
     """The records, those of a topic together, with their errors by the tolerances of the inputs."""
     relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
     records = [

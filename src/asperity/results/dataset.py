@@ -176,18 +176,14 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 
     Examples
     --------
-    The command line, here called in this process, writes such files:
-
     >>> import tempfile
-    >>> from asperity.cli.main import main
-    >>> folder = tempfile.TemporaryDirectory()
-    >>> command = "surface --points 64 --hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125"
-    >>> status = main(f"{command} --rms-height 0.001 --out {folder.name}/surface.nc".split())
-    /.../surface.nc: 64 × 64 nodes, rms height 0.001 cell lengths, ...
-    >>> surface = asp.read_result(f"{folder.name}/surface.nc")
-    >>> surface["height"].dims, round(float(surface["height"].std()), 6)
-    (('y', 'x'), 0.001)
-    >>> folder.cleanup()
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     contact.to_netcdf(f"{folder}/contact.nc")
+    ...     found = asp.read_result(f"{folder}/contact.nc")
+    >>> found["pressure"].dims, bool((found["pressure"] == contact.pressure).all())
+    (('y', 'x'), True)
     """
     if Path(path).is_dir():
         raise DatasetError(f"{path}: a folder; a file in it is needed, such as {Path(path) / 'contact.nc'}")

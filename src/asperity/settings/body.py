@@ -37,12 +37,12 @@ class OfMaterial(Settings):
         example="100Cr6",
     )
     """Name of a material of the table; its constants hold where the group gives none."""
-    young: Pressure = setting(..., default_text="from the material", example="210 GPa")
+    young: Pressure = setting(..., default_text="from the material", example="210 GPa", varied=True)
     """Young's modulus."""
     poisson: Number = setting(..., default_text="from the material", gt=-1, le=0.5, example=0.3)
     """Poisson's ratio."""
     yield_stress: Pressure | None = optional(
-        "from the material; without a value yielding is not analysed", example="1.5 GPa"
+        "from the material; without a value yielding is not analysed", example="1.5 GPa", varied=True
     )
     """Yield stress; the volume above it is reported."""
     _of_table: tuple[str, ...] = PrivateAttr(())
@@ -81,7 +81,7 @@ class OfMaterial(Settings):
 class Coating(OfMaterial):
     """A coating that is bonded to the body, a half-space."""
 
-    thickness: Length = setting(..., example="2 um")
+    thickness: Length = setting(..., example="2 um", varied=True)
     """Thickness of the coating."""
     residual_stress: Stress | None = optional("none", example="-2 GPa")
     """Equal normal stresses along x and y in the coating of the unloaded body, compression negative. They are
@@ -169,7 +169,9 @@ class Body(OfMaterial):
         return {"young": value.young, "poisson": value.poisson, **layer}
 
     hardness: Hardness | None = optional(
-        "from the material, if the body has no coating; without a value an elastic contact", example="7 GPa"
+        "from the material, if the body has no coating; without a value an elastic contact",
+        example="7 GPa",
+        varied=True,
     )
     """Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
     of two bodies the smaller one is used."""
@@ -180,7 +182,7 @@ class Body(OfMaterial):
     """Electrical resistivity. If one body gives it here, and the other one here or by its material, the
     contact conductance is reported."""
     fatigue_torsion: Pressure | None = optional(
-        "from the material; without a value no stress cycles are reported", example="300 MPa"
+        "from the material; without a value no stress cycles are reported", example="300 MPa", varied=True
     )
     """Fatigue limit in fully reversed torsion, 0.5 to 1 times the limit in bending."""
     fatigue_bending: Pressure | None = optional(

@@ -71,6 +71,8 @@ class FileOptions(Settings):
     """Factor from the numbers in the file to heights."""
     missing: Number | None = optional("as the format of the file marks them")
     """Number in the file that stands for points without data, such as -9999."""
+    mask: Literal["excluded"] | None = optional("named, and its points are kept")
+    """`excluded` leaves out the points that a mask in the file marks, as points without data."""
     orientation: Literal["peaks up", "lower face"] | None = optional("as in the file")
     """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
     `lower face` of an indenter, as the library uses it."""

@@ -5,7 +5,7 @@ describes a class as a JSON Schema with these keywords of its own: ``unit``; ``d
 without the setting, where it has no constant default; ``accepts``, the accepted values in words, where type
 and range are not enough; ``example``, a value as a user writes it; and of a group ``names``, the accepted
 names of settings that the user names; ``renamed``, former key → its key now; ``removed``, former key → what
-replaces it.
+replaces it; and ``varied``, true for a number that a sensitivity varies.
 """
 
 import ast
@@ -44,7 +44,7 @@ else:
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
 
-OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed"}
+OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed", "varied"}
 """Keywords of an entry that the standard does not have."""
 
 Number = Annotated[float, Strict()]
@@ -255,6 +255,7 @@ def setting(
     accepts: str | None = None,
     example: Any = None,
     names: str | None = None,
+    varied: bool | None = None,
     **limits: Any,
 ) -> Any:
     """A field of a class of settings.
@@ -266,13 +267,13 @@ def setting(
         out; `optional` makes one that has no constant as its default.
     text : str, optional
         Meaning of the setting; by default the docstring below the field, else of the class of a group.
-    unit, default_text, accepts, example, names : optional
+    unit, default_text, accepts, example, names, varied : optional
         Keywords of the description, see the head of this module.
     **limits
         Of `pydantic.Field`: ``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``, ``pattern``.
     """
     own = {"unit": unit, "default_text": default_text, "accepts": accepts, "example": example, "names": names}
-    extra = {name: value for name, value in own.items() if value is not None}
+    extra = {name: value for name, value in {**own, "varied": varied}.items() if value is not None}
     filled = isinstance(default, dict)
     return Field(default, description=text, json_schema_extra=extra, validate_default=filled, **limits)
 

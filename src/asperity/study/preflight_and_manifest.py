@@ -41,7 +41,7 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
 
 
 def warm_up(part: str) -> None:
-    """Compile a part of the library that ``asperity run``, ``solve``, ``view`` and the study call.
+    """Compile a part of the library that ``asperity run``, ``view`` and the study call.
 
     Numba compiles a function at its first call and keeps the machine code beside the module, where others
     find it: afterwards the jobs do not compile the same functions side by side.

@@ -81,7 +81,7 @@ class MapDescription(NamedTuple):
     needed : list of str
         Options that every calculation needs besides the file; each text begins with a field of `MapOptions`.
     choices : list of str
-        Options that asperity solve and a study need too, and that asperity run chooses by itself.
+        Options that `asperity.prepare_map` and a study need too, and that asperity run chooses by itself.
     warnings : list of str
         As of `map_warnings`.
     """
@@ -114,7 +114,7 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
     stated = " in the file" if found.unit_stated else ", as given"
     properties = {
         "file": surface.name,
-        **({"overridden": "; ".join(surface.notes)} if surface.notes else {}),
+        **({"overridden" if found.overridden else "mask": "; ".join(surface.notes)} if surface.notes else {}),
         "channels": _channels(found),
         "heights": ORIENTATION_WORDS[surface.orientation],
         "unit": surface.unit + stated if surface.unit else NOT_IN_FILE,
@@ -213,6 +213,8 @@ def map_warnings(
     """
     found = measures or MapMeasures(surface, options)
     rms, length, warnings = found.rms_height_without_bow, surface.shown_length, []
+    if rms <= FLAT_VARIATION * np.abs(surface.height[found.measured]).max(initial=0.0):
+        rms = 0.0  # of a flat map, except for rounding
     if repeated := repeated_height(surface.height):
         number = repeated[0] / (metres(surface.unit) if surface.unit else 1.0)
         warnings.append(

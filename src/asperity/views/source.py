@@ -1,7 +1,7 @@
 """Results as the pictures need them: title, grid, fields, unit system, and the solid under a contact."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,8 @@ class Source:
         As of a `Contact`.
     sliding : Sliding
         Of the lower body.
+    load : callable, optional
+        Name of a body → the body under everything that loads it; by default under the pressure alone.
     """
 
     title: str
@@ -59,6 +61,7 @@ class Source:
     layers: dict[str, Solid]
     boundary: str = "periodic"
     sliding: Sliding = Sliding()  # noqa: RUF009  is immutable
+    load: Callable[[str], LoadedSolid] | None = None
 
     def field(self, name: str) -> Array:
         """One of the fields.
@@ -149,8 +152,12 @@ class Source:
         if body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
         direction = self.sliding.sliding_direction if sliding_direction is None else sliding_direction
-        pressure, sticking = self.fields["pressure"].astype(float), self.fields.get("sticking_pressure")
-        solid = LoadedSolid(pressure, self.grid, self.layers[body], self.boundary, sticking_pressure=sticking)
+        if self.load is not None:
+            solid = self.load(body)
+        else:
+            pressure, sticking = self.fields["pressure"].astype(float), self.fields.get("sticking_pressure")
+            layer = self.layers[body]
+            solid = LoadedSolid(pressure, self.grid, layer, self.boundary, sticking_pressure=sticking)
         return solid, {
             "friction": self.sliding.friction if friction is None else friction,
             "sliding_direction": traction_direction(direction, body),
@@ -181,8 +188,8 @@ def sources(results: Any, unit_system: str | None = None) -> list[Source]:
 
     Parameters
     ----------
-    results : dataset, object with ``grid``, sequence or mapping
-        Datasets of stage surface or contact, or objects such as `Contact`.
+    results : dataset, object with ``grid``, answer, sequence or mapping
+        Datasets of stage surface or contact, objects such as `Contact`, or answers of `asperity.run`.
     unit_system : str, optional
         Of results that do not say theirs.
 
@@ -217,9 +224,13 @@ def title_of(data: xr.Dataset) -> str:
 def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
     if isinstance(result, xr.Dataset):
         return _source_of_dataset(result, title)
+    if hasattr(result, "contact") and hasattr(result, "loaded"):  # an answer, with film, slip and coating
+        found, case = _source(result.contact, SI_UNITS, title), result.case
+        sliding = Sliding(case.friction, case.sliding_direction)
+        return replace(found, title=title or plain_text(result.face.name), sliding=sliding, load=result.loaded)
     grid = getattr(result, "grid", None)
-    found = {name: getattr(result, name, None) for name in SURFACE_FIELDS}
-    fields = {name: values for name, values in found.items() if values is not None}
+    named = {name: getattr(result, name, None) for name in SURFACE_FIELDS}
+    fields = {name: values for name, values in named.items() if values is not None}
     if not isinstance(grid, Grid) or not fields:
         raise TypeError(
             f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "

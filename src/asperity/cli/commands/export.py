@@ -2,12 +2,10 @@
 
 import argparse
 import math
-import os
 from pathlib import Path
+from typing import Any
 
-import xarray as xr
-
-from asperity.cli.files import check_out, is_si, length, positions, read_result, required, span
+from asperity.cli.files import check_out, is_si, length, positions, read_results, required, span
 from asperity.cli.parser import section
 from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
@@ -33,8 +31,6 @@ def run(options: argparse.Namespace) -> None:
     """Write the requested files, and print a summary of each."""
     wanted = {option: getattr(options, option) or [] for option in FORMATS}
     if not any(wanted.values()):
-        for path in filter(os.path.isdir, options.results):
-            read_result(path, ())  # raises the error that a file is needed
         raise ValueError(
             "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
             "--field NAMES:DEPTHS FILE.vti is needed"
@@ -55,12 +51,12 @@ def run(options: argparse.Namespace) -> None:
     for option, path in files:
         if Path(path).suffix not in FORMATS[option]:
             raise ValueError(f"{path}: a name that ends in {' or '.join(FORMATS[option])} is needed")
-    results: dict[str, xr.Dataset] = {}
+    results: dict[str, Any] = {}
     for path in options.results:
-        stage, data = read_result(path, ("surface", "contact", "stress"))
-        if stage in results:
-            raise ValueError(f"{path}: a second result of {stage}, one is needed")
-        results[stage] = data
+        for stage, data in read_results(path, ("surface", "contact", "stress")).items():
+            if stage in results:
+                raise ValueError(f"{path}: a second result of {stage}, one is needed")
+            results[stage] = data
     for (path,) in wanted["peaks"]:
         count = write_peaks(required(results, "stress", "--peaks"), path)
         print(f"{one_line(path)}: {count} peaks")
@@ -98,7 +94,7 @@ def _export_surface(source: Source, part: Part, path: str) -> tuple[str, list[in
 
 
 def _export_box(
-    contact: xr.Dataset, names: list[str], depths: str, path: str, options: argparse.Namespace
+    contact: Any, names: list[str], depths: str, path: str, options: argparse.Namespace
 ) -> None:
     si = is_si(contact)
     (source,) = sources(contact)

@@ -1,31 +1,40 @@
 """``asperity info``: description of a height map before a calculation."""
 
 import argparse
+from typing import Any
 
 from asperity.cli.commands.run import FLAGS
-from asperity.cli.parser import flag, section
+from asperity.cli.parser import flag
 from asperity.core.errors import one_line
-from asperity.settings.map import MapOptions
+from asperity.settings.map import FileOptions, MapOptions
+from asperity.settings.model import SettingsError, entry_of, item_of, scalar
 from asperity.surface.description import describe_map
 from asperity.surface.reading.height_map import MapError
 
 
 def run(options: argparse.Namespace) -> None:
     """Print the description of a height map, and the options that a calculation needs."""
+    given: dict[str, Any] = {}
+    for name in FileOptions.model_fields.keys() & vars(options).keys():
+        if (text := getattr(options, name)) is not None:
+            entry = item_of(entry_of(FileOptions, name))
+            given[name] = (
+                [scalar(each, entry) for each in text] if isinstance(text, list) else scalar(text, entry)
+            )
     try:
-        found = describe_map(options.map, MapOptions(**section(options, "measured.NAME")))
-    except MapError as error:
+        found = describe_map(options.map, MapOptions.read(given))
+    except (MapError, SettingsError) as error:
         raise error.renamed(flag) from error
     width = max(map(len, found.properties)) + 2
     for name, text in found.properties.items():
         print(f"{name + ':':<{width}}{one_line(text)}")
     chosen = "asperity run takes peaks as upward, fills points without data and mirrors the map by itself; "
-    chosen += "asperity solve and a study need"
+    chosen += "asp.prepare_map and a study need"
     lists = {"look at": found.warnings, "every calculation needs": found.needed, chosen: found.choices}
     for heading, texts in lists.items():
         if texts:
-            named = flag if texts is found.choices else _of_run
-            print(heading, *(f"  {text}" for text in MapError("", texts).renamed(named).problems), sep="\n")
+            named = texts if texts is found.choices else MapError("", texts).renamed(_of_run).problems
+            print(heading, *(f"  {text}" for text in named), sep="\n")
     if not found.needed and not found.choices:
         print("A calculation needs nothing else.")
 

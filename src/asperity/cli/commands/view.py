@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.cli.files import check_out, is_si, length, length_or_span, positions, read_result, span
+from asperity.cli.files import check_out, is_si, length, length_or_span, positions, read_results, span
 from asperity.cli.parser import flag, section
 from asperity.core.errors import one_line, shown
+from asperity.engineering.answer_data import AnswerData
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
 from asperity.study.progress_and_log import ProgressBar
@@ -50,15 +50,15 @@ def run(options: argparse.Namespace) -> None:
     print(one_line(", ".join(out)))
 
 
-def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
+def _read(paths: Sequence[str], view: str) -> dict[str, Any]:
     """Results by title; the name of the file is added to repeated titles."""
     read = {}
     needed = STAGES.get(view, ("contact",))
     for path in paths:
         if path in read:
             raise ValueError(f"{path}: given twice")
-        _, read[path] = read_result(path, needed)
-    titles = [title_of(data) for data in read.values()]
+        read[path], *_ = read_results(path, needed).values()
+    titles = [data.face.name if isinstance(data, AnswerData) else title_of(data) for data in read.values()]
     stems = [plain_text(Path(path).stem) for path in paths]
     named = zip(map(plain_text, paths), stems, strict=True)
     apart = [stem if stems.count(stem) == 1 else path for path, stem in named]
@@ -69,7 +69,7 @@ def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
 
 
 def _draw(
-    view: str, results: dict[str, xr.Dataset], given: dict[str, str], options: argparse.Namespace
+    view: str, results: dict[str, Any], given: dict[str, str], options: argparse.Namespace
 ) -> Figure:
     si = is_si(next(iter(results.values())))
     poisson = section(options, "layer").get("poisson")

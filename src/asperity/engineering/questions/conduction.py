@@ -6,11 +6,16 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from asperity.core.types import Progress
 from asperity.core.units import shown_si
-from asperity.engineering.question import IN_FULL_CONTACT, Question, Row
+from asperity.engineering.question import IN_FULL_CONTACT, Findings, Question, Stages
+from asperity.engineering.records import Record
+from asperity.engineering.scene import Scene
 
 if TYPE_CHECKING:
-    from asperity.engineering.question import Answer, Case
+    from asperity.engineering.face import RoughFace
+
+TOPIC = "conduction"
 
 CONSTANTS = ("conductivity", "resistivity")
 """Constants of a body; a conductance needs the constant of both bodies."""
@@ -26,17 +31,18 @@ class Conduction(Question):
     10.1098/rspa.2002.1038), without films and without conduction through the gap.
     """
 
+    ASKS = "How well does the contact conduct?"
     TILES = (
         *("electrical contact resistance", "constriction of the nominal area"),
         "thermal contact conductance",
     )
 
     @classmethod
-    def is_implied(cls, case: Case) -> bool:
+    def is_implied(cls, case: Scene) -> bool:
         """True if a body gives a conductivity or resistivity itself."""
         return any(body.gives(name) for body in case.groups_of_bodies.values() for name in CONSTANTS)
 
-    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Constants that one body lacks, and bodies that are no half-spaces."""
         if case.elastic_counter_body is None:
             yield "conduction", ": a counter_body is needed, elastic and with its own constants"
@@ -51,48 +57,39 @@ class Conduction(Question):
         if not half and not resistivities(case):
             yield "conduction", ": conductivity or resistivity of both bodies is needed"
 
-    def verdict(self, answer: Answer) -> str:
-        """Resistance or conductance of the real contact, without films, oxides and the gap."""
-        rows, found = {row.name: row for row in self.rows(answer)}, []
-        if (resistance := rows.get("electrical contact resistance")) is not None:
-            found.append(f"the real contact resists the current with {shown_si(resistance.value, 'Ω', 3)}")
-            if (around := rows.get("constriction of the nominal area")) is not None:
-                found.append(
-                    f"bodies that touch only on this area add {shown_si(around.value, 'Ω', 3)} (Holm)"
-                )
-        if (heat := rows.get("thermal contact conductance")) is not None:
-            found.append(f"the real contact conducts heat with {heat.value:.3g} {heat.unit}")
-        return "; ".join([*found, "films, oxides and the gap are left out"])
-
-    def rows(self, answer: Answer) -> Iterator[Row]:
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Conductances per nominal area, the electrical resistance, and the constriction of that area.
 
         The resistance of the bodies around it is (ρ₁ + ρ₂) / (4 α) for a circle of radius α (R. Holm,
         Electric Contacts, 1967, §1; J. A. Greenwood, Br. J. Appl. Phys. 17 (1966) 1621, DOI
         10.1088/0508-3443/17/12/310).
         """
-        area = answer.face.grid.area
-        for name, resistivity in resistivities(answer.case).items():
-            value, unit = answer.contact.conductance(resistivity), UNITS[name]
-            number = IN_FULL_CONTACT if math.isinf(value) else f"{value:.4g} {unit}"
-            if name == "electrical_conductance":
-                if value > 0:
-                    resistance, nominal = 1 / (value * area), shown_si(area, "m^2")
-                    words = f"{shown_si(resistance, 'Ω')} of the nominal area of {nominal}, without films"
-                    yield Row("conduction", "electrical contact resistance", resistance, "Ω", words)
-                if answer.face.boundary != "free":
-                    around = resistivity / (4 * math.sqrt(area / math.pi))
-                    words = f"{shown_si(around, 'Ω', 3)} in addition (Holm), if wider bodies touch only on "
-                    words += "this area"
-                    yield Row("conduction", "constriction of the nominal area", around, "Ω", words)
-            yield Row("conduction", name.replace("_", " contact "), value, unit, f"{number}, without films")
+        records, found, area = [], [], stages.face.grid.area
+        for name, resistivity in sorted(resistivities(stages.asked).items()):  # current before heat
+            value, unit = stages.contact.conductance(resistivity), UNITS[name]
+            if name == "electrical_conductance" and value > 0:
+                resistance, of = 1 / (value * area), f"of the nominal area of {shown_si(area, 'm^2')}"
+                note = f"{of}, without films"
+                records.append(Record("electrical contact resistance", resistance, "Ω", TOPIC, note=note))
+                found.append(f"the contact spots resist the current with {shown_si(resistance, 'Ω', 3)}")
+            if name == "electrical_conductance" and stages.face.boundary != "free":
+                around = resistivity / (4 * math.sqrt(area / math.pi))
+                note = "in addition (Holm), if wider bodies touch only on this area"
+                records.append(Record("constriction of the nominal area", around, "Ω", TOPIC, note=note))
+                found.append(f"bodies that touch only on this area add {shown_si(around, 'Ω', 3)} (Holm)")
+            if name == "thermal_conductance":
+                found.append(f"the contact spots conduct heat with {value:.3g} {unit}")
+            words, quantity = IN_FULL_CONTACT if math.isinf(value) else "", name.replace("_", " contact ")
+            records.append(Record(quantity, value, unit, TOPIC, words=words, note="without films"))
+        return Findings(
+            records=records,
+            verdict="; ".join([*found, "films, oxides and the gap are left out"]),
+            assumption="Heat and current pass through the contact spots alone, not through films, oxides or "
+            "the gap.",
+        )
 
-    def assumption(self, answer: Answer) -> str:
-        """Conduction through the real contact alone."""
-        return "Heat and current pass through the real contact alone, not through films, oxides or the gap."
 
-
-def resistivities(case: Case) -> dict[str, float]:
+def resistivities(case: Scene) -> dict[str, float]:
     """Name of a conductance → sum of the resistivities of both bodies, thermal or electrical."""
     bodies, found = list(case.bodies.values()), {}
     if "conduction" in case.questions and len(bodies) == 2:

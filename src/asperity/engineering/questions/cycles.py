@@ -6,39 +6,79 @@ Fatigue after Dang Van, shakedown, and the probability that no crack starts foll
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from asperity.core.types import Progress
 from asperity.core.units import shown_si
-from asperity.engineering.question import MOST_SHIFTS, Advice, Picture, Question, Row, per_cent, row
-from asperity.settings.body import ResidualStress
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.answer_data import FADED, AnswerData
+from asperity.engineering.body_stress import STRESS_TOLERANCE
+from asperity.engineering.moving import MOST_SHIFTS, MovingContact
+from asperity.engineering.question import Findings, Picture, Pressed, Question, Stages
+from asperity.engineering.records import (
+    DISCRETISATION,
+    POSITIVE,
+    Advice,
+    Position,
+    Record,
+    fraction,
+    per_cent,
+)
+from asperity.engineering.scene import Scene
+from asperity.settings.body import Body, ResidualStress
+from asperity.settings.load import Hertz
 from asperity.settings.model import Number, Whole, optional, setting
 from asperity.settings.quantities import Volume
+from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor
+from asperity.stress.cycles.stress_cycles import Cycles as StreamedCycles
+from asperity.stress.cycles.stress_cycles import cracks_per_area, stress_cycles, weibull_exponent
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from asperity.engineering.moving import MovingContact
-    from asperity.engineering.question import Answer, Case, LinearPlane, LoadedSolid, Progress, RoughFace
-    from asperity.settings.body import Body
+    from asperity.engineering.face import RoughFace
+    from asperity.stress.planes.stream import LinearPlane
+    from asperity.surface.treatment.treatment import TreatedMap
 
-WORDS = {
-    "dang_van": ("largest Dang Van stress over limit", "1"),
-    "shear_range": ("largest range of shear stress", "Pa"),
-    "shakedown_lower": ("shakedown factor, at least", "1"),
-    "shakedown_upper": ("shakedown factor, at most", "1"),
+TOPIC = "stress cycles"
+
+WORST = {
+    "dang_van": ("maximum Dang Van stress over limit", "1", {"better": "less"}),
+    "shear_range": ("maximum range of shear stress", "Pa", {"better": "less", "bounds": POSITIVE}),
+    "shakedown_lower": ("shakedown factor, at least", "1", {"better": "more", "bounds": POSITIVE}),
+    "shakedown_upper": ("shakedown factor, at most", "1", {"better": "more", "bounds": POSITIVE}),
 }
-"""Variable of the cycles → name of its worst value among the numbers, and its unit."""
+"""Variable of the cycles → quantity of its worst value, its unit, and more of its record."""
 
-LIMIT_SHARES = (0.5, 0.75, 0.9, 1.0)
-"""Shares of the fatigue limit above which the volume is listed."""
+LIMIT_FRACTIONS = (0.5, 0.75, 0.9, 1.0)
+"""Fractions of the fatigue limit above which the volume is listed."""
+
+NO_CHANGE = "any load, as the stress does not change"
+"""Text in place of an infinite shakedown factor."""
 
 CRACKS = "cracks expected per area"
-"""Name of the number from which the probability on an area follows."""
+"""Quantity from which the probability on an area follows."""
 
 FEW_SHIFTS = 0.1
 """Change of the worst cycles with half of the shifts above which these are too few."""
+
+
+@dataclass(frozen=True)
+class BelowCoating:
+    """Cycles of a smooth body from the planes of its stress that lie below its coating."""
+
+    cycles: StreamedCycles
+    below: float
+
+    def add(self, plane: LinearPlane) -> None:
+        """Add the next plane."""
+        if plane.depth > self.below:
+            self.cycles.add(plane)
 
 
 class Cycles(Question):
@@ -48,11 +88,13 @@ class Cycles(Question):
     Without shifts a body with fatigue limits is taken as smooth, under a rough one that slides along x or y.
     """
 
+    ASKS = "Does it fatigue, sliding or rolling?"
     TILES = (
-        *("largest Dang Van stress over limit", "shakedown factor, at least"),
+        *("maximum Dang Van stress over limit", "shakedown factor, at least"),
         *("probability of no crack on the map",),
     )
     LEAD = "cycles"
+    FILES = ("cycles", "fatigue")
 
     shifts: Whole | None = optional(
         "cycles of a smooth body under a rough one, with fatigue limits", ge=2, le=MOST_SHIFTS, example=64
@@ -69,15 +111,19 @@ class Cycles(Question):
     """Stressed volume of the specimens on which fatigue limits and scatter were measured."""
 
     @classmethod
-    def is_implied(cls, case: Case) -> bool:
+    def is_implied(cls, case: Scene) -> bool:
         """True if a body gives fatigue limits or a residual stress itself."""
         bodies, limits = case.groups_of_bodies.values(), ("fatigue_torsion", "residual_stress")
         return any(body.gives(name) for body in bodies for name in limits)
 
-    def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """Settings that cycles need or exclude, and fatigue limits whose ratio no ductile metal has."""
-        from asperity.stress.cycles.criteria import hydrostatic_factor
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
+        """Settings that cycles need or exclude, and fatigue limits whose ratio no ductile metal has.
 
+        With the rough face, too few shifts for its waves, or a direction that no line through nodes has.
+        """
+        if rough is not None:
+            yield from self._problems_of_shifts(case, rough)
+            return
         bodies = case.groups_of_bodies
         limited = {name: body for name, body in bodies.items() if body.fatigue_torsion is not None}
         for name, body in limited.items():
@@ -111,213 +157,189 @@ class Cycles(Question):
             "slide_to_roll without a Hertz contact": self.slide_to_roll and case.hertz_contact is None,
             "map.periodic = none": case.map.periodic == "none",
             "a radius of the map": case.map.radius is not None,
-            "a load curve": case.load_curve is not None,
+            "a load curve": "load_curve" in case.questions,
             "a coating": any(body.coating is not None for body in bodies.values()),
         }
         for name in (name for name, given in refused.items() if given):
             yield "cycles.shifts", f" = {self.shifts}: not accepted together with {name}"
 
-    def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
-        """Too few shifts for the waves of the faces, or a direction that no line through nodes has."""
-        if self.shifts is None:
-            return
+    def _problems_of_shifts(self, case: Scene, rough: RoughFace) -> Iterator[tuple[str, str]]:
         try:
-            moving_contact(case, rough, 1.0)
+            if self.shifts is not None:
+                self._moving(case, rough, 1.0)
         except ValueError as error:
             name, equals, rest = str(error).partition(" = ")
             keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
             yield (keys[name], f"{equals}{rest}") if name in keys else ("cycles", f": {error}")
 
-    def of_contact(self, answer: Answer, progress: Progress) -> dict[str, Any]:
-        """Body → its cycles; filled as the bodies are analysed."""
-        return {}
+    def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
+        """Contacts and stress of all positions; of a mirrored map in the cell of four images."""
+        images = 4.0 if is_mirrored else 1.0
+        moved = 0.0 if self.shifts is None else 1.0 + 2.0 * images * self.shifts
+        return 0.0, moved * len(case.different_bodies)
 
-    def watch(self, answer: Answer, body: str, loaded: LoadedSolid) -> Callable[[LinearPlane], None] | None:
+    def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> BelowCoating | None:
         """Cycles of a smooth body from the planes of its stress."""
-        from asperity.stress.cycles.criteria import Criteria
-        from asperity.stress.cycles.stress_cycles import Cycles as StreamedCycles
-
-        constants = answer.case.bodies[body]
+        constants = pressed.asked.bodies[body]
         if self.shifts is not None or constants.fatigue_torsion is None:
             return None
-        direction = answer.case.sliding_of(body)["sliding_direction"]
-        criteria = Criteria(**_limits(constants))
-        cycles = StreamedCycles(loaded, criteria, direction, loaded.layer.poisson)
-        answer.of(self)[body] = cycles
-        below = loaded.layer.interface or -1.0
-        return lambda plane: cycles.add(plane) if plane.depth > below else None
+        direction = pressed.asked.sliding_of(body)["sliding_direction"]
+        cycles = StreamedCycles(loaded, Criteria(**_limits(constants)), direction, loaded.layer.poisson)
+        return BelowCoating(cycles, loaded.layer.interface or -1.0)
 
-    def of_body(self, answer: Answer, body: str, progress: Progress) -> None:
-        """The dataset of the cycles of a body."""
-        found = answer.of(self)
-        if self.shifts is not None:
-            from asperity.engineering.body_stress import STRESS_TOLERANCE
-            from asperity.stress.cycles.stress_cycles import stress_cycles
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
+        """The worst cycles of each body, volumes above fractions of the limit, and cracks."""
+        import pandas as pd
 
-            moving = moving_contact(answer.case, answer.rough, answer.nominal_pressure, progress)
-            limits = _limits(answer.case.bodies[body])
-            found[body] = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
-        elif body in found:
-            found[body] = found[body].dataset()
+        case, cycles = stages.asked, self._cycles(stages, progress)
+        records = [each for body, one in cycles.items() for each in self._records(stages, body, one)]
+        fatigue = [
+            (body, share, volume)
+            for body, one in cycles.items()
+            if "fatigue_volume" in one
+            for share, volume in one["fatigue_volume"].to_series().items()
+            if volume > 0
+        ]
+        columns = ["body", "fraction_of_limit", "volume_per_area_m"]
+        datasets = {}
+        for body, one in cycles.items():
+            title = (
+                f"Cycles of the stress in the {body} body under rough surface {stages.face.name} that moves"
+            )
+            datasets[_name(case, body)] = one.assign_attrs(body=body, title=title)
+        return Findings(
+            records=records,
+            verdict=_verdict(records),
+            warnings=[*self._warnings(case, cycles)],
+            assumption=f"In stress cycles {self._motion(case)}.",
+            tables={"fatigue": pd.DataFrame(fatigue, columns=columns)} if fatigue else {},
+            datasets=datasets,
+            peaks=[
+                _peaks(stages.face, body, one, case.bodies[body].fatigue_torsion)
+                for body, one in cycles.items()
+                if "dang_van" in one
+            ],
+        )
 
-    def verdict(self, answer: Answer) -> str:
-        """Fatigue and shakedown of the body with the worst cycles."""
-        each = answer.of(self).values()
-        worst = {name: [one.attrs[f"worst_{name}"][0] for one in each if name in one] for name in WORDS}
-        found = []
-        if worst["dang_van"]:
-            ratio = max(worst["dang_van"])
-            text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
-            if ratio > 1:
-                text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
-            found.append(text)
-        if worst["shakedown_lower"] and worst["shakedown_upper"]:
-            low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
-            between = f"{low:.2g} to {high:.2g} times the load"
-            if low >= 1:
-                shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
-            elif high < 1:
-                shakes = f"plastic strain returns in each pass; it would end below {between}"
-            else:
-                shakes = f"whether plastic strain ends is not decided; it ends below {between}"
-            found.append(shakes)
-        return "; ".join(found)
+    def _cycles(self, stages: Stages, progress: Progress) -> dict[str, xr.Dataset]:
+        """Cycles of the bodies that have them, as of `asperity.stress.stress_cycles`."""
+        case, found = stages.asked, {}
+        pressure, names = stages.contact.mean_pressure / case.carried, list(case.different_bodies)
+        for number, body in enumerate(names):
 
-    def rows_of_body(self, answer: Answer, body: str) -> Iterator[Row]:
-        """The worst cycles, volumes above shares of the limit, and the probability that no crack starts."""
-        import numpy as np
+            def report(done: float, total: float, number: int = number) -> None:
+                progress(number + done / total, len(names))
 
-        if (cycles := answer.of(self).get(body)) is None:
-            return
-        group = _title(answer.case, body)
-        for variable, (words, unit) in WORDS.items():
-            if variable in cycles:
-                value, depth, *place = cycles.attrs[f"worst_{variable}"]
-                axes = [axis_of(cycles), *("x" for _ in place[1:])]
-                positions = {"y": 0.0, "x": 0.0} | dict(zip(axes, place, strict=True))
-                y, x = answer.face.grid.on_map(positions["y"], positions["x"])
-                on_map = {"y": shown_si(float(y), "m"), "x": shown_si(float(x), "m")}
-                at = ", ".join(f"{axis} = {on_map[axis]}" for axis in axes)
-                few = cycles.attrs.get("few_shifts_error", 0.0)
-                of_grid = np.nan_to_num(answer.bodies[body].grid_error(variable))
-                source = "the pixels and the shifts" if few else "the pixels"
-                shown = f"{shown_si(value, unit)} at depth {shown_si(depth, 'm')}, {at}"
-                error = float(np.hypot(of_grid, few)) * abs(value)
-                yield Row(group, words, value, unit, shown).by(error, source)
+            if self.shifts is not None:
+                pressures = self._moving(case, stages.rough, pressure, report).in_body(body)
+                limits = _limits(case.bodies[body])
+                found[body] = stress_cycles(pressures, **limits, tolerance=STRESS_TOLERANCE)
+            elif (observed := stages.bodies[body].observed.get("cycles")) is not None:
+                found[body] = observed.cycles.dataset()
+        return found
+
+    def _moving(
+        self, case: Scene, rough: RoughFace, mean_pressure: float, progress: Progress | None = None
+    ) -> MovingContact:
+        """The faces of a case as they move against each other."""
+        assert self.shifts is not None
+        height, film = rough.face.height, case.questions.get("film")
+        upper = np.zeros_like(height) if rough.upper is None else rough.upper
+        return MovingContact(
+            upper - height,
+            upper,
+            case.solid,
+            rough.face.grid,
+            shifts=self.shifts,
+            sliding_direction=case.sliding_direction,
+            mean_pressure=mean_pressure if case.hertz_contact is None else None,
+            hertz=case.hertz_contact,
+            at=case.load.at if isinstance(case.load, Hertz) else (0.0, 0.0),
+            slide_to_roll=self.slide_to_roll,
+            friction=case.friction,
+            hardness=case.hardness,
+            film_share=0.0 if film is None else film.share,
+            wavelength_short=rough.face.wavelength_short,
+            progress=progress,
+        )
+
+    def _records(self, stages: Stages, body: str, cycles: xr.Dataset) -> Iterator[Record]:
+        """The worst cycles of a body, volumes above fractions of the limit, and cracks.
+
+        The discretisation error is that of the pixels and of the shifts.
+        """
+        of: dict[str, Any] = {"topic": TOPIC, "body": body}
+        few = cycles.attrs.get("few_shifts_error", 0.0)
+        for variable, (quantity, unit, more) in WORST.items():
+            if variable not in cycles:
+                continue
+            value, depth, *place = cycles.attrs[f"worst_{variable}"]
+            at = dict(zip((axis_of(cycles), "x"), place, strict=False))
+            y, x = map(float, stages.face.grid.on_map(at.get("y", 0.0), at.get("x", 0.0)))
+            place = Position(depth, y if "y" in at else math.nan, x if "x" in at else math.nan)
+            words = NO_CHANGE if variable.startswith("shakedown") and value >= LARGEST_FACTOR else ""
+            error = float(np.hypot(np.nan_to_num(stages.bodies[body].grid_error(variable)), few)) * abs(value)
+            record = Record(quantity, value, unit, position=place, words=words, varies=True, **of, **more)
+            yield record if words else record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
             return
-        for share in LIMIT_SHARES:
+        for share in LIMIT_FRACTIONS:
             value = float(cycles["fatigue_volume"].interp(fatigue_share=share))
             name = f"volume above {100 * share:g} % of the limit per area"
-            yield row(group, name, value, "m")
+            yield Record(name, value, "m", bounds=POSITIVE, varies=True, better="less", **of)
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
-            from asperity.stress.cycles.stress_cycles import cracks_per_area, weibull_exponent
-
-            area = answer.numbers.nominal_area
+            area = stages.numbers.nominal_area
             cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
-            exponent = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
-            yield Row(group, CRACKS, cracks, "1/m^2", f"{1e-6 * cracks:.3g} per mm², {exponent}")
+            note = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
+            yield Record(CRACKS, cracks, "1/m^2", bounds=POSITIVE, note=note, **of)
+            note = f"on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
             none = math.exp(-cracks * area)
-            shown = (
-                f"{none:.4g} on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
-            )
-            yield Row(group, "probability of no crack on the map", none, "1", shown)
+            yield fraction("probability of no crack on the map", none, better="more", note=note, **of)
 
-    def advice(self, answer: Answer) -> Iterator[Advice]:
+    def _warnings(self, case: Scene, found: dict[str, xr.Dataset]) -> Iterator[Advice]:
         """Error by few shifts, and the stress with which the limits are compared."""
-        found, known = answer.of(self), answer.case.different_bodies
-        for body in known:
-            if (size := found[body].attrs.get("few_shifts_error") if body in found else None) is not None:
-                where = f" of the {body} body" if len(known) > 1 else ""
+        for body, cycles in found.items():
+            if (size := cycles.attrs.get("few_shifts_error")) is not None:
+                where = f" of the {body} body" if len(case.different_bodies) > 1 else ""
                 worst = f"the worst cycles{where}"
                 error = f"with {self.shifts} shifts the error of {worst} is about {per_cent(size)}"
                 text = f"{error}, estimated from the result with half of the shifts."
                 yield Advice(size > FEW_SHIFTS, "number of shifts", text, f"shifts: {error}", size)
         if any("dang_van" in cycles for cycles in found.values()):
-            film = "" if "film" in answer.case.questions else "of dry faces: there is no lubricant film, "
+            film = "" if "film" in case.questions else "of dry faces: there is no lubricant film, "
             text = f"the fatigue limits are compared with elastic stress cycles {film}no residual stress "
             yield Advice(False, "fatigue", f"{text}except the one given, and no life is predicted.")
 
-    def files(self, case: Case) -> list[str]:
-        """Datasets, pictures and table."""
-        found = []
-        for body, constants in case.different_bodies.items():
-            suffix = f"_{body}" if len(case.different_bodies) > 1 else ""
-            limited = constants.fatigue_torsion is not None
-            found += [f"cycles{suffix}.nc"] if limited or self.shifts else []
-            found += [f"cycles{suffix}.png", "fatigue.csv"] if limited else []
-        return list(dict.fromkeys(found))
+    def _motion(self, case: Scene) -> str:
+        """The motion that makes the cycles, in words."""
+        given = case.sliding_direction
+        along = given if isinstance(given, str) else f"{given:g}° from x"
+        if self.shifts is not None and case.hertz_contact is not None:
+            rolling = f"slide-to-roll ratio {self.slide_to_roll:g}, {self.shifts} positions"
+            return f"a point moves along {along} through the Hertz contact, {rolling}"
+        if self.shifts is not None:
+            return f"the faces move along {along}, {self.shifts} shifts"
+        coated = any(body.coating is not None for body in case.bodies.values())
+        below = ", below its coating" if coated else ""
+        return f"the rough body moves along {along}, over each body as if that were the smooth one{below}"
 
-    def tables(self, answer: Answer) -> Mapping[str, pd.DataFrame]:
-        """Volume per nominal area above shares of the fatigue limit: body, share, volume_per_area_m."""
-        import pandas as pd
-
-        found = []
-        for body in answer.case.different_bodies:
-            cycles = answer.of(self).get(body)
-            if cycles is not None and "fatigue_volume" in cycles:
-                volume = cycles["fatigue_volume"].to_series()
-                found += [(body, share, value) for share, value in volume[volume > 0].items()]
-        columns = ["body", "share", "volume_per_area_m"]
-        return {"fatigue": pd.DataFrame(found, columns=columns)} if found else {}
-
-    def datasets(self, answer: Answer) -> Iterator[tuple[str, xr.Dataset, str]]:
-        """The cycles of each body."""
-        for body in answer.case.different_bodies:
-            if (cycles := answer.of(self).get(body)) is not None:
-                of = f"{body} body under rough surface {answer.face.name} that moves"
-                title = f"Cycles of the stress in {of}"
-                yield f"cycles{answer.suffix_of(body)}", cycles.assign_attrs(body=body), title
-
-    def peaks(self, answer: Answer, body: str) -> pd.DataFrame | None:
-        """Maxima over rows of the largest Dang Van stress of each row, in the columns of `Answer.peaks`."""
-        import numpy as np
-        import pandas as pd
-
-        cycles, limit = answer.of(self).get(body), answer.case.bodies[body].fatigue_torsion
-        if cycles is None or "dang_van" not in cycles or limit is None:
-            return None
-        axis, of_row = axis_of(cycles), cycles["dang_van"].max("cycle_depth").values
-        above = (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
-        row, nodes = np.flatnonzero((of_row > 0) & above), answer.face.grid.shape["yx".index(axis)]
-        row = row[(row < nodes) | (row == of_row.size - 1)]  # without the mirror images of the map
-        deepest = cycles["dang_van"].argmax("cycle_depth").values[row]
-        values = {"value_Pa": limit * of_row[row], "depth_m": cycles["cycle_depth"].values[deepest]}
-        place = cycles[f"cycle_{axis}"].values[np.where(row < nodes, row, 0)]
-        places = {"y_m": 0.0, "x_m": 0.0} | {f"{axis}_m": place}
-        rows = pd.DataFrame(values | places | {"quantity": "dang_van", "under_contact": True})
-        rows["in_solid"] = rows["depth_m"] > 0
-        return rows
-
-    def pictures_of_body(self, answer: Answer, body: str) -> Iterator[Picture]:
+    def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
-        import numpy as np
+        for body in answer.case.different_bodies:
+            name, limit = _name(answer.case, body), answer.case.bodies[body].fatigue_torsion
+            if name in answer.datasets and limit is not None:
+                cycles = answer.datasets[name]
+                caption = (
+                    f"Maximum Dang Van stress of each row across {axis_of(cycles)} in the {body} body as "
+                    f"{self._motion(answer.case)}; the line is the fatigue limit in torsion, "
+                    f"{shown_si(limit, 'Pa')}."
+                )
+                yield Picture(name, caption, _section(answer, cycles, limit), body)
 
-        from asperity.engineering.pictures import FADED, source_of
-        from asperity.views.scales import STRESS, Look
-        from asperity.views.stress_plot import draw_sections, until_faded
 
-        cycles, limit = answer.of(self).get(body), answer.case.bodies[body].fatigue_torsion
-        if cycles is None or limit is None:
-            return
-        axis, source = axis_of(cycles), source_of(answer)
-        rows = slice(0, source.grid.shape["yx".index(axis)])
-        section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
-        # Every row meets a contact somewhere: bars of the contact would say nothing.
-        section = section.isel({axis: rows}).rename(source.title)
-        touching = np.zeros(section.sizes[axis], dtype=bool)
-        over_depth = np.full(section.sizes["depth"], limit)
-        section = section.assign_coords(contact=(axis, touching), limit=("depth", over_depth))
-        # Cycles in a Hertz contact go deeper than the picture, which ends at half of the edge of the map.
-        section = section.sel(depth=slice(0, max(answer.face.grid.length) / 2))
-        look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
-        faded = min(FADED * float(section.max()), limit)
-        figure = draw_sections(until_faded([section.clip(0)], faded), look, source.system, None)
-        caption = (
-            f"Largest Dang Van stress of each row across {axis}; the line is the "
-            f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {_title(answer.case, body)}."
-        )
-        yield Picture(f"cycles{answer.suffix_of(body)}", caption, figure, body)
+def _name(case: Scene, body: str) -> str:
+    """Name of the cycles of a body among the datasets and pictures."""
+    return f"cycles_{body}" if len(case.different_bodies) > 1 else "cycles"
 
 
 def _limits(body: Body) -> dict[str, Any]:
@@ -329,54 +351,73 @@ def _limits(body: Body) -> dict[str, Any]:
     return {name: getattr(body, name) for name in names} | {"residual_stress": residual}
 
 
-def moving_contact(
-    case: Case, rough: RoughFace, mean_pressure: float, progress: Progress | None = None
-) -> MovingContact:
-    """The faces of a case as they move against each other."""
-    import numpy as np
+def _verdict(records: list[Record]) -> str:
+    """Fatigue and shakedown of the body with the worst cycles."""
+    worst = {
+        variable: [each.value for each in records if each.quantity == quantity]
+        for variable, (quantity, *_) in WORST.items()
+    }
+    found = []
+    if worst["dang_van"]:
+        ratio = max(worst["dang_van"])
+        text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
+        if ratio > 1:
+            text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+        found.append(text)
+    if worst["shakedown_lower"] and worst["shakedown_upper"]:
+        low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
+        between = f"{low:.2g} to {high:.2g} times the load"
+        if high >= LARGEST_FACTOR:
+            between = f"a load that is not known, at least {low:.2g} times the load"
+        if low >= 1:
+            shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
+        elif high < 1:
+            shakes = f"plastic strain returns in each pass; it would end below {between}"
+        else:
+            shakes = f"whether plastic strain ends is not decided; it ends below {between}"
+        found.append(shakes)
+    return "; ".join(found)
 
-    from asperity.engineering.moving import MovingContact
-    from asperity.settings.load import Hertz
 
-    assert case.cycles is not None
-    assert case.cycles.shifts is not None
-    height = rough.face.height
-    upper = np.zeros_like(height) if rough.upper is None else rough.upper
-    return MovingContact(
-        upper - height,
-        upper,
-        case.solid,
-        rough.face.grid,
-        shifts=case.cycles.shifts,
-        sliding_direction=case.sliding_direction,
-        mean_pressure=mean_pressure if case.hertz_contact is None else None,
-        hertz=case.hertz_contact,
-        at=case.load.at if isinstance(case.load, Hertz) else (0.0, 0.0),
-        slide_to_roll=case.cycles.slide_to_roll,
-        friction=case.friction,
-        hardness=case.hardness,
-        film_share=0.0 if case.film is None else case.film.share,
-        wavelength_short=rough.face.wavelength_short,
-        progress=progress,
-    )
+def _peaks(face: TreatedMap, body: str, cycles: xr.Dataset, limit: float | None) -> pd.DataFrame:
+    """Maxima over rows of the maximum Dang Van stress of each row, as rows of the table of peaks."""
+    import pandas as pd
+
+    assert limit is not None
+    axis, of_row = axis_of(cycles), cycles["dang_van"].max("cycle_depth").values
+    above = (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
+    row, nodes = np.flatnonzero((of_row > 0) & above), face.grid.shape["yx".index(axis)]
+    row = row[(row < nodes) | (row == of_row.size - 1)]  # without the mirror images of the map
+    deepest = cycles["dang_van"].argmax("cycle_depth").values[row]
+    depth = cycles["cycle_depth"].values[deepest]
+    values = {"value_Pa": limit * of_row[row], "depth_m": depth}
+    place = cycles[f"cycle_{axis}"].values[np.where(row < nodes, row, 0)]
+    places = {"y_m": 0.0, "x_m": 0.0} | {f"{axis}_m": place}
+    known = {"body": body, "quantity": "dang_van", "under_contact": True, "in_solid": depth > 0}
+    return pd.DataFrame(values | places | known)
+
+
+def _section(answer: AnswerData, cycles: xr.Dataset, limit: float) -> Any:
+    """The maximum Dang Van stress over the depth and the axis of the cycles, with a contour at the limit."""
+    from asperity.results.variables import SI_UNITS
+    from asperity.views.scales import STRESS, Look
+    from asperity.views.stress_plot import draw_sections, until_faded
+    from asperity.views.style import plain_text
+
+    axis, grid = axis_of(cycles), answer.face.grid
+    section = (cycles["dang_van"] * limit).rename({"cycle_depth": "depth", f"cycle_{axis}": axis})
+    section = section.isel({axis: slice(0, grid.shape["yx".index(axis)])})
+    # Every row meets a contact somewhere: bars of the contact would say nothing.
+    touching = np.zeros(section.sizes[axis], dtype=bool)
+    over_depth = np.full(section.sizes["depth"], limit)
+    section = section.assign_coords(contact=(axis, touching), limit=("depth", over_depth))
+    # Cycles in a Hertz contact go deeper than the picture, which ends at half of the edge of the map.
+    section = section.rename(plain_text(answer.face.name)).sel(depth=slice(0, max(grid.length) / 2))
+    look = Look("maximum Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
+    faded = until_faded([section.clip(0)], min(FADED * float(section.max()), limit))
+    return draw_sections(faded, look, SI_UNITS, None)
 
 
 def axis_of(cycles: xr.Dataset) -> str:
     """Axis of the cycles beside the depth, ``"y"`` or ``"x"``."""
     return "x" if "cycle_x" in cycles.coords else "y"
-
-
-def _title(case: Case, body: str) -> str:
-    """Heading of the cycles of one body."""
-    asked, along = case.cycles or Cycles(), case.sliding_direction
-    along, shifts = along if isinstance(along, str) else f"{along:g}° from x", asked.shifts
-    if shifts is not None and case.hertz_contact is not None:
-        rolling = f"slide-to-roll ratio {asked.slide_to_roll:g}, {shifts} places"
-        return f"cycles of the {body} body on its way along {along} through the Hertz contact, {rolling}"
-    if shifts is not None:
-        return f"cycles of the {body} body as the faces move along {along}, {shifts} shifts"
-    of = case.stress_title(body).removeprefix("stress in ").removeprefix("both bodies")
-    place = of or "either body"
-    if case.bodies[body].coating is not None:
-        place += ", below the coating,"
-    return f"cycles as the rough body moves along {along}, in {place} as if it were the smooth one"

@@ -5,24 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from asperity.core.units import shown_si
-from asperity.engineering.question import Advice, Picture, Question, Row, advice_on_pixels
+import numpy as np
+
+from asperity.contact import Contact
+from asperity.core.types import Array, Progress
+from asperity.core.units import scaled_unit, shown_si
+from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels
+from asperity.engineering.records import DISCRETISATION, POSITIVE, Position, Record
+from asperity.engineering.scene import Scene
 from asperity.settings.model import Number, optional, setting
 from asperity.settings.quantities import Pressure
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    import xarray as xr
 
     from asperity.contact.gap import Percolation
     from asperity.contact.reynolds import FilmFlow
-    from asperity.core.types import Array, Progress
-    from asperity.engineering.question import Answer, Case, Contact, RoughFace
+    from asperity.engineering.face import RoughFace
     from asperity.surface.treatment.treatment import TreatedMap
 
-GROUP = "gap"
+TOPIC = "gap"
 
 FLOW_CAPTION = (
     "Film that leaks through the gap: volume per time and width over its mean, and pressure. In the black "
@@ -32,49 +37,26 @@ FLOW_CAPTION = (
 LEAST_FLUX = 1e-3
 """Flux over the mean one at the lower end of the colours."""
 
-
 SEALING_ERROR = 0.01
 """Relative error of the load that seals; half of the error costs one contact more."""
 
 WIDE = 10
-"""Largest over smallest value of a picture above which its colours, or its axis, are logarithmic."""
+"""Maximum over minimum of a picture above which its colours, or its axis, are logarithmic."""
 
 CLOSE_UP = 20
 """Pixels to each side of the narrowest constriction in its picture."""
 
 
-@dataclass(frozen=True, eq=False)
-class LeakResult:
-    """Percolation of contact and gap, flow through the map, and leakage on half of the nodes.
-
-    The flow is None without a viscosity.
-    """
-
-    paths: Percolation
-    flow: FilmFlow | None
-    on_half: float
-
-
-@dataclass(frozen=True, eq=False)
-class Sealing:
-    """Mean pressure that seals the gap, the same on half of the nodes, and a contact just below it.
-
-    The pressure is 0 if all loads of the curve seal, and infinite if none does; then there is no contact.
-    """
-
-    load: float
-    on_half: float
-    last_open: Contact | None
-
-
 class Leak(Question):
     """Percolation of the gap, and leakage of a fluid through it; see `asperity.contact.film_flow`."""
 
+    ASKS = "Does the gap leak?"
     TILES = (
         *("leakage along x", "leakage along y", "mean pressure that seals"),
         *("narrowest constriction along x", "narrowest constriction along y"),
     )
     LEAD = "constriction"
+    FILES = ("constriction", "flow")
 
     direction: Literal["x", "y"] = setting("x")
     """Direction in which the fluid leaks."""
@@ -85,29 +67,57 @@ class Leak(Question):
     pressure_difference: Pressure | None = optional("percolation alone, no leakage", example="5 bar")
     """Fall of the pressure of the fluid over the length of the map."""
 
-    def check(self, case: Case) -> Iterator[tuple[str, str]]:
-        """Refuse a viscosity without a pressure difference, and a pressure difference without a viscosity."""
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
+        """A viscosity without a pressure difference, or the other way round; the flow needs a package."""
         names = ("viscosity", "pressure_difference")
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) == 1:
             yield f"leak.{given[0]}", f": needs leak.{({*names} - {*given}).pop()}"
+        elif given and rough is not None:
+            from asperity.core.packages import require
 
-    def on_map(self, case: Case, rough: RoughFace) -> Iterator[tuple[str, str]]:
-        """The flow needs a package."""
-        from asperity.core.packages import require
-
-        if self.viscosity is not None:
             require(["pyamg"])
-        return iter(())
 
-    def of_contact(self, answer: Answer, progress: Progress) -> LeakResult:
-        """Percolation, and the flow on the map and on half of its nodes."""
+    def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
+        """The flow is solved on the map and on half of its nodes."""
+        return 0.0, 0.1 if self.viscosity is None else 2.0
+
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
+        """Percolation, the narrowest constriction, and the leakage with its discretisation error."""
         from asperity.contact.gap import percolation
 
-        flow = self._flow(answer.contact, lambda done, total: progress(0.8 * done, total))
-        on_half = self._flow(answer.half.contact)
-        paths = percolation(answer.contact)
-        return LeakResult(paths, flow, 0.0 if on_half is None else on_half.flow_rate)
+        contact, axis = stages.contact, "yx".index(self.direction)
+        paths = percolation(contact)
+        flow = self._flow(contact, lambda done, total: progress(0.8 * done, total))
+        on_half = self._flow(stages.coarse.contact)
+        records, width, warnings = [*_records(paths)], paths.constriction[axis], []
+        datasets = self._close_up(contact, "under the load")
+        verdict = (
+            f"not sealed along {self.direction}: the narrowest constriction is {shown_si(width, 'm', 3)}"
+        )
+        name, note = f"leakage along {self.direction}", ""
+        if (width if flow is None else flow.flow_rate) == 0:
+            verdict = f"sealed along {self.direction}: the contact closes the gap"
+            if "load_curve" not in stages.asked.questions:
+                note = "a load_curve from smaller loads finds the load that seals"
+        if flow is not None and flow.flow_rate == 0:
+            words = "0, sealed: the contact closes the gap"
+            records.append(Record(name, 0.0, "m^3/s", TOPIC, words=words, note=note))
+        elif flow is not None and on_half is not None:
+            leakage = Record(name, flow.flow_rate, "m^3/s", TOPIC, bounds=POSITIVE)
+            leakage = leakage.with_error(DISCRETISATION, abs(flow.flow_rate - on_half.flow_rate))
+            note = "of the flow between planes at the mean gap"
+            records += [leakage, Record("pressure flow factor", flow.flow_factor, topic=TOPIC, note=note)]
+            verdict = f"leaks {leakage.best_text()} along {self.direction}, with the discretisation error"
+            warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
+            datasets["leak"] = _fields(contact, flow)
+        return Findings(
+            records=records,
+            verdict=verdict,
+            warnings=warnings,
+            assumption="" if flow is None else "The film is laminar, fills the gap and does not open it.",
+            datasets=datasets,
+        )
 
     def _flow(self, contact: Contact, progress: Progress | None = None) -> FilmFlow | None:
         """Flow of the film through the map; None without a film."""
@@ -117,7 +127,7 @@ class Leak(Question):
             return None
         return film_flow(contact, self.viscosity, self.pressure_difference, self.direction, progress)
 
-    def under_load(self, answer: Answer, contact: Contact) -> dict[str, float]:
+    def under_load(self, contact: Contact) -> dict[str, float]:
         """Constriction and leakage of a contact of a load curve, also on half of the nodes."""
         from asperity.engineering.continuum import solved_on_half
 
@@ -134,12 +144,21 @@ class Leak(Question):
 
         return percolation(contact).constriction["yx".index(self.direction)]
 
-    def sealing(self, answer: Answer, curve: Dataset, progress: Progress) -> Sealing:
-        """The mean pressure that seals the gap, by bisection between loads of a curve."""
+    def sealing(
+        self, face: TreatedMap, case: Scene, curve: xr.Dataset, progress: Progress
+    ) -> tuple[float, float, dict[str, xr.Dataset]]:
+        """The mean pressure that seals the gap, by bisection between loads of a curve.
+
+        Returns
+        -------
+        load, on_half : float
+            The mean pressure, and that on half of the nodes; 0 if all loads of the curve seal, and infinite
+            if none does.
+        datasets : dict
+            ``constriction`` of a contact just below the load; empty if the load is not on the curve.
+        """
         from asperity.contact.half_grid import solve_on_half
         from asperity.engineering.press import press
-
-        face, case, loads = answer.face, answer.case, curve["mean_pressure"].values
 
         def pressed(load: float) -> Contact:
             return press(face, case.under(mean_pressure=load))
@@ -148,124 +167,80 @@ class Leak(Question):
             given = {"mean_pressure": load, "hardness": case.hardness}
             return solve_on_half(face.height, case.solid, face.grid, face.boundary, **given)[0]
 
-        found: dict[str, float] = {}
-        for number, (name, solved) in enumerate((("", pressed), ("_on_half", on_half))):
+        found: list[float] = []
+        for name, solved in (("", pressed), ("_on_half", on_half)):
             opened = curve[f"constriction{name}"].values > 0
 
             def is_open(load: float, solved: Callable[[float], Contact] = solved) -> bool:
                 return self._constriction(solved(load)) > 0
 
-            found[name] = _last_open_load(loads, opened, is_open)
-            progress(number + 1, 2)
-        load = found[""]
-        last_open = pressed(load * (1 - SEALING_ERROR)) if 0 < load < math.inf else None
-        return Sealing(load, found["_on_half"], last_open)
+            found.append(_last_open_load(curve["mean_pressure"].values, opened, is_open))
+            progress(len(found), 2)
+        load, coarse = found
+        if not 0 < load < math.inf:
+            return load, coarse, {}
+        last_open = pressed(load * (1 - SEALING_ERROR))
+        return load, coarse, self._close_up(last_open, "just below the load that seals")
 
-    def verdict(self, answer: Answer) -> str:
-        """Sealed gap, or else its leakage, and the load that seals."""
-        found: LeakResult = answer.of(self)
-        width = found.paths.constriction["yx".index(self.direction)]
-        rate = width if found.flow is None else found.flow.flow_rate
-        if rate == 0:
-            text = f"sealed along {self.direction}: the contact closes the gap"
-        elif found.flow is None:
-            narrowest = f"the narrowest constriction is {shown_si(width, 'm', 3)}"
-            text = f"not sealed along {self.direction}: {narrowest}"
-        else:
-            row = Row(GROUP, "", rate, "m^3/s", "").by(abs(rate - found.on_half))
-            shown = row.with_error or shown_si(rate, "m^3/s", 3)
-            text = f"leaks {shown} along {self.direction}, with the error by the pixels"
-        curve = answer.found.get("load_curve")
-        if curve is not None and 0 < curve.sealing.load < math.inf:
-            text += f"; sealed above a mean pressure of {shown_si(curve.sealing.load, 'Pa', 3)}"
-        return text
-
-    def rows(self, answer: Answer) -> Iterator[Row]:
-        """Percolation, the narrowest constriction, and the leakage."""
-        found: LeakResult = answer.of(self)
-        paths, flow = found.paths, found.flow
-        for phase, percolates in (("contact", paths.contact), ("gap", paths.gap)):
-            for axis in (1, 0):
-                name, shown = f"{phase} percolates along {'yx'[axis]}", "yes" if percolates[axis] else "no"
-                yield Row(GROUP, name, float(percolates[axis]), "1", shown)
-        for axis in (1, 0):
-            width, words = paths.constriction[axis], "none, the gap is closed"
-            if paths.gap[axis]:
-                y, x = paths.place[axis]
-                at = f"x = {shown_si(float(x), 'm')}, y = {shown_si(float(y), 'm')}"
-                words = f"{shown_si(width, 'm')} at {at}"
-            yield Row(GROUP, f"narrowest constriction along {'yx'[axis]}", width, "m", words)
-        if flow is None:
-            return
-        name, rate = f"leakage along {self.direction}", flow.flow_rate
-        if rate == 0:
-            words = "0, sealed: the contact closes the gap"
-            if answer.case.load_curve is None:
-                words += "; a load_curve from smaller loads finds the load that seals"
-            yield Row(GROUP, name, 0.0, "m^3/s", words)
-            return
-        row = Row(GROUP, name, rate, "m^3/s", shown_si(rate, "m^3/s"))
-        yield row.by(abs(rate - found.on_half))
-        words = f"{flow.flow_factor:.4g} of the flow between planes at the mean gap"
-        yield Row(GROUP, "pressure flow factor", flow.flow_factor, "1", words)
-
-    def advice(self, answer: Answer) -> Iterator[Advice]:
-        """Error of the leakage by the pixels."""
-        found: LeakResult = answer.of(self)
-        if found.flow is not None and found.flow.flow_rate > 0:
-            name = f"leakage along {self.direction}"
-            yield advice_on_pixels("leakage", {name: found.flow.flow_rate}, {name: found.on_half})
-
-    def assumption(self, answer: Answer) -> str:
-        """A laminar film that does not open the gap."""
-        if self.viscosity is None:
-            return ""
-        return "The film is laminar, fills the gap and does not open it."
-
-    def files(self, case: Case) -> list[str]:
-        """The pictures of the narrowest constriction and of the flow."""
-        return ["constriction.png", *([] if self.viscosity is None else ["flow.png"])]
-
-    def pictures(self, answer: Answer) -> Iterator[Picture]:
-        """The gap around the narrowest constriction, and maps of the flux of the film and of its pressure."""
-        contact, under = answer.contact, "under the load"
-        curve = answer.found.get("load_curve")
-        if curve is not None and curve.sealing is not None and curve.sealing.last_open is not None:
-            contact, under = curve.sealing.last_open, "just below the load that seals"
-        if self._constriction(contact) > 0:
-            yield self._picture_of_constriction(contact, under)
-        if (flow := answer.of(self).flow) is not None and flow.flow_rate > 0:
-            yield Picture("flow", FLOW_CAPTION, _maps_of_flow(answer.face, flow))
-
-    def _picture_of_constriction(self, contact: Contact, under: str) -> Picture:
-        """The gap around the narrowest constriction of the best path along the direction of the leak."""
-        import numpy as np
-        from matplotlib.colors import LogNorm, Normalize
+    def _close_up(self, contact: Contact, under: str) -> dict[str, xr.Dataset]:
+        """The gap around the narrowest constriction along the leak; empty if the gap is sealed."""
+        import xarray as xr
 
         from asperity.contact.gap import open_gap, percolation
-        from asperity.core.units import scaled_unit
 
-        grid, paths, axis = contact.grid, percolation(contact), "yx".index(self.direction)
-        narrowest, (y, x) = paths.constriction[axis], paths.place[axis]
-        nodes = [round(place / step) for place, step in zip((y, x), grid.spacing, strict=True)]
+        paths, axis = percolation(contact), "yx".index(self.direction)
+        if not paths.constriction[axis]:
+            return {}
+        nodes = np.rint(np.divide(paths.place[axis], contact.grid.spacing)).astype(int)
         part = tuple(slice(max(node - CLOSE_UP, 0), node + CLOSE_UP + 1) for node in nodes)
-        gap = open_gap(contact)[part]
-        factor, symbol = scaled_unit(gap.max(), "m")
-        bottom, left = (step * (each.start - 0.5) for step, each in zip(grid.spacing, part, strict=True))
-        height, width = (step * size for step, size in zip(grid.spacing, gap.shape, strict=True))
-        with _panels(1, height / width) as (figure, (panel,)):
-            shown = np.ma.masked_where(gap <= 0, gap / factor)
-            low, high = narrowest / factor, 1.01 * shown.max()
-            norm = (LogNorm if high > WIDE * low else Normalize)(low, high, clip=True)
-            box = left, left + width, bottom, bottom + height
-            scale = _draw(figure, panel, shown, box, f"gap ({symbol})", norm=norm)
-            panel.plot(x / scale, y / scale, "o", mfc="none", mec="red", ms=12, mew=1.5)
-        caption = (
-            f"Gap around the narrowest constriction along {self.direction}, {shown_si(narrowest, 'm', 3)} in "
-            f"the ring, {under} (mean pressure {shown_si(contact.mean_pressure, 'Pa', 3)}). The contact is "
-            "black."
-        )
-        return Picture("constriction", caption, figure)
+        y, x = (at[each] for at, each in zip(contact.grid.coordinates(), part, strict=True))
+        attributes = {
+            "title": f"Gap around the narrowest constriction along {self.direction}, {under}",
+            "narrowest": [paths.constriction[axis], *paths.place[axis]],
+            "mean_pressure": contact.mean_pressure,
+        }
+        gap = (("close_up_y", "close_up_x"), open_gap(contact)[part])
+        return {"constriction": xr.Dataset({"gap": gap}, {"close_up_y": y, "close_up_x": x}, attributes)}
+
+    def pictures(self, answer: AnswerData) -> Iterator[Picture]:
+        """The gap around the narrowest constriction, and maps of the flux of the film and of its pressure."""
+        if (close := answer.datasets.get("constriction")) is not None:
+            narrowest = shown_si(float(close.attrs["narrowest"][0]), "m", 3)
+            pressure = shown_si(float(close.attrs["mean_pressure"]), "Pa", 3)
+            caption = (
+                f"{close.attrs['title']} (mean pressure {pressure}): {narrowest} in the ring. The contact is "
+                "black."
+            )
+            yield Picture("constriction", caption, _gap(close, answer.face.grid.spacing))
+        if (film := answer.datasets.get("leak")) is not None:
+            yield Picture("flow", FLOW_CAPTION, _maps_of_flow(answer.face, film))
+
+
+def _records(paths: Percolation) -> Iterator[Record]:
+    """Percolation and the narrowest constriction."""
+    for phase, percolates in (("contact", paths.contact), ("gap", paths.gap)):
+        for axis in (1, 0):
+            words = "yes" if percolates[axis] else "no"
+            name = f"{phase} percolates along {'yx'[axis]}"
+            yield Record(name, float(percolates[axis]), topic=TOPIC, words=words)
+    for axis in (1, 0):
+        name, (y, x) = f"narrowest constriction along {'yx'[axis]}", paths.place[axis]
+        words = "" if paths.gap[axis] else "none, the gap is closed"
+        at = Position(y=float(y), x=float(x))
+        yield Record(name, paths.constriction[axis], "m", TOPIC, position=at, words=words)
+
+
+def _fields(contact: Contact, flow: FilmFlow) -> xr.Dataset:
+    """Flux of the film over its mean, and its pressure, on the nodes of the map."""
+    import xarray as xr
+
+    relative = flow.flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
+    fields = {"film_flux_y": relative[0], "film_flux_x": relative[1], "film_pressure": flow.pressure}
+    return xr.Dataset(
+        {name: (("y", "x"), values) for name, values in fields.items()},
+        contact.grid.dataset_coordinates(),
+        {"title": "Film that leaks through the gap", "unit_system": "SI"},
+    )
 
 
 def _last_open_load(loads: Array, opened: Array, is_open: Callable[[float], bool]) -> float:
@@ -282,23 +257,40 @@ def _last_open_load(loads: Array, opened: Array, is_open: Callable[[float], bool
     return math.sqrt(low * high)
 
 
-def _maps_of_flow(face: TreatedMap, flow: FilmFlow) -> Any:
+def _gap(close: xr.Dataset, spacing: Sequence[float]) -> Any:
+    """The gap around a constriction, with a ring around it; black where it is closed."""
+    from matplotlib.colors import LogNorm, Normalize
+
+    gap, (narrowest, y, x) = close["gap"].values, map(float, close.attrs["narrowest"])
+    factor, symbol = scaled_unit(gap.max(), "m")
+    bottom, left = (
+        float(close[f"close_up_{axis}"][0]) - step / 2 for axis, step in zip("yx", spacing, strict=True)
+    )
+    height, width = np.multiply(spacing, gap.shape)
+    with _panels(1, height / width) as (figure, (panel,)):
+        shown = np.ma.masked_where(gap <= 0, gap / factor)
+        low, high = narrowest / factor, 1.01 * shown.max()
+        norm = (LogNorm if high > WIDE * low else Normalize)(low, high, clip=True)
+        box = left, left + width, bottom, bottom + height
+        scale = _draw(figure, panel, shown, box, f"gap ({symbol})", norm=norm)
+        panel.plot(x / scale, y / scale, "o", mfc="none", mec="red", ms=12, mew=1.5)
+    return figure
+
+
+def _maps_of_flow(face: TreatedMap, film: xr.Dataset) -> Any:
     """Maps of the flux of the film over its mean, and of its pressure; black where the gap is closed."""
-    import numpy as np
     from matplotlib.colors import LogNorm
 
-    from asperity.core.units import scaled_unit
-
-    factor, symbol = scaled_unit(float(np.nanmax(flow.pressure)), "Pa")
-    relative = np.hypot(*flow.flux) / np.hypot(*flow.flux.mean(axis=(1, 2)))
+    pressure, flux = film["film_pressure"].values, np.hypot(film["film_flux_y"], film["film_flux_x"]).values
+    factor, symbol = scaled_unit(float(np.nanmax(pressure)), "Pa")
     panels: list[tuple[str, Any, dict[str, Any]]] = [
-        ("flux over the mean flux", relative, {"norm": LogNorm(LEAST_FLUX, relative.max(), clip=True)}),
-        (f"pressure of the film ({symbol})", flow.pressure / factor, {"vmin": 0.0}),
+        ("flux over the mean flux", flux, {"norm": LogNorm(LEAST_FLUX, flux.max(), clip=True)}),
+        (f"pressure of the film ({symbol})", pressure / factor, {"vmin": 0.0}),
     ]
     height, width = face.grid.length
     with _panels(2, height / width) as (figure, axes):
         for axis, (label, values, colours) in zip(axes, panels, strict=True):
-            shown = np.ma.masked_where(np.isnan(flow.pressure), values)
+            shown = np.ma.masked_where(np.isnan(pressure), values)
             _draw(figure, axis, shown, (0.0, width, 0.0, height), label, **colours)
     return figure
 
@@ -323,8 +315,6 @@ def _draw(figure: Any, axis: Any, values: Array, box: Sequence[float], label: st
 
     `box` holds the left, right, lower and upper edge.
     """
-    from asperity.core.units import scaled_unit
-
     factor, unit = scaled_unit([box[3], box[1]], "m")
     axis.set_facecolor("black")
     image = axis.imshow(values, origin="lower", extent=[edge / factor for edge in box], **colours)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,10 +12,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
+from asperity.contact import Contact
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.question import IN_FULL_CONTACT, Picture, Question, Row, per_cent
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.question import IN_FULL_CONTACT, Findings, Picture, Question, Stages
+from asperity.engineering.questions.conduction import resistivities
 from asperity.engineering.questions.leak import SEALING_ERROR, WIDE
+from asperity.engineering.records import DISCRETISATION, POSITIVE, SEARCH, Record, find, per_cent
+from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, optional, setting
 
@@ -23,19 +29,18 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from asperity.contact import Contact
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.engineering.question import Answer, Case
-    from asperity.engineering.questions.leak import Sealing
+    from asperity.engineering.face import RoughFace
+
+TOPIC = "load curve"
 
 COLUMNS = {
     "mean_pressure": "mean_pressure_Pa",
-    "area_fraction": "area_fraction",
-    "approach": "approach_m",
+    "area_fraction": "contact_area_fraction",
+    "approach": "normal_approach_m",
     "mean_gap": "mean_gap_m",
-    "largest_pressure": "largest_pressure_Pa",
+    "maximum_pressure": "maximum_pressure_Pa",
     "stiffness": "stiffness_Pa_m",
-    "plastic_area": "plastic_area",
+    "plastic_area": "plastic_area_fraction",
     "thermal_conductance": "thermal_conductance_W_m2_K",
     "electrical_conductance": "electrical_conductance_S_m2",
     "electrical_resistance": "electrical_resistance_ohm",
@@ -47,9 +52,11 @@ COLUMNS = {
 }
 """Variable of a load curve → column of its table."""
 
+YIELD_LOAD, SEALING_LOAD = "mean pressure where yield begins", "mean pressure that seals"
+"""Quantities of loads on the curve."""
+
 YIELD_LOAD_ERROR = 0.005
 """Relative error of the load where yield begins; a third of the error costs one or two contacts more."""
-
 
 YIELD_CONTACTS, SEALING_CONTACTS = 4, 8
 """Usual numbers of contacts to find the load where yield begins, and the load that seals."""
@@ -58,20 +65,20 @@ MAX_LOADS, RISING = 100, "a list of rising values"
 """Most loads of a load curve, and their description in messages."""
 
 CAPTION = (
-    "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against "
-    "the mean pressure. A dotted line marks a load where yield begins, or that seals the gap."
+    "Load curve: contact area fraction, mean gap, maximum pressure, stiffness and maximum von Mises stress "
+    "against the mean pressure. A dotted line marks a load where yield begins, or that seals the gap."
 )
 
 PANELS = {
-    "area_fraction": ("real contact", "%"),
-    "mean_gap": ("mean gap", "m"),
-    "largest_pressure": ("largest pressure", "Pa"),
-    "stiffness": ("stiffness", "Pa/m"),
-    "largest_von_mises_stress": ("von Mises stress", "Pa"),
-    "leakage": ("leakage", "m^3/s"),
-    "electrical_resistance": ("electrical resistance", "Ω"),
+    "contact area fraction": ("%", "contact_area_fraction"),
+    "mean gap": ("m", "mean_gap_m"),
+    "maximum pressure": ("Pa", "maximum_pressure_Pa"),
+    "stiffness": ("Pa/m", "stiffness_Pa_m"),
+    "von Mises stress": ("Pa", "maximum_von_mises_lower_Pa", "maximum_von_mises_upper_Pa"),
+    "leakage": ("m^3/s", "leakage_m3_s", "leakage_on_half_m3_s"),
+    "electrical resistance": ("Ω", "electrical_resistance_ohm"),
 }
-"""Number of a load curve → its label and unit in the picture."""
+"""Label of a panel of the picture → its unit, and columns of the table."""
 
 ROOM = 5
 """Factor by which a logarithmic axis is longer below, for a legend under a falling curve."""
@@ -90,42 +97,12 @@ AnyLoad = Annotated[
 ]
 
 
-@dataclass(frozen=True, eq=False)
-class AnswerCurve:
-    """Load curve of an answer.
-
-    Parameters
-    ----------
-    numbers : dataset
-        As of `load_curve`, in SI units; the approach starts at first touch.
-    yield_loads : dict
-        Body → mean pressure at which it begins to yield, as of `yield_load`.
-    sealing : Sealing, optional
-        Mean pressure that seals the gap, if a leak is asked.
-    """
-
-    numbers: xr.Dataset
-    yield_loads: Mapping[str, float]
-    sealing: Sealing | None = None
-
-    def frame(self) -> pd.DataFrame:
-        """The curve as a table; the columns are described in ``docs/tables.md``."""
-        found = self.numbers.drop_dims("body").to_dataframe().rename(columns=COLUMNS)
-        for body in self.numbers["body"].values:
-            found[f"largest_von_mises_{body}_Pa"] = self.numbers["largest_von_mises_stress"].sel(body=body)
-            if body in self.yield_loads:
-                found[f"yield_begins_{body}_Pa"] = self.yield_loads[body]
-        return found
-
-
 class LoadCurve(Question):
     """The contact under rising loads up to the load of the case; see `asperity.engineering.load_curve`."""
 
-    TILES = (
-        *("mean pressure where yield begins", "mean pressure where the lower body yields"),
-        "mean pressure where the upper body yields",
-    )
-    TEMPLATE = "load_curve.html.j2"
+    ASKS = "How does it change with the load?"
+    TILES = (YIELD_LOAD, SEALING_LOAD)
+    FILES = ("curve",)
 
     loads: tuple[AnyLoad, ...] = setting(
         ...,
@@ -138,7 +115,7 @@ class LoadCurve(Question):
     steps: Whole | None = optional("the loads that are listed", ge=2, le=MAX_LOADS, example=8)
     """Number of loads from the single one in `loads` to `load`, in equal ratios."""
 
-    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Loads of another quantity, and loads that do not rise."""
         try:
             path = self.path(case)
@@ -151,7 +128,7 @@ class LoadCurve(Question):
             shown = ", ".join(shown_si(value, UNITS[case.load.kind]) for value in path)
             yield "load_curve.loads", f" = {shown}: {RISING} below the load is needed"
 
-    def path(self, case: Case) -> list[float]:
+    def path(self, case: Scene) -> list[float]:
         """The loads in SI units; the last is the load of the case.
 
         Raises
@@ -172,13 +149,20 @@ class LoadCurve(Question):
             return [*np.geomspace(read[0], case.load.value, self.steps)[:-1].tolist(), case.load.value]
         return [*read, case.load.value]
 
-    def after_stress(self, answer: Answer, progress: Progress) -> AnswerCurve:
+    def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
+        """Contact, stress and leakage under each load, and the searches."""
+        leak, bodies = case.questions.get("leak"), case.different_bodies.values()
+        flow = 0.0 if leak is None else leak.cost(case, is_mirrored)[1]
+        yields = sum(body.yield_stress is not None for body in bodies)
+        one, searches = 1.0 + 2.0 * len(bodies) + flow, 3.0 * YIELD_CONTACTS * yields
+        return 0.0, len(self.path(case)) * one + searches + (0.0 if leak is None else 10.0)
+
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The load curve, and the loads where yield begins and where the gap is sealed."""
         from asperity.engineering.press import press
-        from asperity.engineering.questions.conduction import resistivities
 
-        case, face, path, leak = answer.case, answer.face, self.path(answer.case), answer.case.leak
-        names = list(case.different_bodies)
+        case, face, path = stages.asked, stages.face, self.path(stages.asked)
+        leak, names = case.questions.get("leak"), list(case.different_bodies)
         limits = {name: case.bodies[name].yield_stress for name in names}
         yields = {name: limit for name, limit in limits.items() if limit is not None}
         parts = len(path) + YIELD_CONTACTS * len(yields) + (0 if leak is None else SEALING_CONTACTS)
@@ -187,19 +171,31 @@ class LoadCurve(Question):
             for number, load in enumerate(path):
                 under = case.under(**{case.load.kind: load})
                 reported = partial(_within, progress, number, number + 0.5, parts)
-                yield answer.contact if load == path[-1] else press(face, under, reported)
+                yield stages.contact if load == path[-1] else press(face, under, reported)
                 progress(number + 1, parts)
 
         def more(contact: Contact) -> dict[str, float]:
             found = {"force": contact.mean_pressure * face.grid.area}
             if (current := resistivities(case).get("electrical_conductance")) is not None:
                 found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
-            return found if leak is None else found | leak.under_load(answer, contact)
+            return found if leak is None else found | leak.under_load(contact)
 
         sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
         curve = load_curve(contacts(), names, resistivities(case), case.loaded_body, more, **sliding)
-        begins, done = {}, len(path)
-        for name, limit in yields.items():
+        curve = curve.assign(approach=curve["approach"] - float(stages.contact.height.min()))
+        table, done = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS), len(path)
+        loads = curve["mean_pressure"].values
+        first, last = (shown_si(float(load), "Pa", 3) for load in loads[[0, -1]])
+        grows = " to ".join(map(per_cent, curve["area_fraction"].values[[0, -1]]))
+        verdict = [f"from {first} to {last} the contact area fraction grows from {grows}"]
+        stiffness = float(curve["stiffness"][-1])
+        words = IN_FULL_CONTACT if np.isposinf(stiffness) else ""
+        records = [Record("stiffness", stiffness, "Pa/m", TOPIC, words=words, note="at the last load")]
+        for name in names:
+            stresses = curve["maximum_von_mises_stress"].sel(body=name).values
+            table[f"maximum_von_mises_{name}_Pa"] = stresses
+            if name not in yields:
+                continue
             steps = iter(range(done, done + YIELD_CONTACTS))
 
             def stress_under(load: float, name: str = name, steps: Iterator[int] = steps) -> float:
@@ -207,70 +203,42 @@ class LoadCurve(Question):
                 under_load = press(face, case.under(mean_pressure=load))
                 return largest_von_mises(case.loaded_body(under_load, name), name, **sliding)
 
-            stresses = curve["largest_von_mises_stress"].sel(body=name).values
-            begins[name] = yield_load(curve["mean_pressure"].values, stresses, limit, stress_under)
+            begins = yield_load(loads, stresses, yields[name], stress_under)
+            table[f"yield_begins_{name}_Pa"] = begins
+            record = _on_curve(YIELD_LOAD, begins, loads, name)
+            records.append(record.with_error(SEARCH, 0.0 if record.words else YIELD_LOAD_ERROR * begins))
+            of = f" of the {name} body" if len(case.bodies) > 1 else ""
+            where = record.words.partition(",")[0] or f"at {shown_si(begins, 'Pa', 3)}"
+            verdict.append(f"yield{of} begins {where}")
             done += YIELD_CONTACTS
-        sealing = None
+        datasets: Mapping[str, xr.Dataset] = {}
         if leak is not None:
-            sealing = leak.sealing(answer, curve, partial(_within, progress, done, parts, parts))
-        lowest = float(answer.contact.height.min())
-        return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins, sealing)
+            search = partial(_within, progress, done, parts, parts)
+            load, on_half, datasets = leak.sealing(face, case, curve, search)
+            record = _on_curve(SEALING_LOAD, load, loads)
+            if not record.words:
+                record = record.with_error(SEARCH, SEALING_ERROR * load)
+                verdict.append(f"the gap is sealed above a mean pressure of {shown_si(load, 'Pa', 3)}")
+                if coarse := _on_curve("", on_half, loads).words:
+                    record = replace(record, note=f"on half of the nodes {coarse}")
+                else:
+                    record = record.with_error(DISCRETISATION, abs(load - on_half))
+            records.append(record)
+        return Findings(
+            records=records, verdict="; ".join(verdict), tables={"curve": table}, datasets=datasets
+        )
 
-    def verdict(self, answer: Answer) -> str:
-        """Growth of the real contact, and the loads where yield begins."""
-        curve: AnswerCurve = answer.of(self)
-        loads, shares = (curve.numbers[name].values[[0, -1]] for name in ("mean_pressure", "area_fraction"))
-        first, last = (shown_si(float(load), "Pa", 3) for load in loads)
-        found = [f"from {first} to {last} the real contact grows from {' to '.join(map(per_cent, shares))}"]
-        for name, load in curve.yield_loads.items():
-            words = f"at {shown_si(load, 'Pa', 3)}"
-            if not 0 < load < np.inf:
-                words = f"below {first}" if load == 0 else f"above {last}"
-            body = f" of the {name} body" if len(answer.case.bodies) > 1 else ""
-            found.append(f"yield{body} begins {words}")
-        return "; ".join(found)
-
-    def rows(self, answer: Answer) -> Iterator[Row]:
-        """Stiffness at the last load, and loads where yield begins."""
-        curve: AnswerCurve = answer.of(self)
-        loads = curve.numbers["mean_pressure"].values
-        group = f"load curve, {loads.size} loads"
-        stiffness = float(curve.numbers["stiffness"][-1])
-        number = IN_FULL_CONTACT if np.isposinf(stiffness) else f"{shown_si(stiffness * 1e-6, 'Pa')}/µm"
-        yield Row(group, "stiffness", stiffness, "Pa/m", f"{number} at the last load")
-        for name, load in curve.yield_loads.items():
-            value = min(max(load, float(loads[0])), float(loads[-1]))
-            words = f"{shown_si(value, 'Pa', 3)} ± {100 * YIELD_LOAD_ERROR:g} %"
-            if not 0 < load < np.inf:
-                words = f"{'below' if load == 0 else 'above'} {shown_si(value, 'Pa', 3)}, beyond the curve"
-            subject = f"the {name} body yields" if len(answer.case.bodies) > 1 else "yield begins"
-            yield Row(group, f"mean pressure where {subject}", value, "Pa", words)
-        if (sealing := curve.sealing) is None:
-            return
-        name = "mean pressure that seals"
-        if not 0 < sealing.load < math.inf:
-            value = float(loads[-1] if sealing.load else loads[0])
-            words = f"{'above' if sealing.load else 'below'} {shown_si(value, 'Pa', 3)}, beyond the curve"
-            yield Row(group, name, value, "Pa", words)
-            return
-        row = Row(group, name, sealing.load, "Pa", shown_si(sealing.load, "Pa", 3))
-        if 0 < sealing.on_half < math.inf:
-            yield row.by(max(abs(sealing.load - sealing.on_half), SEALING_ERROR * sealing.load))
-        else:
-            side = "below" if sealing.on_half == 0 else "above"
-            yield row._replace(shown=f"{row.shown}; on half of the nodes {side} the loads of the curve")
-
-    def files(self, case: Case) -> list[str]:
-        """Table and picture."""
-        return ["curve.csv", "curve.png"]
-
-    def tables(self, answer: Answer) -> Mapping[str, pd.DataFrame]:
-        """The curve."""
-        return {"curve": answer.of(self).frame()}
-
-    def pictures(self, answer: Answer) -> Iterator[Picture]:
+    def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The numbers against the mean pressure."""
-        yield Picture("curve", CAPTION, _drawn(answer.of(self)))
+        yield Picture("curve", CAPTION, _drawn(answer.tables["curve"], answer.records))
+
+
+def _on_curve(quantity: str, load: float, loads: Array, body: str = "") -> Record:
+    """A load on a curve; words where it is 0, below all loads, or infinite, above them."""
+    value, words = min(max(load, float(loads[0])), float(loads[-1])), ""
+    if not 0 < load < math.inf:
+        words = f"{'above' if load else 'below'} {shown_si(value, 'Pa', 3)}, beyond the curve"
+    return Record(quantity, value, "Pa", TOPIC, body, bounds=POSITIVE, words=words)
 
 
 def load_curve(
@@ -288,7 +256,7 @@ def load_curve(
     contacts : iterable of Contact
         Such as `asperity.solve_load_path` yields, under rising loads.
     bodies : sequence of "lower" and "upper"
-        Bodies whose largest von Mises stress is computed, by a stress analysis for each load.
+        Bodies whose maximum von Mises stress is computed, by a stress analysis for each load.
     resistivities : mapping, optional
         Name of a conductance → sum of the resistivities of both bodies; see `asperity.Contact.conductance`.
     loaded : callable, optional
@@ -301,9 +269,9 @@ def load_curve(
     Returns
     -------
     dataset
-        Along `load`: ``mean_pressure``, ``area_fraction``, ``approach``, ``mean_gap``, ``largest_pressure``,
+        Along `load`: ``mean_pressure``, ``area_fraction``, ``approach``, ``mean_gap``, ``maximum_pressure``,
         ``stiffness`` dp̄/dδ, the conductances by their names, ``plastic_area`` if there is a hardness, and
-        along `body`, too, the ``largest_von_mises_stress``, below the coating of a coated body; in the units
+        along `body`, too, the ``maximum_von_mises_stress``, below the coating of a coated body; in the units
         of the contacts.
 
     Examples
@@ -324,7 +292,7 @@ def load_curve(
             "area_fraction": contact.area_fraction,
             "approach": contact.approach,
             "mean_gap": float(gap.mean(dtype=float)),
-            "largest_pressure": contact.max_pressure,
+            "maximum_pressure": contact.max_pressure,
             "stiffness": contact.stiffness,
         }
         if math.isfinite(contact.hardness):
@@ -339,13 +307,13 @@ def load_curve(
     if not bodies:
         return found
     stress = (("load", "body"), np.array(stresses))
-    return found.assign(largest_von_mises_stress=stress).assign_coords(body=list(bodies))
+    return found.assign(maximum_von_mises_stress=stress).assign_coords(body=list(bodies))
 
 
 def largest_von_mises(
     loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
-    """Largest von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
+    """Maximum von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
     from asperity.elasticity.loaded_solid import traction_direction
     from asperity.engineering.body_stress import STRESS_TOLERANCE, largest_von_mises_between
     from asperity.stress.analysis import analyse_stress
@@ -400,22 +368,25 @@ def _within(progress: Progress, begin: float, end: float, total: float, done: fl
     progress(begin + (end - begin) * (done / of if of else 1.0), total)
 
 
-def _drawn(curve: AnswerCurve) -> Any:
+def _drawn(table: pd.DataFrame, records: Sequence[Record]) -> Any:
     """Numbers of a load curve against the mean pressure, the electrical resistance against the force."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     from asperity.views.panels import canvas
 
-    numbers, panels = curve.numbers, [name for name in PANELS if name in curve.numbers]
-    margin = max(float(numbers["mean_pressure"][-1] / numbers["mean_pressure"][0]) ** 0.05, 1.01)
+    panels = {
+        label: (unit, [name for name in names if name in table])
+        for label, (unit, *names) in PANELS.items()
+        if names[0] in table
+    }
+    loads = table["mean_pressure_Pa"].to_numpy()
+    margin = max(float(loads[-1] / loads[0]) ** 0.05, 1.01)
     with canvas([0.8] * len(panels), None) as (figure, axes, _):
-        for axis, name in zip(axes, panels, strict=True):
-            label, unit = PANELS[name]
-            against = ("force", "N") if name == "electrical_resistance" else ("mean_pressure", "Pa")
-            both = [name, "leakage_on_half"] if name == "leakage" else [name]
-            values = np.column_stack([numbers[each].values for each in both])
-            along = numbers[against[0]].values
-            if name == "leakage":  # a logarithmic axis shows no sealed gap
+        for axis, (label, (unit, names)) in zip(axes, panels.items(), strict=True):
+            values, against, along = table[names].to_numpy(), ("mean pressure", "Pa"), loads
+            if label == "electrical resistance":
+                against, along = ("force", "N"), table["force_N"].to_numpy()
+            if label == "leakage":  # a logarithmic axis shows no sealed gap
                 values = np.where(values > 0, values, np.nan)
             factor, symbol = (0.01, unit) if unit == "%" else scaled_unit(values, unit)
             per, of = scaled_unit(along, against[1])
@@ -423,7 +394,7 @@ def _drawn(curve: AnswerCurve) -> Any:
                 axis.plot(along / per, column / factor, f"-{marker}", ms=3)
             axis.set(xscale="log", xlim=(along[0] / per / margin, along[-1] / per * margin))
             plain: list[Any] = [axis.xaxis]
-            axis.set_xlabel(f"{against[0].replace('_', ' ')} ({of})")
+            axis.set_xlabel(f"{against[0]} ({of})")
             axis.set_ylabel(f"{label} ({symbol})")
             finite = values[np.isfinite(values)] / factor  # the stiffness is infinite in full contact
             lowest, highest = finite.min(initial=np.inf), finite.max(initial=0)
@@ -437,17 +408,17 @@ def _drawn(curve: AnswerCurve) -> Any:
                 each.set_major_formatter(StrMethodFormatter("{x:g}"))
                 each.set_minor_formatter(NullFormatter())
             # Dotted lines at the loads where yield begins, and that seal.
-            marked, bodies = {}, [str(body) for body in curve.numbers["body"].values]
-            if name == "leakage":
+            marked: Iterable[Record] = ()
+            if label == "leakage":
                 axis.legend(["all nodes", "half of the nodes"], loc="lower left")
                 if axis.get_yscale() == "log":
                     axis.set_ylim(bottom=axis.get_ylim()[0] / ROOM)
-                marked = {"C0": 0.0 if curve.sealing is None else curve.sealing.load}
-            if name == "largest_von_mises_stress":
-                if len(bodies) > 1:
-                    axis.legend([f"{body} body" for body in bodies])
-                marked = {f"C{bodies.index(body)}": load for body, load in curve.yield_loads.items()}
-            for colour, load in marked.items():
-                if 0 < load < np.inf:
-                    axis.axvline(load / per, color=colour, ls=":", lw=1)
+                marked = find(records, SEALING_LOAD)
+            if label == "von Mises stress":
+                if len(names) > 1:
+                    axis.legend(["lower body", "upper body"])
+                marked = find(records, YIELD_LOAD)
+            for load in marked:
+                if not load.words:
+                    axis.axvline(load.value / per, color=f"C{int(load.body == 'upper')}", ls=":", lw=1)
     return figure

@@ -9,39 +9,26 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
 
-from asperity.engineering.question import Question, Row
-from asperity.settings.model import ContradictionError, Number
+from asperity.core.types import Progress
+from asperity.engineering.answer_data import tile_names
+from asperity.engineering.question import Findings, Question, Stages
+from asperity.engineering.records import Record
+from asperity.engineering.scene import Scene
+from asperity.settings.model import ContradictionError, Number, Settings
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from asperity.engineering.face import RoughFace
 
-    from asperity.engineering.question import Answer, Case
-
-GROUP = "change for one per cent more of an input"
+TOPIC = "change for one per cent more of an input"
 
 STEP = 0.01
 """Relative change of an input."""
 
-OF_BODY = ("young", "hardness", "yield_stress", "coating.young", "coating.thickness", "fatigue_torsion")
-"""Constants of a body that are varied, if it has them."""
-
-OTHERS = ("sliding.friction", "film.load_share", "film.lambda_ratio", "run_in.hardness")
-"""Other inputs that are varied, if they are given."""
-
 _TOLERANCE = re.compile(r"(.+?)\s*(?:±|\+/?-)\s*(\d+(?:\.\d+)?)\s*%")
-
-
-class Change(NamedTuple):
-    """Relative change of a number for one per cent of an input."""
-
-    group: str
-    number: str
-    input: str
-    change: float
 
 
 class Sensitivity(Question):
@@ -51,80 +38,68 @@ class Sensitivity(Question):
     far as the case has them.
     """
 
+    ASKS = "Which input matters?"
+
     tolerances: Mapping[str, Number] = Field(default_factory=dict)
     """Dotted key of an input → its relative tolerance; filled from inputs such as `210 GPa ± 5 %`."""
 
-    def check(self, case: Case) -> Iterator[tuple[str, str]]:
+    def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Tolerances of other settings."""
         known = inputs_of(case)
         for key in self.tolerances:
             if key not in known:
                 yield key, f": a tolerance is accepted for {', '.join(known)}"
 
-    def other_cases(self, case: Case) -> dict[str, Case]:
+    def other_cases(self, case: Any) -> dict[str, Any]:
         """The cases with one per cent more of an input, by its key."""
         alone = case.replaced(sensitivity=None, load_curve=None)
         return {key: varied(alone, key) for key in inputs_of(case)}
 
-    def of_other_cases(self, answer: Answer, others: Mapping[str, Answer]) -> list[Change]:
-        """The changes."""
-        from asperity.engineering.answer import tile_names
-
-        names, found = tile_names(answer.case), []
-        rows = {(row.group, row.name): row for row in answer.rows if row.name in names}
-        for key, other in others.items():
-            for changed in other.rows:
-                start = changed.group.partition(" (")[0]  # before the constants, which may be varied
-                like = (group for group, _ in rows if group.partition(" (")[0] == start)
-                own = rows.get((next(like, changed.group), changed.name))
-                if own is not None and own.value:
-                    found.append(Change(own.group, own.name, key, changed.value / own.value - 1))
-        del answer.rows  # made again, with the errors by the inputs
-        return found
-
-    def relative_error(self, answer: Answer, row: Row) -> float:
-        """Relative error of a number by the tolerances of the inputs; NaN without any."""
-        changes: list[Change] = answer.of(self) or []
-        parts = [
-            each.change / STEP * self.tolerances[each.input]
-            for each in changes
-            if (each.group, each.number) == (row.group, row.name) and each.input in self.tolerances
-        ]
-        return math.hypot(*parts) if parts else math.nan
-
-    def rows(self, answer: Answer) -> Iterator[Row]:
-        """Changes of each number, the largest first."""
-        changes: list[Change] = answer.of(self) or []
-        largest_first = sorted(changes, key=lambda each: -abs(each.change))
-        for number in dict.fromkeys((each.group, each.number) for each in changes):
-            own = [each for each in largest_first if (each.group, each.number) == number]
-            shown = ", ".join(f"{each.input} {100 * each.change:+.2g} %" for each in own)
-            name = number[1] + (", upper body" if "upper body" in number[0] else "")
-            yield Row(GROUP, f"{name}: change", own[0].change, "1", shown)
-
-    def files(self, case: Case) -> list[str]:
-        """The table."""
-        return ["sensitivity.csv"]
-
-    def tables(self, answer: Answer) -> Mapping[str, pd.DataFrame]:
-        """Relative change of each number for one per cent of each input."""
+    def compute(self, stages: Stages, progress: Progress) -> Findings:
+        """Changes of each number at the top of the page, and its error by the tolerances of the inputs."""
         import pandas as pd
 
-        return {"sensitivity": pd.DataFrame(answer.of(self), columns=Change._fields)}
+        tiles, rows, records, errors = tile_names(stages.asked), [], [], {}
+        values = {
+            key: {(each.quantity, each.body): each.value for each in others}
+            for key, others in stages.others.items()
+        }
+        for own in stages.records:
+            name = own.quantity, own.body
+            known = {key: found[name] for key, found in values.items() if name in found}
+            if own.quantity not in tiles or not (own.value and math.isfinite(own.value)) or not known:
+                continue
+            changes = {key: value / own.value - 1 for key, value in known.items()}
+            parts = [changes[key] / STEP * size for key, size in self.tolerances.items() if key in changes]
+            if parts:
+                errors[name] = math.hypot(*parts)
+            largest_first = sorted(changes.items(), key=lambda each: -abs(each[1]))
+            shown = ", ".join(f"{key} {100 * change:+.2g} %" for key, change in largest_first)
+            quantity, change = f"{own.quantity}: change", largest_first[0][1]
+            records.append(Record(quantity, change, topic=TOPIC, body=own.body, words=shown))
+            rows += [(*name, *each) for each in changes.items()]
+        table = pd.DataFrame(rows, columns=["quantity", "body", "input", "change"])
+        return Findings(records=records, tables={"sensitivity": table}, input_errors=errors)
 
 
-def inputs_of(case: Case) -> list[str]:
-    """Dotted keys of the inputs that a case has."""
-    of_bodies = [f"{name}.{key}" for name in case.groups_of_bodies for key in OF_BODY]
-    values = {key: _at(case, key) for key in [f"load.{case.load.kind}", *of_bodies, *OTHERS]}
-    return [key for key, value in values.items() if isinstance(value, float) and 0 < value < math.inf]
+def inputs_of(case: Scene) -> list[str]:
+    """Dotted keys of the inputs that a case has: its load, and settings of bodies and questions to vary."""
+    found = {f"load.{case.load.kind}": case.load.value}
+    for name, group in {**case.groups_of_bodies, **case.questions}.items():
+        found |= _varied_in(group, f"{name}.")
+    return [key for key, value in found.items() if 0 < value < math.inf]
 
 
-def _at(settings: Any, key: str) -> Any:
-    """The setting of a dotted key; None if a group of it is not given."""
-    for part in key.split("."):
-        settings = getattr(settings, part, None)
-    return settings
+def _varied_in(group: Settings, prefix: str) -> dict[str, float]:
+    """Dotted keys and values of the settings of a group that are declared as `varied`."""
+    found: dict[str, float] = {}
+    for name, field in type(group).model_fields.items():
+        value = getattr(group, name)
+        if isinstance(value, Settings):
+            found |= _varied_in(value, f"{prefix}{name}.")
+        elif value is not None and isinstance(extra := field.json_schema_extra, dict) and extra.get("varied"):
+            found[f"{prefix}{name}"] = value
+    return found
 
 
 def varied(settings: Any, key: str) -> Any:

@@ -80,6 +80,8 @@ class FileContent(NamedTuple):
     orientation : "peaks up", "lower face" or None
     is_grey : bool
         True if the numbers are grey levels and not heights.
+    mask : str
+        Note on the points that a mask in the file marks; empty without a mask.
     """
 
     height: Array
@@ -93,6 +95,7 @@ class FileContent(NamedTuple):
     periodic: bool = False
     orientation: str | None = PEAKS_UP
     is_grey: bool = False
+    mask: str = ""
 
 
 class MapFile:
@@ -157,12 +160,18 @@ class MapFile:
                 if repeated is None
                 else f"missing: {repeated[1]} points have the height {repeated[0]:.9g}; set it to this number"
             )
+        notes = [note for _, note in self._notes]
+        if content.mask:
+            notes.append(content.mask)
+        elif options.mask:
+            self.problems.append(f"mask = {options.mask!r}: the file has no mask; leave it out")
         self.edges_known = length is not None
         self.edges_comparable = self.edges_known and not (is_bare and unit is None)
         self.overridden = {option for option, _ in self._notes}
         self.unit_stated = content.unit is not None and "unit" not in self.overridden
-        notes = tuple(note for _, note in self._notes)
-        self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel, notes)
+        self.map = HeightMap(
+            height, edges, content.periodic, orientation, unit, name, content.channel, tuple(notes)
+        )
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
         several = len(self.channels) > 1 and options.channel is None
         self.options = options.replaced(channel=content.channel) if several else options

@@ -6,13 +6,16 @@
 import os
 import re
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import BinaryIO, NamedTuple
 
+import numpy as np
+
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import one_line, shown
+from asperity.core.types import Array
 
 PROFILE = "profile"
 """Format by which the user declares a line scan, in text or in an instrument's format, to be a map."""
@@ -28,6 +31,9 @@ BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
 BLOCK = 2**20
 """Bytes at the beginning of a file by which it is recognised."""
 
+
+FEW_VALUES = 16
+"""A channel beside others with no more values than this is a mask, or has numbers of regions."""
 
 UNNAMED = "Default"
 """Name of the only channel of a file that does not name it, as SurfaceTopography has it."""
@@ -152,7 +158,7 @@ def require_agreement(name: str, found: Format) -> None:
     extension = extension_of(name)
     named = [form.name for form in known_formats().values() if extension in form.extensions]
     both_text = found.name in TEXT_FORMATS and not {*named}.isdisjoint(TEXT_FORMATS)
-    if named and found.name not in named and not both_text:
+    if named and found.name not in named and not both_text and found.name != "h5":  # which others contain
         raise ValueError(
             f"its name is of format {' or '.join(named)}, its content of {found.name}; rename it, or "
             f"set format to {found.name}"
@@ -176,12 +182,15 @@ class Channel(NamedTuple):
     kind: str = "height"
 
 
-def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tuple[int, str]:
+def choose_channel(
+    channels: Sequence[Channel], wanted: str | int | None, values: Callable[[int], Array] | None = None
+) -> tuple[int, str]:
     """Index of the requested channel, or of the one that holds the heights; and why the choice is in doubt.
 
     A channel holds heights if its data are of the kind ``height`` and its name has one of the words for
     heights and none of the words for other quantities. If no name has such a word, a channel without a word
-    for another quantity is taken. Of the two directions of a scan the forward one is taken.
+    for another quantity is taken, unless its `values` are few: those of a mask, or labels of grains. Of the
+    two directions of a scan the forward one is taken.
 
     Returns
     -------
@@ -202,23 +211,27 @@ def choose_channel(channels: Sequence[Channel], wanted: str | int | None) -> tup
             return int(wanted), ""
         raise ValueError(f"channel = {shown(wanted)}: one of {_listed(names, range(len(names)))} is needed")
     # 2 for a channel that holds heights by its name, 1 for one that may, 0 for one that does not.
-    ranks = [
-        0
-        if channel.kind != "height" or not WORDS["others"].isdisjoint(_words(channel.name))
-        else 2 - WORDS["heights"].isdisjoint(_words(channel.name))
-        for channel in channels
-    ]
+    ranks = []
+    for channel in channels:
+        words = {*words_of(channel.name)}
+        words |= {word.removesuffix("s") for word in words}
+        is_height, is_picture = (not WORDS[kind].isdisjoint(words) for kind in ("heights", "pictures"))
+        is_other = channel.kind != "height" or not WORDS["others"].isdisjoint(words)
+        ranks.append(0 if is_other or (is_picture and not is_height) else 1 + is_height)
     best = [number for number, rank in enumerate(ranks) if rank == max(ranks)]
-    if max(ranks) == 0:
-        return best[0], f"channel: by name or unit none of {_listed(names, best)} holds heights; set it"
-    same = {tuple(word for word in _words(names[number]) if word not in _DIRECTIONS) for number in best}
-    forward = [number for number in best if _BACK.isdisjoint(_words(names[number]))]
+    named = best
+    if values is not None and max(ranks) == 1 < len(channels):
+        best = [number for number in best if np.unique(values(number)).size > FEW_VALUES]
+    if max(ranks) == 0 or not best:
+        return named[0], f"channel: by name or unit none of {_listed(names, named)} holds heights; set it"
+    same = {tuple(word for word in words_of(names[number]) if word not in _DIRECTIONS) for number in best}
+    forward = [number for number in best if _BACK.isdisjoint(words_of(names[number]))]
     if len(best) > 1 and not (len(same) == 1 and len(forward) == 1):
         return best[0], f"channel: {_listed(names, best)} may hold the heights; set it"
     return (forward if len(best) > 1 else best)[0], ""
 
 
-def _words(name: str) -> list[str]:
+def words_of(name: str) -> list[str]:
     """The words of a name such as ``vDeflection``, ``height_map`` or ``Scan forward (Z-Axis)``."""
     return [
         word.lower() for word in re.findall(r"[A-ZÄÖÜ]?[^\W\d_A-ZÄÖÜ]+|[A-ZÄÖÜ]+(?![^\W\d_A-ZÄÖÜ])", name)

@@ -1,12 +1,13 @@
 """Grids with a short heading: ESRI and Surfer in ASCII, and the Simple Field of Gwyddion."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from asperity.core.types import Array
-from asperity.surface.reading.agreement import FileContent
+from asperity.surface.reading.agreement import FileContent, edges_in_one_unit, metres
 
 SURFER_BLANK = 1.70141e38
 """Smallest number by which Surfer marks nodes without data."""
@@ -87,7 +88,7 @@ def _matrix(numbers: Array, shape: tuple[int, int]) -> Array:
 
 
 def tiff_scale(opened: Any) -> dict[str, Any]:
-    """Edges with their unit, and the mark of missing data, in a TIFF of ImageJ or a GeoTIFF; else empty.
+    """Edges with their unit, and the mark of missing data, in a TIFF of ImageJ, OME or GeoTIFF; else empty.
 
     The resolution of other TIFF files describes a print, not the map.
 
@@ -95,6 +96,8 @@ def tiff_scale(opened: Any) -> dict[str, Any]:
     ----------
     opened : tifffile.TiffFile
     """
+    from tifffile import xml2dict
+
     page = opened.pages[0]
     (ny, nx), tags = page.shape, page.tags
     scale: dict[str, Any] = {}
@@ -103,6 +106,13 @@ def tiff_scale(opened: Any) -> dict[str, Any]:
         (x, per_x), (y, per_y) = tags["XResolution"].value, tags["YResolution"].value
         if unit.lower() not in ("", "pixel", "pixels") and x and y:
             scale |= {"length": (ny * per_y / y, nx * per_x / x), "length_unit": unit}
+    if opened.is_ome:
+        with suppress(LookupError, ValueError, TypeError):  # a file without sizes, or with several images
+            pixels = xml2dict(opened.ome_metadata)["OME"]["Image"]["Pixels"]
+            y, x = (float(pixels[f"PhysicalSize{axis}"]) for axis in "YX")
+            units = [pixels.get(f"PhysicalSize{axis}Unit", "µm") for axis in "YX"]
+            length, per = edges_in_one_unit((ny * y, nx * x), (units[0], units[1]))
+            scale |= {"length": (metres(str(per)) and length), "length_unit": per}
     if opened.is_geotiff:
         keys = page.geotiff_tags
         is_projected = int(keys.get("GTModelTypeGeoKey", 0)) == 1  # others are in degrees

@@ -5,7 +5,9 @@ A number in a heading is an edge of the map only if its key names an edge and it
 
 import re
 from collections.abc import Sequence
-from typing import Any
+
+from asperity.surface.reading.agreement import edges_in_one_unit
+from asperity.surface.reading.formats import WORDS, words_of
 
 _UNIT = r"[pnuµμmcdk~]?m|Å|(?i:(?:micro|nano|milli|centi)?met(?:er|re)s?|microns?|inch(?:es)?)"
 _COLUMN = re.compile(
@@ -13,8 +15,25 @@ _COLUMN = re.compile(
 )
 """Name of a column and its unit; a number before the unit makes it the value of something else."""
 
+_HEIGHT_UNIT = re.compile(
+    rf"(?P<name>[^\[(,;:\d]*)[\[(]\s*(?P<unit>{_UNIT})\s*[\])](?![\s:=]*[-+.]?\d)"
+    rf"|^(?P<before>\D*?)(?:\s+in\s+|[\s:=;,/]+)(?P<after>{_UNIT})\W*$"
+)
+"""Words and a unit in brackets without a value behind it, or at the end of a line without a number."""
+
+_OF_HEIGHTS = {"value", "values", "data", "daten", *WORDS["heights"]}
+_NOT_OF_HEIGHTS = {"xy", "lateral", "scan", "pixel", "pixels", *WORDS["others"], *WORDS["pictures"]}
+_UNITS = {"unit", "units", "einheit"}
+
+_PIXEL = re.compile(
+    rf"(?P<what>[^\d\[(:=;,]+)[\s:=;,]*(?:[\[(]\s*(?P<before>{_UNIT})\s*[\])])?[\s:=;,]*"
+    rf"(?P<number>\d*\.?\d+(?:[eE][-+]?\d+)?)\s*[\[(]?(?P<after>{_UNIT})?[\])]?(?:\s*/\s*(?:pixel|px|pt))?\s*"
+)
+"""Line with one number and its unit of length, which may be the edge of a pixel."""
+
+_SAMPLING = {"resolution", "spacing", "step", "pitch", "increment", "interval", "sampling"}
+
 _STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
-_BRACKETS = re.compile(r"[\[(]\s*([A-Za-zµμÅ]+)\s*[\])]")
 
 _WIDTH = "width|šířka|breite|anchura|largeur|larghezza|largura|ширина"
 _HEIGHT = "height|výška|höhe|altura|hauteur|altezza|высота"
@@ -50,10 +69,30 @@ def column_units(header: Sequence[str], columns: int, separator: str) -> list[st
     return [stated.get("lateral")] * (columns - 1) + [stated.get("value")]
 
 
-def height_unit(header: Sequence[str]) -> str | None:
-    """Unit of the heights of a matrix: the only one in brackets in the heading."""
-    units = {unit for line in header for unit in _BRACKETS.findall(line)}
+def height_unit(header: Sequence[str], has_pixel: bool = False) -> str | None:
+    """Unit of the heights of a matrix: the only one that the heading states of a height, a value or the data.
+
+    Beside the edge of a pixel, and of an image, it may be called the unit alone.
+    """
+    units = set()
+    for line in header:
+        for found in _HEIGHT_UNIT.finditer(line):
+            words = {*words_of(found["name"] or found["before"] or "")}
+            is_bare = (has_pixel and len(words) == 1) or ("image" in words and not words.isdisjoint(_UNITS))
+            if (is_bare or not words.isdisjoint(_OF_HEIGHTS)) and words.isdisjoint(_NOT_OF_HEIGHTS):
+                units.add(found["unit"] or found["after"])
     return units.pop() if len(units) == 1 else None
+
+
+def names_points(header: Sequence[str], columns: int, separator: str) -> bool:
+    """True if a line of the heading names the first of the columns x, y and z."""
+    for line in header:
+        for mark in (separator, " "):
+            fields = _fields(line.strip("#% \t\r\n"), mark)
+            fields = fields[len(fields) - columns :] if len(fields) in (columns, columns + 1) else []
+            if [words_of(field)[:1] for field in fields[:2]] == [["x"], ["y"]]:
+                return True
+    return False
 
 
 def ends_with_validity(header: Sequence[str], columns: int, separator: str) -> bool:
@@ -69,25 +108,21 @@ def _fields(line: str, separator: str) -> list[str]:
     return fields
 
 
-_KEYENCE = {
-    "pixel": re.compile(r"XY[ -]calibration ([\d.]+) ([^\W\d_]+)(?:/pixel)?", re.IGNORECASE),
-    "unit": re.compile(r"unit ([^\W\d_]+)", re.IGNORECASE),
-}
+def stated_pixel(header: Sequence[str]) -> tuple[tuple[float, float], str | None] | None:
+    """Edges (y, x) of a pixel that a heading states, and their unit; None if it does not.
 
-
-def keyence_sizes(header: Sequence[str], shape: tuple[int, int]) -> dict[str, Any]:
-    """Edges and units in the heading of a table that a program of Keyence wrote; empty for others."""
-    found = {
-        key: match for line in header for key, form in _KEYENCE.items() if (match := form.fullmatch(line))
-    }
-    if len(found) < len(_KEYENCE):
-        return {}
-    pixel, length_unit = float(found["pixel"][1]), found["pixel"][2]
-    return {
-        "length": (shape[0] * pixel, shape[1] * pixel),
-        "length_unit": length_unit,
-        "unit": found["unit"][1],
-    }
+    A line states it whose key holds ``pixel`` or ``XY``, or ``X`` or ``Y`` and a word such as ``resolution``.
+    """
+    sizes, units = dict[str, float](), dict[str, str | None]()
+    for stated in filter(None, map(_PIXEL.fullmatch, header)):
+        words = {*words_of(stated["what"])}
+        of_pixel = not words.isdisjoint(("pixel", "xy"))
+        if of_pixel or not words.isdisjoint(_SAMPLING):
+            for axis in {"x", "y"} & words or ({"x", "y"} if of_pixel else ()):
+                sizes[axis], units[axis] = float(stated["number"]), stated["before"] or stated["after"]
+    if len(sizes) < 2 or None in units.values() or not min(sizes.values()) > 0:
+        return None
+    return edges_in_one_unit((sizes["y"], sizes["x"]), (units["y"], units["x"]))
 
 
 def zygo_lines(lines: Sequence[str]) -> int:

@@ -73,7 +73,7 @@ class HeightMap:
     Parameters
     ----------
     height : (ny, nx) array
-        Heights; NaN where there are no data.
+        Heights; NaN, or a mask, where there are no data.
     length : float or (length_y, length_x)
         Edges of the map, in the unit of the heights.
     periodic : bool
@@ -116,7 +116,10 @@ class HeightMap:
 
     def __post_init__(self) -> None:
         try:
-            values = real_array("height", self.height)
+            measured = self.height
+            if np.ma.is_masked(measured) and np.ma.getdata(measured).dtype.kind in "iuf":
+                measured = np.ma.filled(np.ma.asarray(measured, dtype=float), np.nan)
+            values = real_array("height", measured)
             if values.ndim != 2 or min(values.shape) < 2:
                 raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points are needed")
             finite_array("height", values[np.isfinite(values)])

@@ -1,13 +1,16 @@
 """HDF5 and NetCDF files: limits that protect the reader, and maps over named axes with units."""
 
+import warnings
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from asperity.core.arguments import plane_axes, rising
+from asperity.core.errors import shown
 from asperity.fourier.grid import CELL_MIRRORED, grid_of
 from asperity.surface.reading.agreement import SAME, FileContent, metres, require_size
-from asperity.surface.reading.formats import Channel, choose_channel
+from asperity.surface.reading.formats import UNNAMED, Channel, choose_channel
 from asperity.surface.reading.height_map import LOWER_FACE, ORIENTATIONS, MapOptions
 
 if TYPE_CHECKING:
@@ -42,6 +45,19 @@ def largest_chunk(file: BinaryIO) -> int:
     return max(sizes)
 
 
+def with_attributes(content: FileContent, attributes: Mapping[str, Any]) -> FileContent:
+    """Heights of a dataset in HDF5 with unit, factor, offset and mark of missing data in its attributes."""
+    found = {name.lower(): np.ravel(values)[0] for name, values in attributes.items() if np.size(values)}
+    unit, factor = found.get("units", found.get("unit", "")), found.get("scale_factor")
+    missing = [found[name] for name in ("_fillvalue", "missing_value", "no data") if name in found]
+    height = np.where(np.isin(content.height, missing), np.nan, content.height)
+    return content._replace(
+        height=height * float(factor or 1.0) + float(found.get("add_offset", 0.0)),
+        factor=factor and float(factor),
+        unit=(unit.decode() if isinstance(unit, bytes) else str(unit)) or None,
+    )
+
+
 def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     """A map in a NetCDF file, over axes with the names of rows and columns; None if there is none.
 
@@ -57,7 +73,8 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     import xarray as xr
 
     try:
-        opened = xr.open_dataset(path, engine="netcdf4", decode_times=False)
+        with warnings.catch_warnings(action="ignore"):  # of parts that are no arrays
+            opened = xr.open_dataset(path, engine="netcdf4", decode_times=False)
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
         return None
     with opened:
@@ -79,19 +96,37 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
                     raise ValueError(f"its variable {name} lies over {axes}: a map over two axes is needed")
             return None
         channels = tuple(Channel(name, (found[name].shape[0], found[name].shape[1])) for name in maps)
-        index, undecided = choose_channel(channels, options.channel)
+        index, undecided = choose_channel(
+            channels, options.channel, lambda number: found[maps[number]].values
+        )
         chosen = found[maps[index]]
         require_size(8.0 * chosen.size, options.max_memory)
-        values = rising(chosen.load())
+        content = map_over_axes(chosen.load())
+    return content._replace(channel=maps[index], channels=channels, undecided=undecided)
+
+
+def map_over_axes(values: "xr.DataArray") -> FileContent:
+    """A map from an array over axes with the names of rows and columns.
+
+    Raises
+    ------
+    ValueError
+        If the axes have other names, or the positions along them are not equally spaced.
+    """
+    dims = getattr(values, "dims", ())
+    if len(dims) != 2 or not plane_axes(dims) or values.dtype.kind not in "fiu":
+        raise ValueError(
+            "the name of a file, or a DataArray of real numbers over y and x, is needed, not "
+            f"{type(values).__name__} over {shown(dims)}; asperity.HeightMap takes other arrays"
+        )
+    values = rising(values)
     default = LOWER_FACE if "lower face" in str(values.attrs.get("long_name")) else None
     orientation = str(values.attrs.get("orientation", default))
     is_own = orientation in ORIENTATIONS
     length, length_unit = _edges(values, is_own)
     return FileContent(
         height=values.values.astype(float),
-        channel=maps[index],
-        channels=channels,
-        undecided=undecided,
+        channel=str(values.name or UNNAMED),
         length=length,
         length_unit=length_unit,
         unit=_unit(values),

@@ -14,7 +14,7 @@ import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator, Set
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -25,7 +25,7 @@ import numpy as np
 from asperity.core.packages import require
 from asperity.core.types import Array, FilePath
 from asperity.settings.map import MapOptions
-from asperity.surface.reading import dialects, formats
+from asperity.surface.reading import dialects, formats, hierarchical
 from asperity.surface.reading.agreement import (
     GIB,
     SAME,
@@ -36,9 +36,8 @@ from asperity.surface.reading.agreement import (
 )
 from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
 from asperity.surface.reading.grids import read_grid, tiff_scale
-from asperity.surface.reading.heading import height_unit, keyence_sizes, zygo_units
+from asperity.surface.reading.heading import height_unit, stated_pixel, zygo_units
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError
-from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes
 from asperity.surface.reading.x3p import read_x3p
 
@@ -51,8 +50,11 @@ PROFILE_LINES = 4
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
 
-_NOT_IN_FILE = re.compile(r"(channel|missing) = .*(; leave it out|: one of .* is needed)$")
+_NOT_IN_FILE = re.compile(r"(channel|missing|mask) = .*(; leave it out|: one of .* is needed)$")
 """Messages about an option that does not suit the file."""
+
+_VOID = re.compile(r"voidpixels\s*=\s*[1-9]", re.IGNORECASE)
+"""Line of SPIP: a matrix of zeros, of points without data, and ones follows the heights."""
 
 LONGEST_LINE = 900_000
 """Largest number of bytes in a line of text: a row of 65536 heights has about twelve characters for each."""
@@ -66,13 +68,13 @@ DECLARED = "set format to profile to take it as a map with the same heights for 
 UNREADABLE = "not a height map that can be read"
 
 
-def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) -> HeightMap:
+def read_map(path: FilePath | Any, options: MapOptions | None = None, **given: Any) -> HeightMap:
     """Read a height map.
 
     Parameters
     ----------
-    path : path
-        In one of the formats that docs/formats.md lists, also packed by gzip.
+    path : path or DataArray
+        In one of the formats that docs/formats.md lists, also packed by gzip; or a map over axes y and x.
     options : MapOptions, optional
         Properties of the map that its file does not state; options of the treatment are not used.
     **given
@@ -107,11 +109,11 @@ def read_map(path: FilePath, options: MapOptions | None = None, **given: Any) ->
     """
     found = open_map(path, (options or MapOptions()).replaced(**given))
     if found.problems:
-        raise MapError(os.fspath(path), found.problems)
+        raise MapError(found.map.name, found.problems)
     return found.map
 
 
-def open_map(path: FilePath, options: MapOptions) -> MapFile:
+def open_map(path: FilePath | Any, options: MapOptions) -> MapFile:
     """Read a height map as far as possible, and list missing properties.
 
     Raises
@@ -119,6 +121,8 @@ def open_map(path: FilePath, options: MapOptions) -> MapFile:
     MapError
         If the file cannot be read as a height map; the message begins with its name.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        return MapFile(hierarchical.map_over_axes(path), "map", options)
     name = os.fspath(path)
     if problem := path_problem(path):
         raise MapError(name, [problem])
@@ -205,8 +209,8 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     if not content.channels:
         choose_channel([Channel(content.channel, None)], options.channel)
     rows, columns = content.height.shape
-    is_list = columns <= FEW_COLUMNS and rows >= ELONGATED * columns
-    if content.orientation is None and is_list and (columns == 3 or options.physical_size is None):
+    is_list = content.orientation is None and columns <= FEW_COLUMNS and rows >= ELONGATED * columns
+    if is_list and (columns == 3 or options.physical_size is None or _are_points(content.height)):
         raise ValueError(
             f"a table of {rows} x {columns} numbers is a list of points or a log, not a map; a matrix of "
             "heights, or text with columns x, y, z on a regular grid, is needed"
@@ -239,7 +243,7 @@ def _first_readable(
         file.seek(offset) == offset and file.read(8) == HDF5 for offset in (0, 512)
     ):  # 512 in files of MATLAB
         require(("h5py",))
-        require_size(largest_chunk(file), options.max_memory)
+        require_size(hierarchical.largest_chunk(file), options.max_memory)
     for form in possible:
         file.seek(0)
         if form.name in ("npy", "npz"):
@@ -250,7 +254,7 @@ def _first_readable(
             return form, read_x3p(file)
         if form.name in ("esri", "surfer", "gsf"):
             return form, read_grid(form.name, file)
-        if form.name == "nc" and (found := netcdf_map(name, options)):
+        if form.name == "nc" and (found := hierarchical.netcdf_map(name, options)):
             return form, found
         try:
             return form, _instrument_map(form, file, options)
@@ -262,11 +266,14 @@ def _first_readable(
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
     """Content of a table, and its format: a matrix of heights, points, or a line scan."""
     matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
+    lists_points = options.format == points.name or table.names_points
+    if 3 < table.columns <= FEW_COLUMNS and len(table.rows) >= ELONGATED * table.columns:
+        lists_points |= _are_points(np.array(table.rows))
     if options.format == PROFILE:
         return profile, _profile(table)
     if table.columns < 3:
         raise ValueError(f"{LINE_SCAN} of {table.columns} columns; {DECLARED}")
-    if options.format != points.name and (found := _matrix(table, matrix, options)):
+    if not lists_points and (found := _matrix(table, matrix, options)):
         return matrix, found
     try:
         height, (y, x) = grid_points(table.numbers()[:, :3])
@@ -282,6 +289,13 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     return points, FileContent(height, "z", length=length, length_unit=length_unit, unit=unit)
 
 
+def _are_points(numbers: Array) -> bool:
+    """True if the first columns of a list hold positions on a regular grid."""
+    with suppress(ValueError):
+        return bool(grid_points(numbers[:, :3])[0].size)
+    return False
+
+
 def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileContent | None:
     """A matrix of heights, with the edges and units of its heading; None for three columns without edges."""
     is_asked_for = options.format == form.name or table.columns > 3
@@ -292,13 +306,25 @@ def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileConten
             raise
         return None
     if any(map(MATRIX_HEADER.search, lines[: len(table.header)])):
-        content = _instrument_map(form, io.StringIO("\n".join(lines)), options)
+        heading, rows = lines[: len(table.header)], lines[len(table.header) :]
+        void, half = _VOID.search("\n".join(heading)), len(rows) // 2
+        is_validity = void and re.fullmatch(r"[01\s]+", "\n".join(rows[half:]))
+        parts = (rows[:half], rows[half:]) if is_validity else (rows,)
+        content, *valid = (
+            _instrument_map(form, io.StringIO("\n".join([*heading, *part])), options) for part in parts
+        )
+        if valid:
+            content = content._replace(height=np.where(valid[0].height == 0, np.nan, content.height))
     elif not is_asked_for:
         return None
     else:
-        content = FileContent(table.heights(), unit=height_unit(table.header), orientation=None)
-        if stated := keyence_sizes(table.header, content.height.shape):
-            content = content._replace(**stated, orientation=PEAKS_UP)
+        pixel = stated_pixel(table.header)
+        height, unit = table.heights(pixel is not None), height_unit(table.header, pixel is not None)
+        content = FileContent(height, unit=unit, orientation=None)
+        if pixel:
+            (y, x), length_unit = pixel
+            length = height.shape[0] * y, height.shape[1] * x
+            content = content._replace(length=length, length_unit=length_unit, orientation=PEAKS_UP)
     if content.length is None and len(bare) == 2:
         return content._replace(length=(bare["y"], bare["x"]), length_unit=None)
     return content
@@ -328,14 +354,17 @@ def _array(file: BinaryIO, options: MapOptions) -> FileContent:
     """An array of NumPy, or one of several."""
     try:
         loaded = np.load(file, allow_pickle=False)
-        arrays = dict(loaded) if isinstance(loaded, np.lib.npyio.NpzFile) else {UNNAMED: loaded}
+        arrays = {UNNAMED: loaded} if isinstance(loaded, np.ndarray) else {}
+        for name in () if arrays else loaded:
+            with suppress(ValueError):  # of objects, which are not unpacked
+                arrays[name] = loaded[name]
     except Exception as error:  # of damaged files of any kind
         raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
-    arrays = {name: array for name, array in arrays.items() if array.ndim == 2 and array.dtype.kind in "fiu"}
+    arrays = {name: each for name, each in arrays.items() if each.ndim == 2 and each.dtype.kind in "fiu"}
     if not arrays:
         raise ValueError(f"{UNREADABLE} (it holds no array of real numbers with two dimensions)")
     channels = tuple(Channel(name, array.shape) for name, array in arrays.items())
-    index, undecided = choose_channel(channels, options.channel)
+    index, undecided = choose_channel(channels, options.channel, lambda number: [*arrays.values()][number])
     chosen = channels[index].name
     require_size(8.0 * arrays[chosen].size, options.max_memory)
     return FileContent(arrays[chosen].astype(float), chosen, channels, undecided, orientation=None)
@@ -435,7 +464,8 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
                     shape = (points[0], points[1]) if by_rows else (points[1], points[0])
                 found.append(Channel(str(info.name), shape, info.data_kind.value))
             channels = tuple(found)
-            index, undecided = choose_channel(channels, options.channel)
+            look = (lambda number: reader.topography(number, (1.0, 1.0)).heights()) if by_rows else None
+            index, undecided = choose_channel(channels, options.channel, look)
             info = infos[index]
             shape = channels[index].shape
             is_line = info.dim == 1 and options.format == PROFILE
@@ -449,9 +479,18 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             assumed = {} if known_size else {"physical_sizes": tuple(map(float, info.nb_grid_pts))}
             try:
                 topography = reader.topography(channel_index=index, **assumed)
+                marked, mask = np.ma.getmaskarray(topography.heights()), ""
+                if form.name == "gwy" and marked.any():  # grains, for example, besides points without data
+                    reader._masks.clear()
+                    kept = reader.topography(channel_index=index, **assumed)
+                    is_kept = options.mask is None and bool(np.ptp(kept.heights()[marked]))
+                    topography = kept if is_kept else topography
+                    done = "kept; set it to excluded to leave them out" if is_kept else "left out"
+                    mask = f"mask: {marked.sum()} points that the file marks are {done}"
                 height: Array = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
             except Exception as error:
                 raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
+            attributes = dict(reader._h5[info.name].attrs) if form.name == "h5" else {}
     is_bare = by_rows or (form.name == "asc" and not known_size and topography.unit is None)
     content = FileContent(
         height=np.ascontiguousarray(height if by_rows else np.atleast_2d(height.T)),
@@ -464,9 +503,13 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
         factor=info.height_scale_factor,
         periodic=bool(topography.is_periodic),
         orientation=None if is_bare else PEAKS_UP,
+        mask=mask,
     )
+    if form.name == "h5":
+        return hierarchical.with_attributes(content, attributes)
     return dialects.corrected(form.name, original, info, content)
 
 
 def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+    text = str(error).splitlines()[0] if str(error) else type(error).__name__
+    return re.sub(r"'?<_io\.\w+ object at 0x\w+>'?", "itself", text)

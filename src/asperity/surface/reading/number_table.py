@@ -1,8 +1,9 @@
 """Tables of numbers in text: any separator, points or commas as decimal marks, header lines and comments.
 
-A word for missing data such as *No data*, and an empty field, are a point without data. Any other word in a
-table is refused with its line. Points x, y, z on a regular grid are a map; nodes not listed have no data. A
-field in quotation marks may hold the separator, as a decimal comma or between thousands.
+A word for missing data such as *No data*, an empty field, signs alone, and numbers at the end of single
+precision are a point without data. Any other word in a table is refused with its line. Points x, y, z on a
+regular grid are a map; nodes not listed have no data. A field in quotation marks may hold the separator, as a
+decimal comma or between thousands.
 """
 
 import csv
@@ -16,7 +17,8 @@ import numpy as np
 
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.surface.reading.heading import MatrixSizes, column_units, ends_with_validity, zygo_lines
+from asperity.surface.reading import heading
+from asperity.surface.reading.heading import MatrixSizes, column_units, zygo_lines
 
 MERGE_DISTANCE = 1e-6
 """Positions nearer than this, relative to the extent of the points, are one column or row of the grid; it
@@ -34,6 +36,9 @@ FEWEST_PRESENT = 0.05
 
 SAMPLE = 400
 """Lines by which the dialect of a text is found; more than half of them belong to the table."""
+
+MOST_FIELDS = 20_000
+"""Number of fields among which separators of thousands are sought."""
 
 DIALECTS = (
     *(("\t", "."), ("\t", ","), (";", ","), (";", "."), (", ", ","), (",", ","), (",", ".")),
@@ -54,10 +59,19 @@ MATRIX_HEADER = re.compile(
 _BLOCK_TITLE = re.compile(r"[^\d\s#]\S*(\s+\d+){2}\s*$|[^\d\s][^:=]*[:=]")
 """Line between two matrices under such a header: name, type and length of Wyko, or a key and its value."""
 
+_ERRORS = r"#(?:n/a|div/0!|num!|null!|value!|ref!|name\?)"  # of spreadsheets
 _MISSING = re.compile(
-    r"(?<!\S)(no[\s_]+data|bad|nd|n/?a|#n/a|none|null|missing|infinite|\*{2,}|-{2,}|[-+]?1[.,]#\w+)(?!\S)",
+    r"(?<!\S)(no[\s_]*data|bad|nd|n/?a|none|null|missing|infinite|void|invalid|masked|undefined"
+    rf"|[-+]?nan\w*(\(\w*\))?|{_ERRORS}|[^\w\s]+|[-+]?1[.,]#\w+)(?!\S)",
     re.IGNORECASE,
 )
+LARGEST_NUMBER = 1e38
+"""Programs mark points without data by the largest numbers of single precision, 1.7e38 and 3.4e38."""
+
+STEPS_TO_TELL, ROUGH = 7, 0.1
+"""A first row or column of so many steps that rises or falls throughout holds positions where this share of
+the steps beside it goes the other way, or where its own steps are equal and those beside it are not."""
+
 _EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(,\d{3}){2,})")
 _QUOTED_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
@@ -146,16 +160,24 @@ class NumberTable:
     def __init__(self, text: str, dialect: Dialect) -> None:
         written, columns = text.splitlines(), dialect.columns
         lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
-        heading = zygo_lines(written)
-        rows[:heading] = [[] for _ in range(heading)]
+        of_zygo = zygo_lines(written)
+        rows[:of_zygo] = [[] for _ in range(of_zygo)]
         whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
         if not whole:
             raise ValueError(f"a table of {columns} columns of numbers is needed")
         begin, end = whole[0], whole[-1] + 1
         self.header = [dialect.heading(line) for line in written[:begin]]
+        for number in range(begin):
+            names = dialect.fields(written[number - 1]) if number and rows[number - 1] is None else ()
+            if (row := rows[number]) and len(names) == len(row):  # a line of names above one of values
+                self.header += [f"{name.strip()} {value:g}" for name, value in zip(names, row, strict=True)]
+                rows[number] = []
+            elif row and (math.prod(row) == len(whole) or sorted(row) == sorted((len(whole), columns))):
+                rows[number] = []  # numbers of points, or of rows and columns
         self._how_read = ", read with decimal commas," if dialect.mark == "," else ""
         self.columns = columns
         self.column_units = column_units(written[:begin], columns, dialect.separator)
+        self.names_points = heading.names_points(written[:begin], columns, dialect.separator)
         is_matrix, width = any(map(MATRIX_HEADER.search, self.header)), columns
         for number, written_line in enumerate(written):
             is_inside = begin <= number < end
@@ -166,6 +188,11 @@ class NumberTable:
                 lines[number], rows[number], width = dialect.heading(written_line), [], 0
             elif row is None:
                 wrong = [word for word in line.split() if not _row(word)[1]]
+                places = np.array(_row(line.partition(" ")[2])[1] or [])
+                if not is_inside and places.size == columns - 1 and _has_equal_steps(places):
+                    raise ValueError(
+                        f"line {number + 1}: it holds positions; delete them, in the first column too"
+                    )
                 if is_inside or (len(line.split()) == columns and 2 * len(wrong) < columns):
                     raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
             elif row and len(row) != (width or len(row)):
@@ -174,7 +201,7 @@ class NumberTable:
                 width = 0 if _is_comment(line) else len(row) or width
         self.lines = lines[begin:end]
         self.rows = [row for row in rows[begin:end] if row]
-        if columns > 2 and ends_with_validity(written[:begin], columns, dialect.separator):
+        if columns > 2 and heading.ends_with_validity(written[:begin], columns, dialect.separator):
             self.rows = [[*row[:-2], row[-2] if row[-1] else math.nan] for row in self.rows]
             self.columns, self.column_units = columns - 1, self.column_units[:-1]
 
@@ -188,19 +215,22 @@ class NumberTable:
         """
         if len({len(row) for row in self.rows}) > 1:
             raise ValueError(f"{len(self.rows[0])} numbers in each line are needed")
-        return np.array(self.rows)
+        numbers = np.array(self.rows)
+        return np.where(np.abs(numbers) > LARGEST_NUMBER, np.nan, numbers)
 
-    def heights(self) -> Array:
-        """The numbers as a matrix of heights.
+    def heights(self, may_be_numbered: bool = False) -> Array:
+        """The numbers as a matrix of heights, without a first column of numbers of rows if there may be one.
 
         Raises
         ------
         ValueError
-            As for `numbers`, and if only the first row or column has equal steps: these are positions.
+            As for `numbers`, and if only the first row or column has the steps of positions.
         """
         heights = self.numbers()
+        if may_be_numbered and heights[0, 0] in (0, 1) and np.all(np.diff(heights[:, 0]) == 1):
+            heights = heights[:, 1:]
         for name, values in (("row", heights), ("column", heights.T)):
-            if _has_equal_steps(values[0]) and not _has_equal_steps(values[1]):
+            if _are_positions(values[0], values[1]):
                 raise ValueError(
                     f"its first {name}{self._how_read} holds numbers or positions of points; delete it"
                 )
@@ -224,12 +254,13 @@ def find_dialect(text: str) -> Dialect | None:
     sample = text.splitlines()[:SAMPLE]
     best, most = None, (False, 1)
     for separator, mark in DIALECTS:
-        if (separator, mark) == (",", ",") and ('"' not in text or _has_thousands(sample)):
+        given = Dialect(separator, mark, 0)
+        if (separator, mark) == (",", ",") and ('"' not in text or _has_thousands(sample, given)):
             continue
         if separator == ", " and '"' in text:  # which the csv module splits
             continue
         lined = [line.strip("\r\n ") for line in sample if separator in line or separator == " "]
-        rows = ((line, _row(Dialect(separator, mark, 0).plain(line))[1]) for line in lined)
+        rows = ((line, _row(given.plain(line))[1]) for line in lined)
         whole = [(line, row) for line, row in rows if row and not all(map(math.isnan, row))]
         last = "" if " " in separator else separator
         ends = [len(line) - len(line.rstrip(last)) if last else 0 for line, _ in whole]
@@ -238,21 +269,26 @@ def find_dialect(text: str) -> Dialect | None:
         columns, count = widths.most_common(1)[0] if widths else (0, 0)
         if (columns > 1, count) > most:
             best, most = Dialect(separator, mark, closing, columns), (columns > 1, count)
+    if best and best.separator != "," and _has_thousands(sample, best):
+        raise ValueError(f"{best.mark!r} may separate thousands or decimals; write all with a decimal point")
     return best
 
 
-def _has_thousands(lines: list[str]) -> bool:
-    """True if all commas of quoted numbers may separate thousands, and some numbers of a column have none."""
-    commas: dict[int, set[bool]] = {}
-    for line in lines:
-        for number, field in enumerate(Dialect(",", ",", 0).fields(line)):
-            word = field.strip()
+def _has_thousands(lines: list[str], dialect: Dialect) -> bool:
+    """True if all marks of numbers may separate thousands, and some numbers of a column have none."""
+    marks, padded = dict[int, set[bool]](), dialect.mark == ","
+    for line in lines[: max(20, MOST_FIELDS // (dialect.columns or 1))]:
+        for number, field in enumerate(dialect.fields(line)):
+            word = field.strip() if dialect.mark == "," else field.strip().translate(_EXCHANGED)
             if not re.fullmatch(r"[-+]?[\d.,]*\d[\d.,]*", word):
+                if re.fullmatch(r"[-+\d.,]+e[-+\d]+", word, re.IGNORECASE):
+                    return False
                 continue
             if "," in word and not _QUOTED_THOUSANDS.fullmatch(word):
                 return False
-            commas.setdefault(number, set()).add("," in word)
-    return any(len(found) == 2 for found in commas.values())
+            padded |= "," in word and word.endswith("0")
+            marks.setdefault(number, set()).add("," in word)
+    return padded and any(len(found) == 2 for found in marks.values())
 
 
 def _row(line: str) -> tuple[str, list[float] | None]:
@@ -271,8 +307,33 @@ def _has_equal_steps(values: Array) -> bool:
     return steps.size > 2 and steps[0] != 0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0)
 
 
+def _are_positions(first: Array, second: Array) -> bool:
+    """True if a first row or column has the steps of positions, as printed, and the one beside it has not."""
+    steps, beside = np.diff(first), np.diff(second)
+    if _has_equal_steps(first):
+        return not _has_equal_steps(second)
+    rise = np.sign(steps[0]) if steps.size >= STEPS_TO_TELL else 0.0
+    if not rise or not np.all(steps * rise > 0):
+        return False
+    far, tolerance = _unevenness(first), max(GRID_TOLERANCE * abs(steps.mean()), _rounding(first))
+    is_even = far <= tolerance and not _unevenness(second) <= 3 * tolerance
+    return is_even or bool(np.mean(beside * rise < 0) >= ROUGH)
+
+
+def _unevenness(line: Array) -> float:
+    """Largest distance of numbers from the line through them with equal steps."""
+    order = np.flatnonzero(np.isfinite(line))
+    return float(np.abs(line[order] - np.polyval(np.polyfit(order, line[order], 1), order)).max())
+
+
+def _rounding(line: Array) -> float:
+    """Largest distance from equal steps that the printed digits of positions explain; 0 beyond six."""
+    digits = (d for d in range(7) if np.allclose(line, np.round(line, d), rtol=0, atol=1e-9))
+    return ROUNDED_TOLERANCE * next((10.0**-d for d in digits), 0.0)
+
+
 def _is_comment(line: str) -> bool:
-    return line.startswith(("#", "%")) and not line.upper().startswith("#N/A")
+    return line.startswith(("#", "%")) and not re.match(_ERRORS, line, re.IGNORECASE)
 
 
 def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
@@ -322,12 +383,8 @@ def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
     lines = ordered[np.diff(ordered, prepend=-np.inf) > MERGE_DISTANCE * extent]
     if lines.size < 2:
         raise ValueError(f"all points have the same {axis}")
-    gaps, order = np.diff(lines), np.arange(lines.size)
-    fitted, first = np.polyfit(order, lines, 1)
-    digits = (d for d in range(7) if np.allclose(lines, np.round(lines, d), rtol=0, atol=1e-9))
-    printed_step = next((10.0**-d for d in digits), 0.0)  # unit of the last digit, 0 for more than six
-    tolerance = max(GRID_TOLERANCE * fitted, ROUNDED_TOLERANCE * printed_step)
-    is_rounded = np.abs(lines - first - fitted * order).max() <= min(tolerance, fitted / 2)
+    gaps, fitted = np.diff(lines), np.polyfit(np.arange(lines.size), lines, 1)[0]
+    is_rounded = _unevenness(lines) <= min(max(GRID_TOLERANCE * fitted, _rounding(lines)), fitted / 2)
     for step in (np.median(gaps), gaps.min()):
         count = round(extent / step) + 1
         spacing = extent / (count - 1)

@@ -9,7 +9,6 @@ the map is resampled, and the form of a sphere or cylinder is added.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, get_args
@@ -165,7 +164,7 @@ def usable_map(path: FilePath, options: MapOptions, needs_unit: bool = True) -> 
     """The map in a file, if file and options state all that its treatment needs."""
     found = open_map(path, options)
     if problems := missing_options(found, options, needs_unit):
-        raise MapError(os.fspath(path), problems)
+        raise MapError(found.map.name, problems)
     return found.map
 
 

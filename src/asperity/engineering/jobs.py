@@ -1,0 +1,326 @@
+"""Several maps as jobs: arranged from the contents of cases, checked, and computed side by side.
+
+The command line and the page arrange, check and compute through this module.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from queue import Empty
+from typing import Any
+
+from asperity.core.errors import InputError, one_line, shown
+from asperity.core.system import available_memory
+from asperity.engineering.answer import Answer, answer_to, open_answer, pool
+from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.case import Case
+from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, holds_answer, names_of_maps
+from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.folder import COMPARISON, SAMPLE, folder_problem, locked, stems_of
+from asperity.engineering.sample import Sample, check_alike
+from asperity.engineering.stages import problems_on_map
+from asperity.settings.map import CounterMap, Map
+from asperity.settings.model import Problem, SettingsError
+from asperity.stress.statistics.largest import check_area
+from asperity.surface.treatment.treatment import BYTES_PER_NODE
+
+ANSWER_MEMORY = 3.7e8
+"""Memory of an answer without its calculation, in bytes."""
+
+POLL = 0.2
+"""Seconds between two looks for the progress of other processes."""
+
+Read = Callable[..., RoughFace]
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """One map: its case, its rough face, the folder of its answer, and everything that is wrong with it.
+
+    Attributes
+    ----------
+    name : str
+        Of the folder, where there are several.
+    content : mapping
+        Groups of the case, as a file holds them.
+    folder : Path
+    case : Case or None
+        None if the settings are not accepted.
+    rough : RoughFace or None
+        None if the map cannot be read.
+    problems : tuple of Problem
+        Dotted key and the message after it.
+    """
+
+    name: str
+    content: Mapping[str, Any]
+    folder: Path
+    case: Any
+    rough: RoughFace | None
+    problems: tuple[Problem, ...]
+
+    @property
+    def memory(self) -> float:
+        """Bytes that its computation takes."""
+        assert self.rough is not None
+        face = self.rough.face
+        return ANSWER_MEMORY + BYTES_PER_NODE[face.boundary] * face.height.size
+
+    @property
+    def files(self) -> list[str]:
+        """Names of the maps that are read."""
+        return [each for keys in MAP_FILES if isinstance(each := at(self.content, keys), str)]
+
+
+@dataclass(frozen=True, eq=False)
+class Arrangement:
+    """All jobs of one call, and what is made of their answers.
+
+    Attributes
+    ----------
+    jobs : tuple of Job
+    folder : Path or None
+        Of the sample or the comparison; None for a single answer.
+    pooled : bool
+        True for a sample, False for a comparison or a single answer.
+    problems : tuple of Problem
+        Of all maps together, with an empty key.
+    """
+
+    jobs: tuple[Job, ...]
+    folder: Path | None
+    pooled: bool
+    problems: tuple[Problem, ...]
+
+
+def arranged(
+    contents: Sequence[Mapping[str, Any]],
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    pooled: bool = False,
+    only: str = "",
+    read: Read = read_face,
+) -> Arrangement:
+    """The jobs of the contents of one or several cases, each with one map.
+
+    Parameters
+    ----------
+    contents : sequence of mapping
+        Groups of each case as `asperity.engineering.case_file.contents_of` gives them.
+    folder : path, optional
+        Of the answer, or of the answers of several maps, each in a folder of the name of its map.
+    pooled : bool
+        The maps are from several positions of one surface.
+    only : str
+        Name of the one map whose answer is computed.
+    read : callable
+        Reads the rough face of a map as `read_face` does.
+    """
+    maps = [str(at(content, MAP_FILES[0]) or "map") for content in contents]
+    several = len(contents) > 1 or pooled
+    given = folder or at(contents[0], (OUT,)) or (("pooled" if pooled else "comparison") if several else None)
+    whole = Path(given) if given and several else None
+    jobs: list[Job] = []
+    for name, file, content in zip(names_of_maps(maps), maps, contents, strict=True):
+        own = whole / name if whole else Path(given or f"{Path(file).stem}_run")
+        if not only or name == only:
+            jobs.append(_job(name, dict(content), own, pooled, several, read))
+    if pooled and all(job.case is not None for job in jobs):
+        sliding = jobs[0].case.sliding if jobs else None  # all slide along the lay of the first map
+        jobs = [replace(job, case=job.case.replaced(sliding=sliding)) for job in jobs]
+    names = names_of_maps(maps)
+    found: list[str] = []
+    if only and only not in names:
+        found.append(f"--only {only}: one of {', '.join(names)} is needed")
+    elif whole and not only:
+        found += _problems_of_several(jobs, names, whole, pooled)
+    return Arrangement(tuple(jobs), whole, pooled, tuple(Problem("", text) for text in found))
+
+
+def _job(
+    name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: Read
+) -> Job:
+    """The job of one map, with everything that is wrong with its settings, its map and its folder."""
+    content.pop(OUT, None)
+    checksums = content.pop(CHECKSUMS, None) or {}
+    if pooled:
+        content.setdefault("sample", {})
+    case, rough, found = None, None, list[Problem]()
+    try:
+        case = Case.read(content)
+    except SettingsError as error:
+        found += error.found
+    files = {keys: each for keys in MAP_FILES if isinstance(each := at(content, keys), str)}
+    missing = [Problem(".".join(keys), f" = {each}: no such file") for keys, each in files.items() if not os.path.exists(each)]
+    surface: Map | None = None if case is None else case.map
+    counter: CounterMap | None = None if case is None else case.counter_map
+    if case is None:  # problems of map and case are reported together
+        with suppress(SettingsError):
+            surface = Map.read(content.get("map", {}))
+    if surface is not None and not missing:
+        try:
+            rough = read(surface, counter, shared=shared)
+            if case is not None:
+                case = case.on_face(rough)
+                found += problems_on_map(case, rough)
+        except SettingsError as error:
+            found += error.found
+        except InputError as error:
+            found += [Problem("map", f": {line}") for line in error.lines]
+        except ValueError as error:
+            found.append(Problem("", str(error)))
+    read_files = rough.files if rough else ()
+    for key, file in zip(("map", "counter_map"), read_files, strict=False):
+        if checksums.get(key, file.sha256) != file.sha256:
+            changed = f": {one_line(file.path)} has changed since; delete the key to run it as it is now"
+            found.append(Problem(f"{CHECKSUMS}.{key}", changed))
+    if problem := folder_problem(folder, stems=() if case is None else stems_of(case)):
+        found.append(Problem("out", f" = {folder}: {problem}"))
+    elif folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
+        found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
+    return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *missing]),))
+
+
+def _problems_of_several(
+    jobs: Sequence[Job], names: Sequence[str], folder: Path, pooled: bool
+) -> Iterator[str]:
+    """Reasons why the answers of several maps cannot be written, or maps cannot be pooled."""
+    if problem := folder_problem(folder, SAMPLE if pooled else COMPARISON):
+        yield f"out = {folder}: {problem}"
+    if len(set(names)) < len(names):
+        yield "maps: files of different names, or in folders of different names, are needed"
+    for name in names:
+        if name.startswith(".") or name in (*SAMPLE, *COMPARISON):
+            yield f"maps: {shown(name)} cannot be the name of the folder of its answer; rename the map"
+    if not pooled or any(job.problems or job.rough is None for job in jobs):
+        return
+    faces, of_checksum = {}, dict[str, str]()
+    for job in jobs:
+        assert job.rough is not None
+        faces[job.name] = job.rough.face
+        if job.rough.files:
+            other = of_checksum.setdefault(job.rough.files[0].sha256, job.name)
+            if other != job.name:
+                yield f"maps: {job.name} and {other} are the same map; each position is needed once"
+    try:
+        check_alike(faces)
+        for job in jobs:
+            if job.case.sample is not None and job.case.sample.area is not None:
+                check_area(job.case.sample.area, sum(face.grid.area for face in faces.values()))
+    except ValueError as error:
+        yield str(error)
+
+
+def computed(
+    arrangement: Arrangement,
+    progress: Callable[[float, str], None],
+    *,
+    resume: bool = False,
+    cores: int | None = None,
+) -> Iterator[tuple[Job, Answer]]:
+    """Compute and write the answers of all jobs; each is given when it is written, in their order.
+
+    Jobs run side by side in processes of their own on all cores, within the memory that is available.
+
+    Parameters
+    ----------
+    arrangement : Arrangement
+        Without problems.
+    progress : callable
+        Called with the part that is done, and the stage.
+    resume : bool
+        Keep answers of the same case that are already in their folders.
+    cores : int, optional
+        Most processes; by default all cores.
+    """
+    with ExitStack() as stack:
+        folders = [job.folder for job in arrangement.jobs]
+        for folder in dict.fromkeys([*([arrangement.folder] if arrangement.folder else []), *folders]):
+            stack.enter_context(locked(folder))
+        kept = {
+            job.name
+            for job in arrangement.jobs
+            if resume and job.rough and holds_answer(job.folder, job.case, job.rough.files)
+        }
+        left = [job for job in arrangement.jobs if job.name not in kept]
+        beside = _side_by_side(left, cores)
+        made = _one_by_one(left, progress) if beside == 1 else _beside_each_other(left, progress, beside)
+        for job in arrangement.jobs:
+            if job.name in kept:
+                yield job, open_answer(job.folder)  # type: ignore[misc]
+            else:
+                yield job, next(made)
+
+
+def _side_by_side(jobs: Sequence[Job], cores: int | None) -> int:
+    """Number of jobs that run at the same time."""
+    most = max((job.memory for job in jobs), default=1.0)
+    return max(1, min(len(jobs), cores or os.cpu_count() or 1, int(1e6 * available_memory() / most)))
+
+
+def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> Iterator[Answer]:
+    """Answers in this process, one after the other."""
+    for number, job in enumerate(jobs):
+        place = f"map {number + 1} of {len(jobs)}, " if len(jobs) > 1 else ""
+        stage = ""
+
+        def report(done: float, total: float, number: int = number) -> None:
+            progress((number + 0.95 * done / total) / len(jobs), stage)
+
+        def on_stage(name: str, number: int = number, place: str = place) -> None:
+            nonlocal stage
+            stage = f"{place}{name.replace('_', ' ')}"
+            progress(number / len(jobs), stage)
+
+        answer = answer_to(job.case, job.rough, report, on_stage)
+        progress((number + 0.95) / len(jobs), f"{place}pictures and report")
+        answer.write(job.folder)
+        yield answer
+
+
+def _beside_each_other(
+    jobs: Sequence[Job], progress: Callable[[float, str], None], beside: int
+) -> Iterator[Answer]:
+    """Answers of several processes at the same time."""
+    context, done = get_context("spawn"), dict.fromkeys(range(len(jobs)), 0.0)
+    with context.Manager() as manager:
+        told: Any = manager.Queue()
+        with ProcessPoolExecutor(beside, context) as pool_of_processes:
+            futures = [
+                pool_of_processes.submit(_written, number, job.case, job.rough, job.folder, told)
+                for number, job in enumerate(jobs)
+            ]
+            try:
+                for future, job in zip(futures, jobs, strict=True):
+                    while not future.done():
+                        with suppress(Empty):
+                            number, part = told.get(timeout=POLL)
+                            done[number] = part
+                            ready = sum(part >= 1 for part in done.values())
+                            progress(sum(done.values()) / len(jobs), f"{ready} of {len(jobs)} maps done")
+                    future.result()
+                    yield open_answer(job.folder)  # type: ignore[misc]
+            except BaseException:
+                for future in futures:
+                    future.cancel()
+                raise
+
+
+def _written(number: int, case: Case, rough: RoughFace, folder: Path, told: Any) -> None:
+    """Compute and write an answer in a process of its own."""
+    answer_to(case, rough, lambda done, total: told.put((number, 0.95 * done / total))).write(folder)
+    told.put((number, 1.0))
+
+
+def sample_of(arrangement: Arrangement, answers: Mapping[str, AnswerData]) -> Sample:
+    """The sample of the answers of pooled maps, written into their folder."""
+    assert arrangement.folder is not None
+    sample = pool(answers)
+    sample.write(arrangement.folder, [(job.case, job.rough.files) for job in arrangement.jobs if job.rough])
+    return sample
