@@ -108,6 +108,11 @@ def deepest_of(answers: Iterable[AnswerData]) -> dict[str, float]:
     return found
 
 
+def is_same(values: Array) -> bool:
+    """True for values that are equal up to rounding."""
+    return bool(np.ptp(values) <= SAME * np.abs(values).max())
+
+
 def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
     """Mean of a number over maps of one surface with its errors, and the values that it is the mean of.
 
@@ -141,8 +146,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
         if cause != POSITIONS and (whole or cause not in of_pixels)
     }
     if count > 1:
-        same = np.ptp(values) <= SAME * np.abs(values).max()
-        scatter = 0.0 if same else float(values.std(ddof=1))
+        scatter = 0.0 if is_same(values) else float(values.std(ddof=1))
         errors[POSITIONS] = float(t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
     is_extrapolated = whole and any(math.isfinite(each.extrapolated) for each in records)
     low, high = (choose(each.bounds[end] for each in records) for end, choose in ((0, min), (1, max)))

@@ -109,7 +109,8 @@ def compared_pictures(answers: Mapping[str, AnswerData]) -> Iterator[Picture]:
     if sections:
         words = field_words(field)
         caption = f"{words[0].upper()}{words[1:]} in sections through its maximum"
-        drawn = draw_sections(sections, field_look(field), SI_UNITS, None)
+        faded = FADED * max(float(np.abs(section.values).max()) for section in sections)
+        drawn = draw_sections(until_faded(sections, faded), field_look(field), SI_UNITS, None)
         yield Picture("section", f"{caption}; bars are the contact, lines the yield stress.", drawn)
 
 
@@ -185,7 +186,7 @@ def _of_interface(answer: AnswerData, source: Source, body: str, suffix: str) ->
         axis = figure.axes[0]
         scale = (source.grid.spacing[1] * answer.face.height.shape[1]) / float(np.diff(axis.get_xlim())[0])
         at = record.position
-        axis.plot(at.x / scale, at.y / scale, "+", color="C4", ms=9, mew=1.5, clip_on=False)
+        axis.plot(at.x / scale, at.y / scale, "+", color="w", ms=9, mew=1.5, clip_on=False, zorder=6)
         caption = f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its maximum"
         title = answer.case.stress_title(body)
         yield Picture(f"interface_{name}{suffix}", f"{caption}; {title}.", figure, body)
