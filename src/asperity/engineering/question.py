@@ -203,6 +203,11 @@ class Question(Settings):
         return iter(())
 
 
+def part_of(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:
+    """Report the progress of a part, from `begin` to `end`, of a work of a total."""
+    progress(begin + (end - begin) * (done / of if of else 1.0), total)
+
+
 def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, float]) -> Advice:
     """Change of numbers with the pixels, from a solution with pixels twice as large."""
     pairs = {name: (fine[name], value) for name, value in coarse.items() if name in fine}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import FADED, AnswerData
 from asperity.engineering.body_stress import STRESS_TOLERANCE
 from asperity.engineering.moving import MOST_SHIFTS, MovingContact
-from asperity.engineering.question import Findings, Picture, Pressed, Question, Stages
+from asperity.engineering.question import Findings, Picture, Pressed, Question, Stages, part_of
 from asperity.engineering.records import (
     DISCRETISATION,
     POSITIVE,
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from asperity.engineering.face import RoughFace
-    from asperity.stress.planes.stream import LinearPlane
     from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "stress cycles"
@@ -66,19 +65,6 @@ CRACKS = "cracks expected per area"
 
 FEW_SHIFTS = 0.1
 """Change of the worst cycles with half of the shifts above which these are too few."""
-
-
-@dataclass(frozen=True)
-class BelowCoating:
-    """Cycles of a smooth body from the planes of its stress that lie below its coating."""
-
-    cycles: StreamedCycles
-    below: float
-
-    def add(self, plane: LinearPlane) -> None:
-        """Add the next plane."""
-        if plane.depth > self.below:
-            self.cycles.add(plane)
 
 
 class Cycles(Question):
@@ -122,7 +108,13 @@ class Cycles(Question):
         With the rough face, too few shifts for its waves, or a direction that no line through nodes has.
         """
         if rough is not None:
-            yield from self._problems_of_shifts(case, rough)
+            try:
+                if self.shifts is not None:
+                    self._moving(case, rough, 1.0)
+            except ValueError as error:
+                name, equals, rest = str(error).partition(" = ")
+                keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
+                yield (keys[name], f"{equals}{rest}") if name in keys else ("cycles", f": {error}")
             return
         bodies = case.groups_of_bodies
         limited = {name: body for name, body in bodies.items() if body.fatigue_torsion is not None}
@@ -140,18 +132,14 @@ class Cycles(Question):
             if self.slide_to_roll:
                 yield "cycles.slide_to_roll", f" = {self.slide_to_roll:g}: needs cycles.shifts"
             if not limited:
-                yield (
-                    "cycles",
-                    ": needs shifts, or fatigue limits of a body (fatigue_torsion, fatigue_bending)",
-                )
+                limits = "fatigue limits of a body (fatigue_torsion, fatigue_bending)"
+                yield "cycles", f": needs shifts, or {limits}"
             elif case.counter_body is not None and case.counter_body.map is not None:
                 yield "counter_body.map", ": needs cycles.shifts, for the stress cycles of two rough faces"
             if case.sliding_direction not in ("x", "y") and float(case.sliding_direction) % 90:
                 needed = "x, y or a multiple of 90 is needed for the stress cycles of a smooth body"
-                text = (
-                    f" = {case.sliding_direction:g}: {needed}; another angle of the grid with cycles.shifts"
-                )
-                yield "sliding.direction", text
+                given = f" = {case.sliding_direction:g}"
+                yield "sliding.direction", f"{given}: {needed}; another angle of the grid with cycles.shifts"
             return
         refused = {
             "slide_to_roll without a Hertz contact": self.slide_to_roll and case.hertz_contact is None,
@@ -163,35 +151,35 @@ class Cycles(Question):
         for name in (name for name, given in refused.items() if given):
             yield "cycles.shifts", f" = {self.shifts}: not accepted together with {name}"
 
-    def _problems_of_shifts(self, case: Scene, rough: RoughFace) -> Iterator[tuple[str, str]]:
-        try:
-            if self.shifts is not None:
-                self._moving(case, rough, 1.0)
-        except ValueError as error:
-            name, equals, rest = str(error).partition(" = ")
-            keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
-            yield (keys[name], f"{equals}{rest}") if name in keys else ("cycles", f": {error}")
-
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
         """Contacts and stress of all positions; of a mirrored map in the cell of four images."""
         images = 4.0 if is_mirrored else 1.0
         moved = 0.0 if self.shifts is None else 1.0 + 2.0 * images * self.shifts
         return 0.0, moved * len(case.different_bodies)
 
-    def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> BelowCoating | None:
-        """Cycles of a smooth body from the planes of its stress."""
+    def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> StreamedCycles | None:
+        """Cycles of a smooth body from the planes of its stress below a coating."""
         constants = pressed.asked.bodies[body]
         if self.shifts is not None or constants.fatigue_torsion is None:
             return None
-        direction = pressed.asked.sliding_of(body)["sliding_direction"]
-        cycles = StreamedCycles(loaded, Criteria(**_limits(constants)), direction, loaded.layer.poisson)
-        return BelowCoating(cycles, loaded.layer.interface or -1.0)
+        direction, layer = pressed.asked.sliding_of(body)["sliding_direction"], loaded.layer
+        criteria = Criteria(**_limits(constants))
+        return StreamedCycles(loaded, criteria, direction, layer.poisson, below=layer.interface or -1.0)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The worst cycles of each body, volumes above fractions of the limit, and cracks."""
         import pandas as pd
 
-        case, cycles = stages.asked, self._cycles(stages, progress)
+        case, cycles, bodies = stages.asked, {}, [*stages.asked.different_bodies]
+        pressure = stages.contact.mean_pressure / case.carried
+        for number, body in enumerate(bodies):
+            if self.shifts is not None:
+                part = partial(part_of, progress, number, number + 1, len(bodies))
+                pressures = self._moving(case, stages.rough, pressure, part).in_body(body)
+                limits = _limits(case.bodies[body])
+                cycles[body] = stress_cycles(pressures, **limits, tolerance=STRESS_TOLERANCE)
+            elif (observed := stages.bodies[body].observed.get("cycles")) is not None:
+                cycles[body] = observed.dataset()
         records = [each for body, one in cycles.items() for each in self._records(stages, body, one)]
         fatigue = [
             (body, share, volume)
@@ -201,42 +189,23 @@ class Cycles(Question):
             if volume > 0
         ]
         columns = ["body", "fraction_of_limit", "volume_per_area_m"]
-        datasets = {}
-        for body, one in cycles.items():
-            title = (
-                f"Cycles of the stress in the {body} body under rough surface {stages.face.name} that moves"
-            )
-            datasets[_name(case, body)] = one.assign_attrs(body=body, title=title)
+        titles = {body: f"{body} body under rough surface {stages.face.name} that moves" for body in cycles}
         return Findings(
             records=records,
             verdict=_verdict(records),
             warnings=[*self._warnings(case, cycles)],
             assumption=f"In stress cycles {self._motion(case)}.",
             tables={"fatigue": pd.DataFrame(fatigue, columns=columns)} if fatigue else {},
-            datasets=datasets,
+            datasets={
+                _name(case, body): one.assign_attrs(title=f"Cycles of the stress in the {titles[body]}")
+                for body, one in cycles.items()
+            },
             peaks=[
                 _peaks(stages.face, body, one, case.bodies[body].fatigue_torsion)
                 for body, one in cycles.items()
                 if "dang_van" in one
             ],
         )
-
-    def _cycles(self, stages: Stages, progress: Progress) -> dict[str, xr.Dataset]:
-        """Cycles of the bodies that have them, as of `asperity.stress.stress_cycles`."""
-        case, found = stages.asked, {}
-        pressure, names = stages.contact.mean_pressure / case.carried, list(case.different_bodies)
-        for number, body in enumerate(names):
-
-            def report(done: float, total: float, number: int = number) -> None:
-                progress(number + done / total, len(names))
-
-            if self.shifts is not None:
-                pressures = self._moving(case, stages.rough, pressure, report).in_body(body)
-                limits = _limits(case.bodies[body])
-                found[body] = stress_cycles(pressures, **limits, tolerance=STRESS_TOLERANCE)
-            elif (observed := stages.bodies[body].observed.get("cycles")) is not None:
-                found[body] = observed.cycles.dataset()
-        return found
 
     def _moving(
         self, case: Scene, rough: RoughFace, mean_pressure: float, progress: Progress | None = None
@@ -274,12 +243,11 @@ class Cycles(Question):
             if variable not in cycles:
                 continue
             value, depth, *place = cycles.attrs[f"worst_{variable}"]
-            at = dict(zip((axis_of(cycles), "x"), place, strict=False))
-            y, x = map(float, stages.face.grid.on_map(at.get("y", 0.0), at.get("x", 0.0)))
-            place = Position(depth, y if "y" in at else math.nan, x if "x" in at else math.nan)
+            at = {"y": math.nan, "x": math.nan} | dict(zip((axis_of(cycles), "x"), place, strict=False))
+            position = Position(depth, *map(float, stages.face.grid.on_map(**at)))
             words = NO_CHANGE if variable.startswith("shakedown") and value >= LARGEST_FACTOR else ""
             error = float(np.hypot(np.nan_to_num(stages.bodies[body].grid_error(variable)), few)) * abs(value)
-            record = Record(quantity, value, unit, position=place, words=words, varies=True, **of, **more)
+            record = Record(quantity, value, unit, position=position, words=words, varies=True, **of, **more)
             yield record if words else record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
             return

@@ -17,7 +17,7 @@ from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.question import IN_FULL_CONTACT, Findings, Picture, Question, Stages
+from asperity.engineering.question import IN_FULL_CONTACT, Findings, Picture, Question, Stages, part_of
 from asperity.engineering.questions.conduction import resistivities
 from asperity.engineering.questions.leak import SEALING_ERROR, WIDE
 from asperity.engineering.records import DISCRETISATION, POSITIVE, SEARCH, Record, find, per_cent
@@ -159,68 +159,39 @@ class LoadCurve(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The load curve, and the loads where yield begins and where the gap is sealed."""
-        from asperity.engineering.press import press
-
-        case, face, path = stages.asked, stages.face, self.path(stages.asked)
-        leak, names = case.questions.get("leak"), list(case.different_bodies)
-        limits = {name: case.bodies[name].yield_stress for name in names}
-        yields = {name: limit for name, limit in limits.items() if limit is not None}
-        parts = len(path) + YIELD_CONTACTS * len(yields) + (0 if leak is None else SEALING_CONTACTS)
-
-        def contacts() -> Iterator[Contact]:
-            for number, load in enumerate(path):
-                under = case.under(**{case.load.kind: load})
-                reported = partial(_within, progress, number, number + 0.5, parts)
-                yield stages.contact if load == path[-1] else press(face, under, reported)
-                progress(number + 1, parts)
-
-        def more(contact: Contact) -> dict[str, float]:
-            found = {"force": contact.mean_pressure * face.grid.area}
-            if (current := resistivities(case).get("electrical_conductance")) is not None:
-                found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
-            return found if leak is None else found | leak.under_load(contact)
-
-        sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
-        curve = load_curve(contacts(), names, resistivities(case), case.loaded_body, more, **sliding)
-        curve = curve.assign(approach=curve["approach"] - float(stages.contact.height.min()))
-        table, done = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS), len(path)
-        loads = curve["mean_pressure"].values
+        case, names = stages.asked, list(stages.asked.different_bodies)
+        leak, done = case.questions.get("leak"), len(self.path(case))
+        limits = {name: limit for name in names if (limit := case.bodies[name].yield_stress) is not None}
+        parts = done + YIELD_CONTACTS * len(limits) + (0 if leak is None else SEALING_CONTACTS)
+        curve = self._curve(stages, partial(part_of, progress, 0, done, parts))
+        loads, shares = curve["mean_pressure"].values, curve["area_fraction"].values
         first, last = (shown_si(float(load), "Pa", 3) for load in loads[[0, -1]])
-        grows = " to ".join(map(per_cent, curve["area_fraction"].values[[0, -1]]))
+        grows = " to ".join(map(per_cent, shares[[0, -1]]))
         verdict = [f"from {first} to {last} the contact area fraction grows from {grows}"]
         stiffness = float(curve["stiffness"][-1])
         words = IN_FULL_CONTACT if np.isposinf(stiffness) else ""
         records = [Record("stiffness", stiffness, "Pa/m", TOPIC, words=words, note="at the last load")]
+        table = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS)
         for name in names:
             stresses = curve["maximum_von_mises_stress"].sel(body=name).values
             table[f"maximum_von_mises_{name}_Pa"] = stresses
-            if name not in yields:
-                continue
-            steps = iter(range(done, done + YIELD_CONTACTS))
-
-            def stress_under(load: float, name: str = name, steps: Iterator[int] = steps) -> float:
-                progress(next(steps, parts), parts)
-                under_load = press(face, case.under(mean_pressure=load))
-                return largest_von_mises(case.loaded_body(under_load, name), name, **sliding)
-
-            begins = yield_load(loads, stresses, yields[name], stress_under)
-            table[f"yield_begins_{name}_Pa"] = begins
-            record = _on_curve(YIELD_LOAD, begins, loads, name)
-            records.append(record.with_error(SEARCH, 0.0 if record.words else YIELD_LOAD_ERROR * begins))
-            of = f" of the {name} body" if len(case.bodies) > 1 else ""
-            where = record.words.partition(",")[0] or f"at {shown_si(begins, 'Pa', 3)}"
-            verdict.append(f"yield{of} begins {where}")
-            done += YIELD_CONTACTS
+            if name in limits:
+                search = partial(part_of, progress, done, done := done + YIELD_CONTACTS, parts)
+                begins = _yield_begins(stages, name, loads, stresses, limits[name], search)
+                table[f"yield_begins_{name}_Pa"] = begins
+                record = _on_curve(YIELD_LOAD, begins, loads, YIELD_LOAD_ERROR, name)
+                records.append(record)
+                of = f" of the {name} body" if len(case.bodies) > 1 else ""
+                verdict.append(f"yield{of} begins {_where(begins, loads)}")
         datasets: Mapping[str, xr.Dataset] = {}
         if leak is not None:
-            search = partial(_within, progress, done, parts, parts)
-            load, on_half, datasets = leak.sealing(face, case, curve, search)
-            record = _on_curve(SEALING_LOAD, load, loads)
+            search = partial(part_of, progress, done, parts, parts)
+            load, on_half, datasets = leak.sealing(stages.face, case, curve, search)
+            record, coarse = (_on_curve(SEALING_LOAD, each, loads, SEALING_ERROR) for each in (load, on_half))
             if not record.words:
-                record = record.with_error(SEARCH, SEALING_ERROR * load)
                 verdict.append(f"the gap is sealed above a mean pressure of {shown_si(load, 'Pa', 3)}")
-                if coarse := _on_curve("", on_half, loads).words:
-                    record = replace(record, note=f"on half of the nodes {coarse}")
+                if coarse.words:
+                    record = replace(record, note=f"on half of the nodes {coarse.words}")
                 else:
                     record = record.with_error(DISCRETISATION, abs(load - on_half))
             records.append(record)
@@ -228,17 +199,68 @@ class LoadCurve(Question):
             records=records, verdict="; ".join(verdict), tables={"curve": table}, datasets=datasets
         )
 
+    def _curve(self, stages: Stages, progress: Progress) -> xr.Dataset:
+        """The result of `load_curve` for the case, with the normal approach, forces and leakages."""
+        from asperity.engineering.press import press
+
+        case, face, path = stages.asked, stages.face, self.path(stages.asked)
+        leak, constants = case.questions.get("leak"), resistivities(case)
+
+        def contacts() -> Iterator[Contact]:
+            for number, load in enumerate(path):
+                under = case.under(**{case.load.kind: load})
+                reported = partial(part_of, progress, number, number + 0.5, len(path))
+                yield stages.contact if load == path[-1] else press(face, under, reported)
+                progress(number + 1, len(path))
+
+        def more(contact: Contact) -> dict[str, float]:
+            found = {"force": contact.mean_pressure * face.grid.area}
+            if (current := constants.get("electrical_conductance")) is not None:
+                found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
+            return found if leak is None else found | leak.under_load(contact)
+
+        bodies = list(case.different_bodies)
+        curve = load_curve(contacts(), bodies, constants, case.loaded_body, more, **_sliding(case))
+        return curve.assign(approach=curve["approach"] - float(stages.contact.height.min()))
+
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The numbers against the mean pressure."""
         yield Picture("curve", CAPTION, _drawn(answer.tables["curve"], answer.records))
 
 
-def _on_curve(quantity: str, load: float, loads: Array, body: str = "") -> Record:
-    """A load on a curve; words where it is 0, below all loads, or infinite, above them."""
-    value, words = min(max(load, float(loads[0])), float(loads[-1])), ""
-    if not 0 < load < math.inf:
-        words = f"{'above' if load else 'below'} {shown_si(value, 'Pa', 3)}, beyond the curve"
-    return Record(quantity, value, "Pa", TOPIC, body, bounds=POSITIVE, words=words)
+def _sliding(case: Scene) -> dict[str, Any]:
+    return {"friction": case.friction, "sliding_direction": case.sliding_direction}
+
+
+def _yield_begins(
+    stages: Stages, name: str, loads: Array, stresses: Array, limit: float, progress: Progress
+) -> float:
+    """Mean pressure at which a body begins to yield, as of `yield_load`."""
+    from asperity.engineering.press import press
+
+    case, steps = stages.asked, iter(range(YIELD_CONTACTS))
+
+    def stress_under(load: float) -> float:
+        progress(next(steps, YIELD_CONTACTS), YIELD_CONTACTS)
+        contact = press(stages.face, case.under(mean_pressure=load))
+        return largest_von_mises(case.loaded_body(contact, name), name, **_sliding(case))
+
+    return yield_load(loads, stresses, limit, stress_under)
+
+
+def _on_curve(quantity: str, load: float, loads: Array, error: float, body: str = "") -> Record:
+    """A load on a curve, with its relative error; words where it is 0, below all loads, or infinite."""
+    value, known = min(max(load, float(loads[0])), float(loads[-1])), 0 < load < math.inf
+    words = "" if known else f"{_where(load, loads)}, beyond the curve"
+    record = Record(quantity, value, "Pa", TOPIC, body, bounds=POSITIVE, words=words)
+    return record.with_error(SEARCH, error * value) if known else record
+
+
+def _where(load: float, loads: Array) -> str:
+    """A load on a curve in words; 0 is below all loads, and infinite above."""
+    if 0 < load < math.inf:
+        return f"at {shown_si(load, 'Pa', 3)}"
+    return f"{'above' if load else 'below'} {shown_si(float(loads[-1 if load else 0]), 'Pa', 3)}"
 
 
 def load_curve(
@@ -361,11 +383,6 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
 
     low, high = ends.tolist()
     return math.exp(scipy.optimize.brentq(excess, low, high, xtol=YIELD_LOAD_ERROR, rtol=1e-12))
-
-
-def _within(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:
-    """Report the progress of a part of a work."""
-    progress(begin + (end - begin) * (done / of if of else 1.0), total)
 
 
 def _drawn(table: pd.DataFrame, records: Sequence[Record]) -> Any:

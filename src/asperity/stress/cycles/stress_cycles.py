@@ -71,6 +71,8 @@ class Cycles(CycleMaps):
         As of `axis_of_motion`.
     poisson : float
     threads : int
+    below : float
+        Planes that are not deeper are left out, such as those of a coating.
     """
 
     def __init__(
@@ -80,14 +82,17 @@ class Cycles(CycleMaps):
         sliding_direction: str | float,
         poisson: float,
         threads: int = 1,
+        below: float = -1.0,
     ) -> None:
         self._turned = axis_of_motion(sliding_direction) == "y"
         super().__init__(solid.grid, criteria, "x" if self._turned else "y")
-        self._poisson, self._threads = poisson, threads
+        self._poisson, self._threads, self._below = poisson, threads, below
         self._is_unloaded, self._on_map = solid.boundary == "free", solid.grid.mirrored
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
+        if plane.depth <= self._below:
+            return
         count, (ny, nx) = len(COMPONENTS), plane.grid.shape
         uniform = uniform_part(plane.solid.layer, self._poisson, plane.depth)
         fields = plane.fields(COMPONENTS, [self._poisson] * count, [uniform] * count)
