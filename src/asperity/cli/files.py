@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import netCDF4
-import xarray as xr
 
 from asperity.core.errors import shown
 from asperity.core.units import to_si

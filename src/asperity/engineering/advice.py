@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from asperity.contact import Contact
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
-from asperity.contact import Contact
 from asperity.engineering.body_stress import BodyStress
 from asperity.engineering.numbers import LIMITS, limit_of
 from asperity.engineering.press import HARDNESS_OVER_YIELD, suggested_hardness

@@ -15,7 +15,15 @@ from asperity.core.types import Progress
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data, write_data
 from asperity.engineering.case import Case
-from asperity.engineering.folder import DATA, SAMPLE_DATA, UNFINISHED, locked, move_complete, names_in, replacing
+from asperity.engineering.folder import (
+    DATA,
+    SAMPLE_DATA,
+    UNFINISHED,
+    locked,
+    move_complete,
+    names_in,
+    replacing,
+)
 from asperity.engineering.sample import Sample, pooled
 from asperity.engineering.show.comparison import Comparison, compared
 from asperity.engineering.show.report import preview, write_report
@@ -96,7 +104,7 @@ class Answer(AnswerData):
             raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
     def compare(self, *others: AnswerData) -> Comparison:
-        """This answer beside others; their order is kept."""
+        """Compare the answer with others, in their order."""
         return compared([self, *others])
 
 

@@ -61,6 +61,9 @@ class Origin(NamedTuple):
     files: tuple[ReadFile, ...]
 
 
+NO_ORIGIN = Origin("", {}, ())
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class AnswerData:
     """The answer of a case as data, in SI units.
@@ -98,7 +101,7 @@ class AnswerData:
     stress: Mapping[str, xr.Dataset]
     tables: Mapping[str, pd.DataFrame]
     datasets: Mapping[str, xr.Dataset] = field(default_factory=dict)
-    origin: Origin = Origin("", {}, ())
+    origin: Origin = NO_ORIGIN
 
     def __getattr__(self, name: str) -> Any:
         """A part of an opened answer, which is read when it is first asked for."""
@@ -243,7 +246,7 @@ class AnswerData:
         box = stress_box(
             loaded, depths, y, x, (field,), tolerance=STRESS_TOLERANCE, **self.case.sliding_of(body)
         )
-        found = box.dataset()[field].isel(poisson=0, **{"y" if along == "x" else "x": 0})
+        found = box.dataset()[field].isel({"poisson": 0, "y" if along == "x" else "x": 0})
         return found.drop_vars("poisson")
 
     def __repr__(self) -> str:

@@ -7,8 +7,9 @@ the nodes, and the fields of planes, are not kept: planes are computed from the 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -117,8 +118,9 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
     """
     plain = plain_data(folder)
 
-    def read(name: str) -> xr.Dataset:
-        return dataset.read(folder / name)
+    def read(name: str, names: Sequence[str] | None = None) -> xr.Dataset:
+        found = dataset.read(folder / name)
+        return found if names is None else found[list(names)]
 
     found = kind.__new__(kind)
     later: dict[str, Callable[[], Any]] = {
@@ -126,19 +128,19 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
         "face": lambda: _face_from(plain["face"], read("surface.nc")),
         "contact": lambda: _contact_from(read("contact.nc"), found, plain["contact"]),
     }
-    tractions = {
-        name: lambda names=names: read("contact.nc")[names] for name, names in plain["tractions"].items()
-    }
     date, versions, files = plain["origin"]
     parts = {
         "records": tuple(Record.from_plain(each) for each in plain["records"]),
         "verdict": tuple(plain["verdict"]),
         "warnings": tuple(Advice(*each) for each in plain["warnings"]),
         "assumptions": tuple(plain["assumptions"]),
-        "stress": OpenedWhenAsked({body: lambda n=name: read(n) for body, name in plain["stress"].items()}),
-        "tables": OpenedWhenAsked({name: lambda n=name: _table(folder / f"{n}.csv") for name in plain["tables"]}),
+        "stress": OpenedWhenAsked({body: partial(read, name) for body, name in plain["stress"].items()}),
+        "tables": OpenedWhenAsked(
+            {name: partial(_table, folder / f"{name}.csv") for name in plain["tables"]}
+        ),
         "datasets": OpenedWhenAsked(
-            {name: lambda n=name: read(f"{n}.nc") for name in plain["datasets"]} | tractions
+            {name: partial(read, f"{name}.nc") for name in plain["datasets"]}
+            | {name: partial(read, "contact.nc", names) for name, names in plain["tractions"].items()}
         ),
         "origin": Origin(date, versions, tuple(ReadFile(*each) for each in files)),
         "_later": later,

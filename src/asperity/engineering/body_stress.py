@@ -22,7 +22,7 @@ from asperity.fourier.grid import Grid
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.peaks.selection import select_peaks
-from asperity.stress.planes.stream import LinearPlane, PlaneStream
+from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -246,7 +246,7 @@ class _Extremes:
     """Extreme values of fields from a stream of planes.
 
     `found` maps a field to its extreme value so far and its place in the cell. `interface` holds, for
-    coating and base, σ_xx of the largest magnitude on the interface, and grid and values of shear and tension.
+    coating and base, σ_xx of the largest magnitude on the interface, and shear and tension there.
     """
 
     def __init__(self, drawn: Sequence[str], layer: Solid) -> None:

@@ -32,6 +32,7 @@ from asperity.settings.load import UNITS
 from asperity.settings.materials import own_materials
 from asperity.settings.model import ContradictionError, optional
 
+
 class Case(Scene):
     """Map, bodies, load and questions: everything on which an answer depends. Numbers are in SI units.
 

@@ -8,10 +8,11 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
 from asperity.core.system import flush, sha256_of
+from asperity.engineering.scene import Scene
 from asperity.results.atomic import LOCK as LOCK
 from asperity.results.atomic import locked as locked
-from asperity.engineering.scene import Scene
 from asperity.results.atomic import write_text
 
 MANIFEST = ".asperity-run.json"
@@ -42,7 +43,18 @@ DATA = "answer.json"
 """Name of the file with the records of an answer."""
 
 STEMS = (
-    *("case", "answer", "surface", "contact", "stress", "peaks", "contact_spots", "gaps", "warnings", "report"),
+    *(
+        "case",
+        "answer",
+        "surface",
+        "contact",
+        "stress",
+        "peaks",
+        "contact_spots",
+        "gaps",
+        "warnings",
+        "report",
+    ),
     *("height", "pressure", "plastic_depth", "plane", "section", "interface", "map"),
 )
 """First words of the names of the files that every answer may have."""

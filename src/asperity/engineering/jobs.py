@@ -143,9 +143,7 @@ def arranged(
     return Arrangement(tuple(jobs), whole, pooled, tuple(Problem("", text) for text in found))
 
 
-def _job(
-    name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: Read
-) -> Job:
+def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: Read) -> Job:
     """The job of one map, with everything that is wrong with its settings, its map and its folder."""
     content.pop(OUT, None)
     checksums = content.pop(CHECKSUMS, None) or {}
@@ -157,7 +155,11 @@ def _job(
     except SettingsError as error:
         found += error.found
     files = {keys: each for keys in MAP_FILES if isinstance(each := at(content, keys), str)}
-    missing = [Problem(".".join(keys), f" = {each}: no such file") for keys, each in files.items() if not os.path.exists(each)]
+    missing = [
+        Problem(".".join(keys), f" = {each}: no such file")
+        for keys, each in files.items()
+        if not os.path.exists(each)
+    ]
     surface: Map | None = None if case is None else case.map
     counter: CounterMap | None = None if case is None else case.counter_map
     if case is None:  # problems of map and case are reported together
@@ -268,15 +270,15 @@ def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> 
     """Answers in this process, one after the other."""
     for number, job in enumerate(jobs):
         place = f"map {number + 1} of {len(jobs)}, " if len(jobs) > 1 else ""
-        stage = ""
+        state = [0.0, place]
 
-        def report(done: float, total: float, number: int = number) -> None:
-            progress((number + 0.95 * done / total) / len(jobs), stage)
+        def report(done: float, total: float, number: int = number, state: list[Any] = state) -> None:
+            state[0] = (number + 0.95 * done / total) / len(jobs)
+            progress(*state)
 
-        def on_stage(name: str, number: int = number, place: str = place) -> None:
-            nonlocal stage
-            stage = f"{place}{name.replace('_', ' ')}"
-            progress(number / len(jobs), stage)
+        def on_stage(name: str, place: str = place, state: list[Any] = state) -> None:
+            state[1] = f"{place}{name.replace('_', ' ')}"
+            progress(*state)
 
         answer = answer_to(job.case, job.rough, report, on_stage)
         progress((number + 0.95) / len(jobs), f"{place}pictures and report")
@@ -312,7 +314,7 @@ def _beside_each_other(
                 raise
 
 
-def _written(number: int, case: Case, rough: RoughFace, folder: Path, told: Any) -> None:
+def _written(number: int, case: Case, rough: RoughFace | None, folder: Path, told: Any) -> None:
     """Compute and write an answer in a process of its own."""
     answer_to(case, rough, lambda done, total: told.put((number, 0.95 * done / total))).write(folder)
     told.put((number, 1.0))

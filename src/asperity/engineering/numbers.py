@@ -45,7 +45,7 @@ LIMITS = {
     "90th percentile of the peaks": ("p90", "von_mises"),
     "99th percentile of the peaks": ("p99", "von_mises"),
 }
-"""Quantity that is extrapolated to zero pixel size → its variable and quantity in `asperity.continuum_limit`."""
+"""Quantity that is extrapolated to zero pixel size → variable and quantity in `asperity.continuum_limit`."""
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
@@ -119,10 +119,7 @@ def plastic_records(contact: Contact, is_given: bool, rms_gradient: float) -> It
         "load fraction at the hardness": contact.plastic_load,
     }
     if not is_given:
-        note = (
-            f"if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other numbers are of the elastic "
-            "contact"
-        )
+        note = f"if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other numbers are elastic"
         shares = {"plastic contact area fraction": contact.area_fraction} | shares
     yield Record("hardness", contact.hardness, "Pa", topic, note=note)
     for name, share in shares.items():

@@ -57,6 +57,8 @@ class Bounds(NamedTuple):
     reason: str = ""
 
 
+ANYWHERE, UNBOUNDED = Position(), Bounds()
+
 FRACTION = Bounds(0.0, 1.0, "a fraction")
 """Bounds of a fraction; a number with them is shown in per cent."""
 
@@ -100,10 +102,10 @@ class Record:
     unit: str = "1"
     topic: str = "contact"
     body: str = ""
-    position: Position = Position()
+    position: Position = ANYWHERE
     extrapolated: float = math.nan
     errors: Mapping[str, float] = field(default_factory=dict)
-    bounds: Bounds = Bounds()
+    bounds: Bounds = UNBOUNDED
     words: str = ""
     note: str = ""
     varies: bool = False
@@ -115,7 +117,9 @@ class Record:
             "value": _plain(self.value),
             "extrapolated": _plain(min(max(self.extrapolated, low), high)),
             "position": Position(*map(_plain, self.position)),
-            "errors": {cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0},
+            "errors": {
+                cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0
+            },
         }
         for name, value in plain.items():
             object.__setattr__(self, name, value)
@@ -220,7 +224,9 @@ class Record:
     def text(self, units: Any = None) -> str:
         """The number, its position, its note and its errors, in one line."""
         first = " ".join(filter(None, [self.number(units), self.place(units)]))
-        return "; ".join(filter(None, [", ".join(filter(None, [first, self.note])), *self.error_texts(units)]))
+        return "; ".join(
+            filter(None, [", ".join(filter(None, [first, self.note])), *self.error_texts(units)])
+        )
 
     def as_plain(self) -> dict[str, Any]:
         """The record as plain values for a file; `from_plain` gives it back."""

@@ -52,6 +52,7 @@ class Scene(Settings):
         f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
     )
     """File with materials of your own."""
+
     @field_validator("counter_body", mode="wrap")
     @classmethod
     def _or_rigid(cls, value: Any, made: Any) -> Any:

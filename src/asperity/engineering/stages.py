@@ -35,6 +35,7 @@ from asperity.engineering.places import Blocks, blocks_of
 from asperity.engineering.press import imposed_load, plastic_contact, press
 from asperity.engineering.question import Findings, Pressed, Stages
 from asperity.engineering.records import INPUTS, Record, per_cent
+from asperity.engineering.scene import Scene
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -350,7 +351,7 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     return [Problem(*each) for each in dict.fromkeys(map(tuple, found))]
 
 
-def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:
+def neighbours_of(face: TreatedMap, case: Scene, contact: Contact) -> tuple[float, Contact | None]:
     """Width of a contact over the distance between its periodic images, and the contact without them.
 
     None for layers, whose contact cannot be solved without images. The images of a cylinder along its axis

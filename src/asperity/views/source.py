@@ -227,7 +227,9 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
     if hasattr(result, "contact") and hasattr(result, "loaded"):  # an answer, with film, slip and coating
         found, case = _source(result.contact, SI_UNITS, title), result.case
         sliding = Sliding(case.friction, case.sliding_direction)
-        return replace(found, title=title or plain_text(result.face.name), sliding=sliding, load=result.loaded)
+        return replace(
+            found, title=title or plain_text(result.face.name), sliding=sliding, load=result.loaded
+        )
     grid = getattr(result, "grid", None)
     named = {name: getattr(result, name, None) for name in SURFACE_FIELDS}
     fields = {name: values for name, values in named.items() if values is not None}

@@ -93,9 +93,7 @@ def _export_surface(source: Source, part: Part, path: str) -> tuple[str, list[in
     return ", ".join(map(str, fields)), shape
 
 
-def _export_box(
-    contact: Any, names: list[str], depths: str, path: str, options: argparse.Namespace
-) -> None:
+def _export_box(contact: Any, names: list[str], depths: str, path: str, options: argparse.Namespace) -> None:
     si = is_si(contact)
     (source,) = sources(contact)
     box = box_below(

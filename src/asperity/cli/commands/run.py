@@ -46,7 +46,11 @@ def run(options: argparse.Namespace) -> None:
         source = sources[min(len(sources) - 1, arrangement.jobs.index(job))]
         problems += [_in_words(problem, source, given, job.content) for problem in job.problems]
     problems += [problem.text for problem in arrangement.problems]
-    problems += [f"{name}: needs --pooled" for name in ("--resume", "--only") if getattr(options, name[2:]) and not pooled]
+    problems += [
+        f"{name}: needs --pooled"
+        for name in ("--resume", "--only")
+        if getattr(options, name[2:]) and not pooled
+    ]
     if options.save:
         problems += _problems_of_save(options, arrangement.jobs)
     if problems:
@@ -63,7 +67,11 @@ def _compare(options: argparse.Namespace) -> None:
     from asperity.engineering.show.comparison import compared
 
     if len(options.map) < 2:
-        sys.exit(fail(f"{options.map[0]}: a folder; maps, case files or two or more folders are needed", WRONG_USAGE))
+        sys.exit(
+            fail(
+                f"{options.map[0]}: a folder; maps, case files or two or more folders are needed", WRONG_USAGE
+            )
+        )
     names = [os.path.normpath(path) for path in options.map]
     comparison = compared(dict(zip(names, map(open_answer, names), strict=True)))
     print(comparison.text())
@@ -88,7 +96,9 @@ def _contents(
             put(content, MAP_FILES[0], path)
             content.get(CHECKSUMS, {}).pop("map", None)
         maps = at(content, MAP_FILES[0])
-        contents += [case_of_map(content, number) for number in range(len(maps) if isinstance(maps, list) else 1)]
+        contents += [
+            case_of_map(content, number) for number in range(len(maps) if isinstance(maps, list) else 1)
+        ]
         sources += [file or ""] * (len(contents) - len(sources))
     counters = options.counter_map or [None]
     if len(counters) not in (1, len(contents)):

@@ -18,8 +18,8 @@ from asperity.core.types import Array
 from asperity.core.version import __version__
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, at
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
-from asperity.engineering.folder import ANSWERS, CASE_FILE, MANIFEST, SAMPLE, checksums_in
-from asperity.engineering.several_answers import read_sample
+from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, checksums_in
+from asperity.engineering.sample import Sample
 from asperity.results import dataset
 from asperity.settings.reader import load
 
@@ -87,8 +87,8 @@ def _of_answer(folder: Path) -> Iterator[Check]:
         if len(found := {result.attrs[values] for result in results.values()}) > 1:
             text = f"results of one {name} are needed, found {', '.join(sorted(found))}"
             yield Check(f"{folder}: {text}", False)
-    if ANSWERS in unchanged:
-        yield from _of_pool(folder)
+    if SAMPLE_DATA in unchanged:
+        yield from _of_sample(folder)
     if "contact.nc" not in checksums:
         return
     if "report.html" not in checksums:
@@ -113,9 +113,9 @@ def _of_answer(folder: Path) -> Iterator[Check]:
             yield Check(f"{file}: unchanged since {folder} was computed from it")
 
 
-def _of_pool(folder: Path) -> Iterator[Check]:
-    """Checks that pooled answers are unchanged, and that the means follow from them."""
-    manifests = json.loads((folder / ANSWERS).read_text(encoding="utf-8"))
+def _of_sample(folder: Path) -> Iterator[Check]:
+    """Checks that the answers of a sample are unchanged, and that the means follow from them."""
+    manifests = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
     same = True
     for name, checksum in manifests.items():
         manifest = folder / name / MANIFEST
@@ -126,8 +126,8 @@ def _of_pool(folder: Path) -> Iterator[Check]:
             same = False
             yield Check(f"{folder / name}: not the answer that is pooled in {folder}; run again", False)
     if same:
-        means = read_sample(folder, list(manifests)).frame()
-        stored = pd.read_csv(folder / SAMPLE[0])
+        means = Sample.read(folder).frame()
+        stored = pd.read_csv(folder / SAMPLE[0], float_precision="round_trip")
         agrees = list(means.columns) == list(stored.columns) and len(means) == len(stored)
         numbers = means.select_dtypes("number").columns
         agrees = agrees and np.allclose(means[numbers], stored[numbers], rtol=1e-6, atol=0, equal_nan=True)

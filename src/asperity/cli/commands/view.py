@@ -68,9 +68,7 @@ def _read(paths: Sequence[str], view: str) -> dict[str, Any]:
     }
 
 
-def _draw(
-    view: str, results: dict[str, Any], given: dict[str, str], options: argparse.Namespace
-) -> Figure:
+def _draw(view: str, results: dict[str, Any], given: dict[str, str], options: argparse.Namespace) -> Figure:
     si = is_si(next(iter(results.values())))
     poisson = section(options, "layer").get("poisson")
     friction = section(options, "sliding")

@@ -1,8 +1,8 @@
 """Mixed lubrication: a film carries a part of the load, and the asperities the rest.
 
-The film carries the fraction s of the smooth pressure: a uniform pressure s p̄ on the map, or the fraction s of the
-Hertz pressure around it. The asperities carry (1 − s) p̄ as a dry contact. The stresses of both parts are
-added: s = 0 gives the stress of the dry contact, s → 1 the stress of the smooth bodies.
+The film carries the fraction s of the smooth pressure: a uniform pressure s p̄ on the map, or the fraction s
+of the Hertz pressure around it. The asperities carry (1 − s) p̄ as a dry contact. The stresses of both parts
+are added: s = 0 gives the stress of the dry contact, s → 1 the stress of the smooth bodies.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
 
 SPREAD = 1.6
-"""Ratio of the largest to the smallest load fraction of asperities by published correlations, for Λ from 0.5 to 1."""
+"""Ratio of the largest to the smallest load fraction of asperities by correlations, for Λ from 0.5 to 1."""
 
 
 def _balan(ratio: float) -> float:

@@ -33,7 +33,11 @@ if TYPE_CHECKING:
 
 TOPIC = "partial slip"
 
-COMPARED = ("tangential displacement", "sticking area fraction of the contact", "energy lost in a cycle ± force")
+COMPARED = (
+    "tangential displacement",
+    "sticking area fraction of the contact",
+    "energy lost in a cycle ± force",
+)
 """Numbers that are also computed on pixels twice as large."""
 
 CYCLE_STEPS = 6
@@ -125,8 +129,8 @@ class PartialSlip(Question):
             records=fine,
             verdict=_verdict(slip),
             warnings=warnings,
-            assumption="The tangential force has grown once from zero; the faces stick where the shear traction "
-            "is below friction times pressure, and the pressure is computed without friction.",
+            assumption="The tangential force has grown once from zero; the faces stick where the shear "
+            "traction is below friction times pressure, and the pressure is computed without friction.",
             tables={"cycle": table},
         )
 

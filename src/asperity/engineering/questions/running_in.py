@@ -1,4 +1,4 @@
-"""Running-in: first loads flatten the map at the hardness, and the answer is the elastic contact after them."""
+"""Running-in: first loads flatten the map at the hardness; the answer is the elastic contact after them."""
 
 from __future__ import annotations
 
@@ -103,8 +103,10 @@ class RunningIn(Question):
         nothing = "the first load stays below the hardness everywhere: it flattens nothing."
         return Findings(
             records=records,
-            verdict=f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}" if depth else "",
+            verdict=f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}"
+            if depth
+            else "",
             warnings=[] if depth else [Advice(False, "running-in", nothing)],
             assumption="Running-in flattens the surface where the pressure reaches the hardness, without "
-            "residual stress, pile-up or wear; numbers hold for the elastic contact of the flattened surface.",
+            "residual stress, pile-up or wear; numbers hold for the elastic contact after it.",
         )

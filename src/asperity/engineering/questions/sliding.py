@@ -90,10 +90,10 @@ class Sliding(Question):
         along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
         force = shown_si(self.friction * stages.numbers.force, "N", 3)
         return Findings(
-            verdict=f"the counter body slides along {along} against a force of friction of {force} on the map",
+            verdict=f"the counter body slides along {along} against a friction force of {force} on the map",
             warnings=warnings,
-            assumption="In gross sliding the shear traction is the coefficient of friction times the pressure; "
-            "the pressure is computed without friction.",
+            assumption="In gross sliding the shear traction is the coefficient of friction times the "
+            "pressure; the pressure is computed without friction.",
         )
 
     def _warnings(self, stages: Stages) -> Iterator[Advice]:
@@ -122,4 +122,3 @@ class Sliding(Question):
         text = f"the contact is solved without friction. {text}"
         short = f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}"
         yield Advice(size > NEGLECTED_COUPLING, "friction in the contact", text, short, size)
-

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.engineering.body_stress import BodyStress, largest_von_mises_between
+from asperity.engineering.body_stress import largest_von_mises_between
 from asperity.engineering.places import Blocks
 from asperity.engineering.press import HARDNESS_OVER_YIELD
 from asperity.engineering.question import Findings, Pressed, Question, Stages
@@ -21,10 +22,12 @@ from asperity.engineering.records import (
     POSITIVE,
     Advice,
     Record,
+    find,
     fraction,
     per_cent,
 )
 from asperity.engineering.scene import Scene
+from asperity.stress.peaks.selection import select_peaks
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -96,111 +99,126 @@ class Yielding(Question):
         """Volume, depths and peaks above yield of each body, and whether its materials yield."""
         records: list[Record] = []
         attributes: dict[str, dict[str, Any]] = {}
-        depths: dict[str, tuple[float, float] | None] = {}
         for body in stages.asked.different_bodies:
             part = stages.bodies[body]
             found: Yielded | None = part.observed.get("yielding")
             if found is not None:
                 top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
                 found.exceedance.finish(largest_von_mises_between(part.stress, top, np.inf).value)
-                records += self._records(stages, body, found)
-                depths[body] = found.exceedance.depths
+                records += _records(stages, body, found)
                 volume = found.exceedance.volume * stages.face.grid.area
                 attributes[body] = {"yield_stress": part.body.yield_stress, "volume_above_yield": volume}
-        materials = [*_materials(stages)]
-        verdict = "; ".join(_verdict(*each, depths.get(each[1]), records) for each in materials)
-        warnings = [
-            advice
-            for each in materials
-            if (advice := _warning(stages, *each, depths.get(each[1]))) is not None
-        ]
-        return Findings(records=records, verdict=verdict, warnings=warnings, attributes=attributes)
-
-    def _records(self, stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
-        """Volume, depths and peaks above yield in a body."""
-        part, area, above = stages.bodies[body], stages.face.grid.area, found.exceedance
-        of: dict[str, Any] = {"topic": "stress", "body": body}
-        limit = part.body.yield_stress
-        stress = part.stress
-        peaks = stress.sel(peak=(stress["peak_quantity"] == "von_mises").values)
-        deep = peaks["peak_depth"].values > (part.layer.interface or -1.0)
-        count = int(((peaks["peak_value"].values > limit) & deep).sum())
-        error = above.error(part.limits, _count_above(part, limit))
-        positions = found.error_of_positions(stages.blocks)
-        worse: dict[str, Any] = of | {"varies": True, "better": "less"}
-        yield Record("yield stress", limit, "Pa", **of)
-        per_area = Record("volume above yield per area", above.volume, "m", bounds=POSITIVE, **worse)
-        if above.depths is None:
-            none = "none: everything stays elastic"
-            yield Record("volume above yield", 0.0, "m^3", words=none, **worse)
-            extrapolated = 0.0 if error == 0 else np.nan  # far below yield: it is known to be zero
-            yield replace(per_area, extrapolated=extrapolated).with_error(PLANES, error)
-        else:
-            first, last = above.depths
-            volume = Record("volume above yield", above.volume * area, "m^3", bounds=POSITIVE, **worse)
-            share = fraction("volume fraction above yield", above.volume / last, **worse)
-            share = replace(share, note=f"of the volume down to {shown_si(last, 'm', 3)}")
-            for each in (volume, per_area, share):
-                size = each.value / above.volume
-                yield each.with_error(PLANES, error * size).with_error(POSITIONS, positions * each.value)
-            note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
-            yield Record("maximum depth above yield", last, "m", note=note, **worse)
-        yield Record("peaks above yield", count / stages.numbers.nominal_area, "1/m^2", **worse)
+        materials = [*_materials(stages, records)]
+        return Findings(
+            records=records,
+            verdict="; ".join(each.verdict() for each in materials),
+            warnings=[each.warning(stages) for each in materials if not each.is_elastic],
+            attributes=attributes,
+        )
 
 
-def _count_above(part: BodyStress, limit: float | None) -> int:
-    """Number of peaks of the von Mises stress in the solid above a limit."""
-    from asperity.stress.peaks.selection import select_peaks
+def _records(stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
+    """Volume, depths and peaks above yield in a body."""
+    part, area, above = stages.bodies[body], stages.face.grid.area, found.exceedance
+    of: dict[str, Any] = {"topic": "stress", "body": body}
+    worse: dict[str, Any] = of | {"varies": True, "better": "less"}
+    limit = part.body.yield_stress or np.inf
+    peaks = select_peaks(part.stress, "von_mises")
+    is_above = peaks["peak_value"].values > limit
+    error = above.error(part.limits, int(is_above.sum()))
+    positions = found.error_of_positions(stages.blocks)
+    yield Record("yield stress", limit, "Pa", **of)
+    per_area = Record("volume above yield per area", above.volume, "m", bounds=POSITIVE, **worse)
+    if above.depths is None:
+        none = "none: everything stays elastic"
+        yield Record("volume above yield", 0.0, "m^3", words=none, **worse)
+        extrapolated = 0.0 if error == 0 else np.nan  # far below yield: it is known to be zero
+        yield replace(per_area, extrapolated=extrapolated).with_error(PLANES, error)
+    else:
+        first, last = above.depths
+        share = fraction("volume fraction above yield", above.volume / last, **worse)
+        volumes = (
+            Record("volume above yield", above.volume * area, "m^3", bounds=POSITIVE, **worse),
+            per_area,
+            replace(share, note=f"of the volume down to {shown_si(last, 'm', 3)}"),
+        )
+        for each in volumes:
+            of_pixels = error * each.value / above.volume
+            yield each.with_error(PLANES, of_pixels).with_error(POSITIONS, positions * each.value)
+        note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
+        yield Record("maximum depth above yield", last, "m", note=note, **worse)
+    below = peaks["peak_depth"].values > (part.layer.interface or -1.0)
+    density = int((is_above & below).sum()) / stages.numbers.nominal_area
+    yield Record("peaks above yield", density, "1/m^2", **worse)
 
-    return int((select_peaks(part.stress, "von_mises")["peak_value"] > limit).sum())
+
+class _Material(NamedTuple):
+    """A material with a yield stress: its words, name, stress, and the volume above yield if it is known."""
+
+    words: str
+    name: str
+    limit: float
+    stress: Record
+    volume: Record | None
+    depth: Record | None
+
+    @property
+    def is_elastic(self) -> bool:
+        """True if the whole interval of the stress, or its value where none is known, is below yield."""
+        high = self.stress.interval[1]
+        return (self.stress.value if math.isnan(high) else high) <= self.limit
+
+    def verdict(self) -> str:
+        """Whether the material yields, from the stress and its interval."""
+        shown, limit = self.stress.best_text(), shown_si(self.limit, "Pa", 3)
+        ratio = f"{self.stress.best / self.limit:.3g} times its yield stress, {limit}"
+        low = self.stress.interval[0]
+        text = f"{self.words} yields"
+        if self.is_elastic:
+            text = f"{self.words} stays elastic"
+        elif low <= self.limit:
+            text = f"{self.words} may yield"
+        text += f": maximum von Mises stress {shown}, {ratio}"
+        if self.volume is not None and self.volume.value and self.depth is not None:
+            down_to = self.depth.number(digits=3)
+            text += f"; {per_cent(self.volume.value)} of its volume down to {down_to} is above it"
+        return text
+
+    def warning(self, stages: Stages) -> Advice:
+        """Stress that is, or may be, above the yield stress."""
+        of = self.words.removeprefix("the material").replace("the ", " of the ", 1)
+        reaches = "may exceed" if self.stress.interval[0] <= self.limit else "exceeds"
+        affected = ""
+        if self.depth is not None:
+            affected = f"; depths down to {self.depth.number(digits=3)} are affected"
+        text = f"the maximum von Mises stress{of}, {self.stress.best_text()}, {reaches} the yield stress of "
+        text += shown_si(self.limit, "Pa", 3)
+        # The hardness that a yield stress suggests holds for the surface.
+        if stages.case.hardness is None and self.name != "base":
+            hardness = shown_si(HARDNESS_OVER_YIELD * self.limit, "Pa", 3)
+            affected = (
+                f". The answer is elastic: real material flows there{affected}. The pressure stays below "
+            )
+            affected += (
+                f"the hardness, about {hardness}, and the contact area grows; body.hardness limits the "
+            )
+            affected += "pressure"
+        return Advice(True, "stress beyond yield", f"{text}{affected}.")
 
 
-def _materials(stages: Stages) -> Iterator[tuple[str, str, BodyStress]]:
-    """Words for each material with a yield stress, its body, and the stress in it.
-
-    Of two bodies of one material the first alone.
-    """
+def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]:
+    """The materials with a yield stress; of two bodies of one material those of the first alone."""
     bodies, names = list(stages.asked.bodies.values()), list(stages.asked.different_bodies)
-    for name in names[:1] if bodies[0].is_like(bodies[-1]) else names:
-        for material, part in stages.bodies[name].materials.items():
-            if part.body.yield_stress is not None:
-                of = f" of the {name} body" if len(names) > 1 and not bodies[0].is_like(bodies[-1]) else ""
-                yield f"the {material or 'material'}{of}", name, part
-
-
-def _verdict(
-    what: str, body: str, part: BodyStress, depths: tuple[float, float] | None, records: list[Record]
-) -> str:
-    """Yield of a material, its depth and the maximum stress."""
-    limit, stress = part.body.yield_stress, part.von_mises.value
-    ratio = f"{stress / limit:.3g} times its yield stress, {shown_si(limit, 'Pa', 3)}"
-    if stress <= limit:
-        return f"{what} stays elastic, with at most {ratio}"
-    if depths is None or what.startswith("the coating"):
-        return f"{what} yields, with up to {ratio}"
-    share = next(
-        each.value for each in records if each.body == body and each.quantity.startswith("volume fraction")
-    )
-    return f"{what} yields: {per_cent(share)} of its volume down to {shown_si(depths[1], 'm', 3)}, with up to {ratio}"
-
-
-def _warning(
-    stages: Stages, what: str, body: str, part: BodyStress, depths: tuple[float, float] | None
-) -> Advice | None:
-    """Stress above the yield stress of a material."""
-    limit, stress = part.body.yield_stress, part.von_mises.value
-    if stress <= limit:
-        return None
-    affected, of = "", what.removeprefix("the material").replace("the ", " of the ", 1)
-    if depths is not None and not what.startswith("the coating"):
-        first, last = (shown_si(depth, "m", 3) for depth in depths)
-        affected = f"; depths from {first if depths[0] else 'the surface'} to {last} are affected"
-    text = f"the maximum von Mises stress{of}, {shown_si(stress, 'Pa', 3)}, is {stress / limit:.3g} times the "
-    text += f"yield stress of {shown_si(limit, 'Pa', 3)}"
-    # The hardness that a yield stress suggests holds for the surface.
-    if stages.case.hardness is None and not what.startswith("the base"):
-        hardness = shown_si(HARDNESS_OVER_YIELD * limit, "Pa", 3)
-        affected = f". This is an elastic result only: real material flows there{affected}. The pressure stays "
-        affected += f"below the hardness, about {hardness}, and the contact area grows; body.hardness limits "
-        affected += "the pressure"
-    return Advice(True, "stress beyond yield", f"{text}{affected}.")
+    alike = bodies[0].is_like(bodies[-1])
+    for body in names[:1] if alike else names:
+        of = f" of the {body} body" if len(names) > 1 and not alike else ""
+        for name, part in stages.bodies[body].materials.items():
+            if (limit := part.body.yield_stress) is None:
+                continue
+            quantity = f"maximum von Mises stress{f' in the {name}' if name else ''}"
+            stress = next(find(stages.records, quantity, body))
+            volume, depth = (
+                None if name == "coating" else next(find(records, each, body), None)
+                for each in ("volume fraction above yield", "maximum depth above yield")
+            )
+            yield _Material(f"the {name or 'material'}{of}", name, limit, stress, volume, depth)
