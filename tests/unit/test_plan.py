@@ -36,7 +36,9 @@ def corrected(nodes, **load):
     band = UNSEEN.hurst, UNSEEN.wavelength_long, UNSEEN.wavelength_short
     height = asp.self_affine((points, points), *band, rms_height=1e-3, seed=7)
     contact = asp.solve_contact(height, asp.Solid(1.0, 0.33), **load)
-    stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"), tolerance=1e-4)
+    stress = asp.analyse_stress(
+        contact, quantities=("pressure", "von_mises"), tolerance=1e-4, covariances=True
+    )
     found = asp.continuum_limit(contact, stress).sel(kind="estimate").squeeze("poisson")
     names = ("area_fraction", "proportionality", "decay_length_plane")
     numbers = {name: float(found[name]) for name in names}
