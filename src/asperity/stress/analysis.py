@@ -115,9 +115,10 @@ def analyse_stress(
         and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and
         largest von Mises stress and, with `covariances`, the covariance with the plane of the largest; along
         `lag`, the covariance in that plane. The attribute ``effective_modulus`` is E* in the same unit,
-        ``friction`` and ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure reaches the
-        hardness, states the consequence. On a mirrored map under friction the profile and the covariances cover the map
-        and its three images, which all slide the same way, and `observe` gets planes of this cell.
+        ``friction`` and ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure
+        reaches the hardness, states the consequence. On a mirrored map under friction the profile and the
+        covariances cover the map and its three images, which all slide the same way, and `observe` gets
+        planes of this cell.
 
     Raises
     ------
