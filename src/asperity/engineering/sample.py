@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Self, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -61,6 +62,8 @@ CRACKS = "cracks expected per area"
 """Quantity from which the probability of a crack on an area follows."""
 
 ONE_MAP = "one map: differences between positions are not known"
+
+Kind = TypeVar("Kind", bound="SampleData")
 
 Key = tuple[str, str, str]
 """Topic, body and quantity of a record."""
@@ -147,7 +150,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
         scatter = 0.0 if is_same(values) else float(values.std(ddof=1))
         errors[POSITIONS] = float(t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
     is_extrapolated = whole and any(math.isfinite(each.extrapolated) for each in records)
-    low, high = (choose(each.bounds[end] for each in records) for end, choose in ((0, min), (1, max)))
+    low, high = min(each.bounds.low for each in records), max(each.bounds.high for each in records)
     mean = replace(
         first,
         value=float(np.mean([each.value for each in records])),
@@ -162,8 +165,8 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
     return mean, values
 
 
-def pooled(answers: Mapping[str, AnswerData] | Sequence[AnswerData]) -> Sample:
-    """The sample of the answers of maps of one surface, in one case; see `asperity.pool`.
+def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
+    """The sample, as an object of a kind, of the answers of maps of one surface, in one case; see `asperity.pool`.
 
     Raises
     ------
@@ -172,15 +175,13 @@ def pooled(answers: Mapping[str, AnswerData] | Sequence[AnswerData]) -> Sample:
     """
     if not answers:
         raise ValueError("answers: at least one is needed")
-    if not isinstance(answers, Mapping):
-        answers = named(answers)
     check_alike({name: answer.face for name, answer in answers.items()})
     cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
     first, *_ = cases
     for name, case in cases.items():
         if case != cases[first]:
             raise ValueError(f"answers: {name} is of {case}, {first} of {cases[first]}; one case is needed")
-    return Sample(answers)
+    return kind(answers)
 
 
 def named(answers: Sequence[AnswerData]) -> dict[str, AnswerData]:
@@ -221,7 +222,7 @@ def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sample:
+class SampleData:
     """Answers of several maps of one surface: ``print`` shows their means, `frame` returns them as a table.
 
     Attributes
@@ -236,10 +237,10 @@ class Sample:
     deepest: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, folder: Path) -> Sample:
+    def read(cls, folder: Path) -> Self:
         """The sample in a folder, of the answers in the folders of its maps."""
         names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
-        return pooled({name: read_data(folder / name, AnswerData) for name in names})
+        return pooled({name: read_data(folder / name, AnswerData) for name in names}, cls)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -242,7 +242,7 @@ class Cycles(Question):
         for variable, (quantity, unit, more) in WORST.items():
             if variable not in cycles:
                 continue
-            value, depth, *place = cycles.attrs[f"worst_{variable}"]
+            value, depth, *place = map(float, cycles.attrs[f"worst_{variable}"])
             at: dict[str, float] = {"y": math.nan, "x": math.nan}
             at |= dict(zip((axis_of(cycles), "x"), place, strict=False))
             position = Position(depth, *map(float, stages.face.grid.on_map(**at)))

@@ -24,7 +24,7 @@ from asperity.engineering.records import POSITIONS, Record
 from asperity.engineering.sample import (
     SAME,
     Key,
-    Sample,
+    SampleData,
     decisive,
     deepest_of,
     is_same,
@@ -82,7 +82,7 @@ class Difference(NamedTuple):
         return f"{with_error(self.value / factor, self.error / factor, signed=True)} {symbol}".strip()
 
 
-def compared(items: Mapping[str, AnswerData | Sample] | Sequence[AnswerData | Sample]) -> Comparison:
+def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData | SampleData]) -> Comparison:
     """Answers and samples beside each other, in their order; a sequence is named by its maps.
 
     Raises
@@ -94,7 +94,7 @@ def compared(items: Mapping[str, AnswerData | Sample] | Sequence[AnswerData | Sa
         raise ValueError("answers: at least two are needed to compare them")
     if isinstance(items, Mapping):
         return Comparison(dict(items))
-    names = [each.names[0] if isinstance(each, Sample) else each.face.name for each in items]
+    names = [each.names[0] if isinstance(each, SampleData) else each.face.name for each in items]
     count = Counter(names)
     unique = [name if count[name] == 1 else f"{name} {number}" for number, name in enumerate(names, 1)]
     return Comparison(dict(zip(unique, items, strict=True)))
@@ -110,24 +110,24 @@ class Comparison:
         Name → answer or sample.
     """
 
-    items: Mapping[str, AnswerData | Sample]
+    items: Mapping[str, AnswerData | SampleData]
 
     @cached_property
     def _maps(self) -> dict[str, AnswerData]:
         """The answer of each map, those of a sample with the name of the sample before their own."""
         found: dict[str, AnswerData] = {}
         for name, item in self.items.items():
-            each = item.answers if isinstance(item, Sample) else {"": item}
+            each = item.answers if isinstance(item, SampleData) else {"": item}
             found |= {f"{name} {own}".strip(): answer for own, answer in each.items()}
         return found
 
     @cached_property
-    def _same_depth(self) -> dict[str, AnswerData | Sample]:
+    def _same_depth(self) -> dict[str, AnswerData | SampleData]:
         """The items, whose fractions above yield refer to the volume down to the same depth."""
         deepest = deepest_of(self._maps.values())
         return {
-            name: Sample(item.answers, deepest)
-            if isinstance(item, Sample)
+            name: SampleData(item.answers, deepest)
+            if isinstance(item, SampleData)
             else AnswerData(**vars(item) | {"records": tuple(to_one_depth(item.records, deepest))})
             for name, item in self.items.items()
         }
@@ -144,7 +144,7 @@ class Comparison:
         """Difference of a number of two of the items, which both have it."""
         one, other = (self.records[name][key] for name in (first, second))
         items = [self._same_depth[name] for name in (first, second)]
-        if all(isinstance(item, Sample) and len(item.names) > 1 for item in items):
+        if all(isinstance(item, SampleData) and len(item.names) > 1 for item in items):
             values = [item.values(each) for item, each in zip(items, (one, other), strict=True)]
             return _of_samples(one, other, values)
         return _of_errors(one, other)
@@ -186,7 +186,7 @@ class Comparison:
 
     def _maps_of(self, name: str) -> Sequence[str]:
         item = self.items[name]
-        return item.names if isinstance(item, Sample) else [name]
+        return item.names if isinstance(item, SampleData) else [name]
 
     def frame(self) -> pd.DataFrame:
         """All numbers, and differences to the first; the columns are described in ``docs/tables.md``."""
@@ -268,7 +268,7 @@ class Comparison:
 
     def _first(self, name: str) -> AnswerData:
         item = self.items[name]
-        return next(iter(item.answers.values())) if isinstance(item, Sample) else item
+        return next(iter(item.answers.values())) if isinstance(item, SampleData) else item
 
     def write(self, folder: Path) -> None:
         """Write the table and the page into a folder."""

@@ -16,7 +16,7 @@ from asperity.core.units import shown_si
 from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
 from asperity.engineering.case_file import pool_text
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, replacing
-from asperity.engineering.sample import ONE_MAP, Sample
+from asperity.engineering.sample import ONE_MAP, SampleData
 from asperity.engineering.show.pictures import compared_pictures, png_of
 from asperity.engineering.show.report import Drawn, tiles_of
 from asperity.results.atomic import write_text
@@ -34,7 +34,7 @@ MEANS = (
 )
 
 
-def text(sample: Sample) -> str:
+def text(sample: SampleData) -> str:
     """The verdict, the means and the warnings as a block of text."""
     lines = [sample.title, f"maps: {', '.join(sample.names)}", "", *sample.verdict, *predicted(sample)]
     for heading, rows in _numbers(sample).items():
@@ -47,7 +47,7 @@ def text(sample: Sample) -> str:
     return "\n".join(lines)
 
 
-def page(sample: Sample, folder: Path | None = None) -> str:
+def page(sample: SampleData, folder: Path | None = None) -> str:
     """The sample as a page; names of files in its case file are relative to the folder."""
     shown = dict(list(sample.answers.items())[:SHOWN_MAPS])
     means = f"{ONE_MAP[0].upper()}{ONE_MAP[1:]}." if len(sample.names) == 1 else MEANS
@@ -69,14 +69,14 @@ def page(sample: Sample, folder: Path | None = None) -> str:
     )
 
 
-def tables(sample: Sample) -> dict[str, pd.DataFrame]:
+def tables(sample: SampleData) -> dict[str, pd.DataFrame]:
     """Name of a table → all means, peaks per area, and maxima on the area that is asked for."""
     found = {"sample": sample.frame(), "peaks_per_area": sample.peaks_per_area()}
     area = _area(sample)
     return found if area is None else found | {"maximum": sample.maximum(area)}
 
 
-def write_sample(sample: Sample, folder: Path) -> None:
+def write_sample(sample: SampleData, folder: Path) -> None:
     """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
     found = tables(sample)
     with locked(folder), replacing(folder, kept=set()) as unfinished:
@@ -89,7 +89,7 @@ def write_sample(sample: Sample, folder: Path) -> None:
         write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
 
 
-def predicted(sample: Sample) -> Iterator[str]:
+def predicted(sample: SampleData) -> Iterator[str]:
     """Sentences about maxima and cracks on the area that is asked for, or on the area of all maps."""
     area, bodies = _area(sample), [*sample.case.bodies.values()]
     alike = bodies[0].is_like(bodies[-1])
@@ -120,13 +120,13 @@ def _maximum_in_words(row: Any) -> str:
     )
 
 
-def _area(sample: Sample) -> float | None:
+def _area(sample: SampleData) -> float | None:
     """The area on which maxima are asked for."""
     asked = sample.case.questions.get("sample")
     return None if asked is None else asked.area
 
 
-def _numbers(sample: Sample) -> dict[str, pd.DataFrame]:
+def _numbers(sample: SampleData) -> dict[str, pd.DataFrame]:
     """Heading → means and values of each map as texts."""
     found = {}
     for heading, records in by_topic(sample.case, without_repeats(sample.records)):
@@ -139,6 +139,6 @@ def _numbers(sample: Sample) -> dict[str, pd.DataFrame]:
     return found
 
 
-def _case_text(sample: Sample, folder: Path) -> str:
+def _case_text(sample: SampleData, folder: Path) -> str:
     """The case file of the maps."""
     return pool_text([(each.case, each.origin.files) for each in sample.answers.values()], folder)
