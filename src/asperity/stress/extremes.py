@@ -197,7 +197,7 @@ class _Patch(NamedTuple):
         from scipy.ndimage import map_coordinates
 
         places = np.meshgrid(*((np.array([y, x]).T - self.first) / self.spacing).T, indexing="ij")
-        return np.array([map_coordinates(each, places, order=5, mode="nearest") for each in self.values])
+        return np.array([map_coordinates(each, places, order=5, mode="mirror") for each in self.values])
 
 
 def _refined(
