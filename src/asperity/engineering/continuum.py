@@ -4,6 +4,7 @@ The formulas are in `asperity.stress.statistics.extrapolation`.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import xarray as xr
@@ -13,6 +14,7 @@ from asperity.contact.half_grid import HALF_TOLERANCE, solve_on_half
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.extremes import Extremes, largest_of
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.extrapolation import OnGrid, extrapolate, reason_against
 
@@ -121,31 +123,43 @@ def continuum_on_grids(
     stress: xr.Dataset | None,
     body: str,
     loaded: LoadedSolid | None = None,
+    extremes: Mapping[str, float] | None = None,
 ) -> xr.Dataset:
-    """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it."""
-    coarse = None
+    """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it.
+
+    With the `extremes` of the stress, field → extreme value, also their ``extreme`` along `field`.
+    """
+    coarse = on_half = None
     if stress is not None:
         planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface
         # Depths over the spacing are the same on both grids; in a thin coating planes lie closer.
         spacing = planes[1] / min(contact.grid.spacing) if interface is None else 0.5
+        solid = loaded or half.contact.in_body(body)
+        sliding = {name: stress.attrs[name] for name in ("friction", "sliding_direction")}
+        found = Extremes(solid.layer, [*(extremes or {})])
         coarse = analyse_stress(
-            loaded or half.contact.in_body(body),
+            solid,
             depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interface),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=HALF_TOLERANCE,
-            friction=stress.attrs["friction"],
-            sliding_direction=stress.attrs["sliding_direction"],
+            observe=None if extremes is None else found.add,
             covariances="covariance_plane" in stress,
+            **sliding,
         )
-    both = _on_grid(contact, stress), _on_grid(half.contact, coarse)
+        if extremes is not None:
+            largest = largest_of(found.refined(solid, HALF_TOLERANCE, **sliding))
+            on_half = {name: largest[name].value for name in extremes}
+    both = _on_grid(contact, stress, extremes), _on_grid(half.contact, coarse, on_half)
     attributes = {"lost_gradient": half.lost, "plastic_area": contact.plastic_area}
     return extrapolate(*both, half.lost, half.reason).assign_attrs(attributes)
 
 
-def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:
+def _on_grid(
+    contact: Contact, stress: xr.Dataset | None, extremes: Mapping[str, float] | None = None
+) -> OnGrid:
     """Results of a contact and of the analysis of its stress."""
     load = contact.mean_pressure / contact.solid.effective_modulus
     plastic = contact.plastic_area > 0
     numbers = contact.pressure, load, contact.gradient_rms_contact, contact.grid
-    return OnGrid(*numbers, stress, plastic, contact.height)
+    return OnGrid(*numbers, stress, plastic, contact.height, extremes)

@@ -6,7 +6,7 @@ which has the largest von Mises stress. The reference plane is known only when t
 planes above it are kept, or computed again.
 
 On a mirrored map planes cover the map alone. Where the stress is no mirror image (`PlaneStream.solid`),
-planes, profile and covariances cover the whole cell; peaks are counted on the map alone.
+planes, profile, covariances and peaks cover the whole cell.
 
 The condition of the mean (q = 0) mode (`Solid.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
 of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
@@ -116,9 +116,11 @@ def analyse_stress(
         largest von Mises stress and, with `covariances`, the covariance with the plane of the largest; along
         `lag`, the covariance in that plane. The attribute ``effective_modulus`` is E* in the same unit,
         ``friction`` and ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure
-        reaches the hardness, states the consequence. On a mirrored map under friction the profile and the
-        covariances cover the map and its three images, which all slide the same way, and `observe` gets
-        planes of this cell.
+        reaches the hardness, states the consequence. Of a mirrored map places are on the map, and
+        ``peak_weight`` is the number of peaks that an entry counts for: 1/2 on a mirror line, 1/4 at a
+        corner. Under friction the profile, the covariances and the peaks cover the map and its three images,
+        which all slide the same way, and `observe` gets planes of this cell: ``peak_weight`` is 1/4, and
+        ``peak_on_image`` is true for peaks of an image that seen from the map slides in another direction.
 
     Raises
     ------
@@ -343,23 +345,22 @@ class _Analysis:
         own = [self._fields.index(self._field("von_mises", lateral, ratio)) for ratio in stream.ratios]
         found = self._peaks(lateral)
         every, sizes = Peaks.join(found.values()), [peaks.size for peaks in found.values()]
-        if stream.map_grid.mirrored and not solid.grid.mirrored:
-            spacing, length, on_map = stream.map_grid.spacing, stream.map_grid.length, []
-            for peaks in found.values():
-                places = zip((peaks.y, peaks.x), spacing, length, strict=True)
-                along_y, along_x = ((place + 0.5 * step) % (2 * edge) < edge for place, step, edge in places)
-                on_map.append(peaks.select(np.flatnonzero(along_y & along_x)))
-            every, sizes = Peaks.join(on_map), [peaks.size for peaks in on_map]
         under_contact = every.under_contact(solid.pressure, solid.grid, solid.boundary)
+        y, x, of_images = every.y, every.x, {}
+        if stream.map_grid.mirrored:
+            y, x = stream.map_grid.on_map(y, x)
+            on_image, weight = stream.images(every.y, every.x)
+            of_images = {"peak_on_image": ("peak", on_image), "peak_weight": ("peak", weight)}
         profiles = ("poisson", "plane")
         dataset = xr.Dataset(
             {
                 "peak_value": ("peak", every.node_value if solid.is_plastic else every.value),
                 "peak_depth": ("peak", every.depth),
-                "peak_y": ("peak", every.y),
-                "peak_x": ("peak", every.x),
+                "peak_y": ("peak", y),
+                "peak_x": ("peak", x),
                 "peak_interior": ("peak", every.interior),
                 "peak_under_contact": ("peak", under_contact),
+                **of_images,
                 "plane_points": ("plane", self._points),
                 "mean_von_mises": (profiles, self._mean[own]),
                 "largest_von_mises": (profiles, self._largest[own]),

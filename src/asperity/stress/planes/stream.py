@@ -74,6 +74,9 @@ MAX_RATIOS = 1000
 MAX_DEPTH = 1e30
 """Largest depth over the longer period. Modes vanish below a depth of 120; nothing overflows."""
 
+ON_LINE = 1e-6
+"""Distance from a mirror line, over the spacing, up to which a place is on the line."""
+
 MAX_FRICTION = 1000.0
 """Largest coefficient of friction: more than any pair of solids has, and squares of stresses stay finite."""
 
@@ -222,6 +225,23 @@ class PlaneStream:
         fits = low <= max(self.solid.pressure.max(), -self.solid.pressure.min()) <= high
         single = fits and self._tolerance >= SINGLE_PRECISION_TOLERANCE and self.solid.boundary == "periodic"
         self.dtype = np.dtype("float32" if single else "float64")
+
+    def images(self, y: Array, x: Array) -> tuple[Array, Array]:
+        """Of places in the planes of a mirrored map: whether they lie on an image that slides in another
+        direction than the map, and their number for each map: 1/2 on a mirror line, 1/4 at a corner.
+        """
+        moves = direction_cosines(self.sliding_direction)[::-1]
+        on_image, weight = np.zeros(y.shape, bool), np.ones(y.shape)
+        steps = zip((y, x), moves, self.map_grid.length, self.map_grid.spacing, strict=True)
+        for place, moved, edge, step in steps:
+            from_line = (place + step / 2) % (2 * edge)
+            if self.solid.grid.mirrored:
+                on_line = np.minimum(from_line, np.abs(edge - from_line)) < ON_LINE * step
+                weight = np.where(on_line, weight / 2, weight)
+            else:  # a cell of four maps
+                on_image |= (from_line >= edge) & (moved != 0)
+                weight = weight / 2
+        return on_image, weight
 
     @property
     def keeps_planes(self) -> bool:
