@@ -285,8 +285,7 @@ def _across(q: float, depth: float, placed: Place, stack: Stack) -> tuple[float,
     on_bottom, along = s, u
     for number in range(last - 1, -1, -1):
         if number < last - 1 or not rigid:
-            soft = 1.0 / (1.0 + shear[number] / shear[number + 1])
-            s, u = soft * s, (1.0 - soft) * u
+            u *= shear[number] / shear[number + 1]
         if number == place:
             on_bottom, along = s, u
         decay, rest = decaying(q * heights[number])
