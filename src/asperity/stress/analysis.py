@@ -183,12 +183,12 @@ def analyse_lateral_conditions(
 class _Field(NamedTuple):
     """A field that is computed in every plane.
 
-    The uniform parts over the mean pressure are given at the surface and, under a coating, in its base.
+    The uniform parts over the mean pressure are given for each of `Solid.parts`.
     """
 
     name: str
     poisson: float
-    uniform: tuple[float, float]
+    uniform: tuple[float, ...]
 
 
 class _Analysis:
@@ -239,7 +239,7 @@ class _Analysis:
             lateral = layer.lateral
         layer = replace(layer, lateral=lateral)
         return _Field(
-            name, poisson, (uniform_part(layer, poisson, 0.0), uniform_part(layer, poisson, np.inf))
+            name, poisson, tuple(uniform_part(layer, poisson, depth) for depth in (*layer.interfaces, np.inf))
         )
 
     def _is_alike(self, name: str) -> bool:
@@ -286,8 +286,8 @@ class _Analysis:
 
     def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> PlaneFields:
         names, ratios, uniforms = zip(*(self._fields[number] for number in chosen), strict=True)
-        in_base = plane.depth > (plane.solid.layer.interface or np.inf)
-        return plane.fields(names, ratios, [uniform[in_base] for uniform in uniforms])
+        place = np.searchsorted(plane.solid.layer.interfaces, plane.depth)
+        return plane.fields(names, ratios, [uniform[place] for uniform in uniforms])
 
     def _watch(self, plane: LinearPlane) -> Visit:
         """Search and sum the rows of a plane as they are computed."""

@@ -273,8 +273,9 @@ class PlaneStream:
         for index, (depth, own) in enumerate(zip(depths, plan, strict=True)):
             shape = len(basis_fields), own.grid.shape[0], source.row_length(own.grid)
             values = memory.array(index, shape)
-            if (layer := self.solid.layer).base is not None and depth > layer.height:
-                basis_fields = [field._replace(slope=layer.base.poisson) for field in basis_fields]
+            if (layer := self.solid.layer).base is not None:
+                slope = layer.part_at(depth).poisson
+                basis_fields = [field._replace(slope=slope) for field in basis_fields]
             compute = partial(source.compute, depth, own, basis_fields, values)
             basis = Basis(values, own.grid.shape[1], indices, source.dtype.type(source.mean_pressure))
             plane = LinearPlane(
@@ -383,10 +384,10 @@ def shear_traction(friction: Any, direction: Any, layer: Solid) -> tuple[float, 
     accepted = f"a number from 0 to {MAX_FRICTION:g}"
     friction = number("friction", friction, accepted, lambda size: 0 <= size <= MAX_FRICTION)
     cosine, sine = direction_cosines(direction)
-    if friction and layer.height is not None and layer.bottom != "bonded":
+    bottom = layer.parts[-1].bottom
+    if friction and layer.extent is not None and bottom != "bonded":
         raise ValueError(
-            f"friction = {friction:g}: 0 is needed in a layer with a {layer.bottom} bottom, which bears no "
-            "shear"
+            f"friction = {friction:g}: 0 is needed in a layer with a {bottom} bottom, which bears no shear"
         )
     return friction * cosine, friction * sine
 
