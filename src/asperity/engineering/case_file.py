@@ -24,7 +24,7 @@ from asperity.core.version import __version__
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, checksums_in
-from asperity.engineering.scene import MATERIALS
+from asperity.engineering.scene import MATERIALS, Scene
 from asperity.results.atomic import write_text
 from asperity.settings.map import file_name, with_file
 from asperity.settings.model import Entry, Problem, Settings, described, inside, item_of, optional
@@ -123,7 +123,7 @@ def case_of_answer(folder: Path) -> dict[str, Any]:
 
 
 def matches(name: str, folder: Path) -> str | list[str]:
-    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order; one name if less than two do."""
+    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order; one name if only one does."""
     if glob.has_magic(name) and not (folder / name).exists():
         found = [str(folder / each) for each in sorted(glob.glob(name, root_dir=folder))]
         return found if len(found) > 1 else (found or [str(folder / name)])[0]
@@ -186,7 +186,7 @@ def names_of_maps(paths: Sequence[str]) -> list[str]:
     ]
 
 
-def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
+def save_case(case: Scene, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
     """Write a case as the YAML file that ``asperity run`` takes in place of a map.
 
     Names of files in it are relative to its folder, or absolute as they were given.
@@ -214,12 +214,12 @@ def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[R
     write_text(path, case_text(case, path.parent, out, files))
 
 
-def case_text(case: Case, folder: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> str:
+def case_text(case: Scene, folder: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> str:
     """The content of a case file in a folder; see `save_case`."""
     return _text(_content(case, folder, out, files))
 
 
-def _content(case: Case, folder: Path, out: Path | None, files: Sequence[ReadFile]) -> dict[str, Any]:
+def _content(case: Scene, folder: Path, out: Path | None, files: Sequence[ReadFile]) -> dict[str, Any]:
     """The groups of a case, with names of files relative to a folder."""
     content = case.written() | ({} if out is None else {OUT: os.fspath(out)})
     maps = {"map": case.map, "counter_map": case.counter_map}
@@ -233,7 +233,7 @@ def _content(case: Case, folder: Path, out: Path | None, files: Sequence[ReadFil
     return content
 
 
-def pool_text(cases: Sequence[tuple[Case, Sequence[ReadFile]]], folder: Path) -> str:
+def pool_text(cases: Sequence[tuple[Scene, Sequence[ReadFile]]], folder: Path) -> str:
     """The content of the case file of pooled maps, with the checksums of all their files."""
     each = [_content(case, folder, None, files) for case, files in cases]
     content = copy.deepcopy(each[0])
@@ -248,7 +248,7 @@ def _text(content: Mapping[str, Any]) -> str:
     return yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True)
 
 
-def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
+def same_case(text: str, case: Scene, files: Sequence[ReadFile]) -> bool:
     """True if the text of a case file describes a case; its maps may be elsewhere, with equal checksums."""
     try:
         there = yaml.safe_load(text)
@@ -264,7 +264,7 @@ def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
     return there == here
 
 
-def holds_answer(folder: Path, case: Case, files: Sequence[ReadFile]) -> bool:
+def holds_answer(folder: Path, case: Scene, files: Sequence[ReadFile]) -> bool:
     """True if a folder has the complete answer of a case, of this version, with all files unchanged."""
     checksums = checksums_in(folder)
     if not {"report.html", "contact.nc", CASE_FILE} <= checksums.keys():

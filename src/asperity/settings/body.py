@@ -141,7 +141,7 @@ def _of_residual(*_: Any) -> dict[str, Any]:
     """Description of a stress or a table of it, in the words of a JSON Schema."""
     return {
         "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
-        "accepts": f"{STRESS.needed()}, or a table such as {{depth: [0 um, 50 um], stress: [-600 MPa, 0 MPa]}}",
+        "accepts": f"{STRESS.needed()}, or a table such as {{depth: [0 um, 50 um], stress: [-1 GPa, 0 Pa]}}",
     }
 
 

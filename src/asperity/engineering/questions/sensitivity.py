@@ -89,7 +89,7 @@ def inputs_of(case: Scene) -> list[str]:
 
 
 def _varied_in(group: Settings, key: str) -> dict[str, float]:
-    """Dotted keys and values of the settings of a group, and of groups in it, that are declared as `varied`."""
+    """Dotted keys and values of the settings of a group, and of groups in it, declared as `varied`."""
     found: dict[str, float] = {}
     for name, field in type(group).model_fields.items():
         value, own = getattr(group, name), f"{key}.{name}"
@@ -98,8 +98,8 @@ def _varied_in(group: Settings, key: str) -> dict[str, float]:
                 found |= _varied_in(each, f"{own}.{number}") if isinstance(each, Settings) else {}
         elif value is not None and isinstance(extra := field.json_schema_extra, dict) and extra.get("varied"):
             found[own] = value
-    if getattr(group, "base", None) is not None:  # the constants of its layer
-        found = {own: value for own, value in found.items() if own.rpartition(".")[2] not in OF_LAYER or ".layers." in own}
+    if getattr(group, "base", None) is not None:  # the body has the constants of its layer
+        return {own: value for own, value in found.items() if own.removeprefix(f"{key}.") not in OF_LAYER}
     return found
 
 
