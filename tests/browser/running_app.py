@@ -36,6 +36,8 @@ class App:
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
         connection.request("GET", self.path + self.address.rpartition("/")[2])
         reply = connection.getresponse()
+        reply.read()
+        connection.close()
         assert (reply.status, reply.headers["Location"]) == (302, "./")
         self.next_address()
         return reply.headers["Set-Cookie"].partition(";")[0]
