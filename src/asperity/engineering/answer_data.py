@@ -19,11 +19,12 @@ from asperity.core.errors import did_you_mean, shown
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.engineering.body_stress import STRESS_TOLERANCE, Extreme
+from asperity.engineering.body_stress import STRESS_TOLERANCE
 from asperity.engineering.face import ReadFile
 from asperity.engineering.records import Advice, Record, find, frame
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
+from asperity.stress.extremes import Extreme
 from asperity.stress.planes.stream import PlaneStream
 from asperity.stress.section import stress_box
 from asperity.surface.treatment.treatment import TreatedMap

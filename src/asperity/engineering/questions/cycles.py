@@ -249,7 +249,9 @@ class Cycles(Question):
             if variable.startswith("shakedown") and value >= LARGEST_FACTOR:
                 yield Record(quantity, value, unit, words=NO_CHANGE, **of, **more)
                 continue
-            error = float(np.hypot(np.nan_to_num(stages.bodies[body].grid_error(variable)), few)) * abs(value)
+            error = float(np.hypot(np.nan_to_num(stages.bodies[body].cycle_error(variable)), few)) * abs(
+                value
+            )
             record = Record(quantity, value, unit, position=position, varies=True, **of, **more)
             yield record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:

@@ -104,7 +104,7 @@ class Yielding(Question):
             found: Yielded | None = part.observed.get("yielding")
             if found is not None:
                 top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
-                found.exceedance.finish(largest_von_mises_between(part.stress, top, np.inf).value)
+                found.exceedance.finish(largest_von_mises_between(part.stress, top, np.inf))
                 records += _records(stages, body, found)
                 volume = found.exceedance.volume * stages.face.grid.area
                 attributes[body] = {"yield_stress": part.body.yield_stress, "volume_above_yield": volume}
