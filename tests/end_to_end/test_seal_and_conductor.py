@@ -178,10 +178,8 @@ def test_arrays_solids_and_patterns(folder):
     with pytest.raises(ValueError, match="length: the edges"):
         asp.run(HEIGHT, RUBBER, mean_pressure=2e4)
     one = asp.run({"file": HEIGHT, "length": EDGES}, asp.Solid(1e7, 0.49, 1e-5), mean_pressure=2e4)
-    layer = {"young": 1e7, "poisson": 0.49, "layer": {"height": 1e-5}}
-    assert one.case.body == asp.Body(**layer)
-    with pytest.raises(asp.SettingsError, match="a Body with this layer"):
-        asp.run(HEIGHT, one.case.body.layer, length=EDGES, mean_pressure=2e4)
+    layer = {"young": 1e7, "poisson": 0.49, "thickness": 1e-5}
+    assert one.case.body == asp.Body(layers=[layer], base="bonded")
     np.save("shaft_2.npy", 1e6 * HEIGHT[::-1])
     (folder / "all.yaml").write_text("map: shaft*.npy\nbody: {}\n")
     from asperity.engineering.case_file import load_case

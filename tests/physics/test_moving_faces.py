@@ -240,7 +240,7 @@ def test_factor_without_a_cycle_is_told_in_words():
 
 
 SLIDING = {"friction": 0.1, "direction": 30}
-COATING = {"coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.3}}
+COATING = {"layers": [{"thickness": 1e-6, "young": 4e11, "poisson": 0.3}]}
 test_wrong_case_is_refused = refuses(
     (lambda: case(counter={"map": "a.x3p"}), "counter_body.map: needs cycles.shifts, for the stress cycles"),
     (lambda: case({"slide_to_roll": 0.1}), "cycles.slide_to_roll = 0.1: needs cycles.shifts"),

@@ -34,7 +34,6 @@ from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
 from asperity.results.variables import SI_UNITS
-from asperity.settings.materials import material
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
 
@@ -227,10 +226,9 @@ def constants_of_table(case: Case) -> list[str]:
     """Constants of a case that come from the table of materials, a line for each body."""
     lines = []
     for name, body in case.groups_of_bodies.items():
-        for part, group in ((name, body), (f"{name}.coating", body.coating)):
-            if group is not None and group.of_table and group.material is not None:
-                constants = [(each, material(group.material).constants[each]) for each in group.of_table]
-                values = [f"{each} {constant.value} ({constant.source})" for each, constant in constants]
+        for part, group in ((name, body), *((f"{name}, layer", layer) for layer in body.layers)):
+            if constants := group.from_material:
+                values = [f"{each} {found.value} ({found.source})" for each, found in constants.items()]
                 lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
     return lines
 

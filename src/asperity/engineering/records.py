@@ -207,12 +207,13 @@ class Record:
         ]
 
     def _best_text(self, error: float, factor: float, symbol: str) -> str:
-        """The best value with an error, or the interval where a bound cuts it."""
+        """The best value with an error, or with the interval where a bound cuts it."""
         low, high = self._within(error)
         if low > self.best - error or high < self.best + error:
-            ends = [f"{end / factor:.3g}" for end in (low, high)]
-            text = ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
-            return f"{text} {symbol}".strip() + f" (limited by {self.bounds.reason})"
+            best, *ends = (f"{end / factor:.3g}" for end in (self.best, low, high))
+            text = best if ends[0] == ends[1] else f"{best} ({ends[0]} to {ends[1]})"
+            reason = "" if self.bounds in (FRACTION, POSITIVE) else f", limited by {self.bounds.reason}"
+            return f"{text} {symbol}".strip() + reason
         return f"{with_error(self.best / factor, error / factor)} {symbol}".strip()
 
     def best_text(self, units: Any = None) -> str:
@@ -310,7 +311,8 @@ def frame(records: Iterable[Record]) -> pd.DataFrame:
         name: [] for name in ("topic", "body", "quantity", "value", "unit", "extrapolated", "error")
     }
     causes = {cause: f"error_{cause.replace('the ', '').replace(' ', '_')}" for cause in CAUSES}
-    columns |= {name: [] for name in (*causes.values(), "low", "high", "bound", *Position._fields, "text")}
+    places = [f"{name}_m" for name in Position._fields]
+    columns |= {name: [] for name in (*causes.values(), "low", "high", "bound", *places, "text")}
     for each in records:
         row: dict[str, Any] = {
             "topic": each.topic,
@@ -326,7 +328,7 @@ def frame(records: Iterable[Record]) -> pd.DataFrame:
             "text": each.text(),
         }
         row |= {name: each.errors.get(cause, math.nan) for cause, name in causes.items()}
-        row |= dict(zip(Position._fields, each.position, strict=True))
+        row |= dict(zip(places, each.position, strict=True))
         for name, column in columns.items():
             column.append(row[name])
     return pd.DataFrame(columns)

@@ -1,177 +1,197 @@
 """Maps of one surface as a sample: every number as its mean over the maps, with a 95 % interval.
 
-The largest value of a peak on an area that was not measured follows from the peaks of the maps
+The maximum of a peak on an area that was not measured follows from the peaks of the maps
 (`asperity.stress.statistics.largest`).
 """
 
+from __future__ import annotations
+
+import json
+import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import groupby
-from typing import NamedTuple
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from asperity.core.markup import table, with_error
-from asperity.core.types import Array, ArrayLike
-from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer import POSITION_NAMES, REPEATS, Answer, case_in_words, without_repeats
+from asperity.core.types import Array
+from asperity.core.units import shown_si
+from asperity.engineering.answer_data import AnswerData, case_in_words, tile_names, without_repeats
+from asperity.engineering.answer_files import read_data
+from asperity.engineering.folder import SAMPLE_DATA
 from asperity.engineering.places import CONFIDENCE
-from asperity.engineering.question import IN_PER_CENT
-from asperity.engineering.questions.cycles import CRACKS
+from asperity.engineering.records import (
+    CAUSES,
+    DISCRETISATION,
+    PLANES,
+    POSITIONS,
+    Bounds,
+    Position,
+    Record,
+    find,
+    frame,
+)
+from asperity.engineering.scene import Scene
 from asperity.stress.statistics.largest import FEWEST_PEAKS, Largest, check_area, largest_on
 from asperity.surface.treatment.treatment import TreatedMap
 
-SAME_PIXELS = 1e-6
+SAME = 1e-6
 """Relative difference by rounding of pixels, and of numbers that are equal on all maps."""
 
 OTHER_UNIT = 100
 """Ratio of rms heights from which two maps have heights in different units, as nm and µm."""
 
-VOLUME, DEEPEST_POINT = "volume above yield per area", "deepest point above yield"
-"""Numbers from which the share above yield is computed."""
-
-SCALED = "m", "m^2", "m^3", "Pa", "N"
-"""Units that take prefixes."""
-
-PER_AREA = "1/m^2"
-"""Unit of numbers of peaks."""
+VOLUME, FRACTION_ABOVE = "volume above yield per area", "volume fraction above yield"
+DEEPEST = "maximum depth above yield"
 
 STRESS_LEVELS = 20
 """Stresses above which peaks are counted."""
 
-LARGEST = {
-    "pressure": "largest pressure",
-    "von_mises": "largest von Mises stress",
-    "dang_van": "largest Dang Van stress over limit",
+MAXIMA = {
+    "pressure": "maximum pressure",
+    "von_mises": "maximum von Mises stress",
+    "dang_van": "maximum Dang Van stress over limit",
 }
-"""Quantity of peaks → number whose grid error is used for the largest value on an area."""
+"""Quantity of peaks → quantity whose discretisation error is used for its maximum on an area."""
 
-ONE_MAP = "one map: no interval, because parts of one map do not show how places of the surface differ"
+CRACKS = "cracks expected per area"
+"""Quantity from which the probability of a crack on an area follows."""
 
+ONE_MAP = "one map: differences between positions are not known"
 
-def shown_unit(values: ArrayLike, unit: str, name: str) -> tuple[float, str]:
-    """Factor and symbol of the unit in which values of a number are shown."""
-    if unit == "1":
-        return (0.01, "%") if name in IN_PER_CENT else (1.0, "")
-    if unit == PER_AREA:
-        return 1e6, "per mm²"
-    return scaled_unit(values, unit) if unit in SCALED else (1.0, unit)
+Key = tuple[str, str, str]
+"""Topic, body and quantity of a record."""
 
 
-class Mean(NamedTuple):
-    """Mean over the maps of a sample, half of its 95 % interval, and the two parts of the interval.
+def key_of(record: Record) -> Key:
+    """Topic, body and quantity of a record."""
+    return record.topic, record.body, record.quantity
 
-    Attributes
-    ----------
-    value : float
-    error : float
-        Root of the sum of the squares of both parts; NaN for one map.
-    of_maps : float
-        From Student's t over the maps; NaN for one map.
-    of_grid : float
-        Mean of the errors of the grid; NaN where no map has one.
+
+def decisive(case: Scene, records: Iterable[Record]) -> list[Record]:
+    """Records that say which of two surfaces is better, the first one first.
+
+    Volumes above yield can be compared, and stand before stresses and fractions.
     """
-
-    value: float
-    error: float
-    of_maps: float
-    of_grid: float
-
-
-class SampleRow(NamedTuple):
-    """One number of a sample: group, name, unit, its mean and interval, and its value on each map."""
-
-    group: str
-    name: str
-    unit: str
-    mean: Mean
-    of_each: Array
-
-    @property
-    def value(self) -> float:
-        """The mean."""
-        return self.mean.value
-
-    @property
-    def shown(self) -> tuple[str, list[str]]:
-        """The mean with half of its interval, and the value of each map, for a reader."""
-        factor, symbol = shown_unit(self.of_each, self.unit, self.name)
-        mean = with_error(self.mean.value / factor, self.mean.error / factor)
-        each = [f"{float(f'{value / factor:.4g}'):.15g}" for value in self.of_each]
-        return f"{mean} {symbol}".strip(), each
+    names, known = tile_names(case), list(records)
+    if VOLUME in names:
+        names.insert(0, VOLUME)
+    return [each for name in dict.fromkeys(names) for each in find(known, name) if each.better]
 
 
-def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
-    """Mean of a number over maps of one surface, with its 95 % interval.
+def to_one_depth(records: Sequence[Record], deepest: Mapping[str, float]) -> list[Record]:
+    """Records whose fraction above yield refers to the volume down to a depth of each body."""
+    volumes = {each.body: each for each in records if each.quantity == VOLUME}
+
+    def referred(each: Record) -> Record:
+        if each.quantity != FRACTION_ABOVE or each.body not in deepest:
+            return each
+        volume, depth = volumes[each.body], deepest[each.body]
+        errors = {cause: error / depth for cause, error in volume.errors.items()}
+        note = f"of the volume down to {shown_si(depth, 'm', 3)} on all maps"
+        return replace(
+            each, value=volume.value / depth, extrapolated=math.nan, errors=errors, note=note
+        )
+
+    return [referred(each) for each in records]
+
+
+def deepest_of(answers: Iterable[AnswerData]) -> dict[str, float]:
+    """Body → the deepest point above yield in all answers."""
+    found: dict[str, float] = {}
+    for answer in answers:
+        for each in find(answer.records, DEEPEST):
+            found[each.body] = max(found.get(each.body, 0.0), each.value)
+    return found
+
+
+def is_same(values: Array) -> bool:
+    """True for values that are equal up to rounding."""
+    return bool(np.ptp(values) <= SAME * np.abs(values).max())
+
+
+def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
+    """Mean of a number over maps of one surface with its errors, and the values that it is the mean of.
+
+    The mean is extrapolated to zero pixel size where all maps are. Half of the interval between positions
+    follows from Student's t over the maps. The other errors have the same sign on all maps, so that they do
+    not fall with their number.
 
     Parameters
     ----------
-    values : (maps,) array
-    errors : (maps,) array, optional
-        Error of the grid of each value, NaN where there is none. It has the same sign on all maps, so that it
-        does not fall with their number.
+    records : sequence of Record
+        The same quantity of each map.
 
     Examples
     --------
+    >>> from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
     >>> from asperity.engineering.sample import mean_of_maps
-    >>> found = mean_of_maps([0.29, 0.30, 0.31], [0.01, 0.01, 0.01])
-    >>> print(f"{found.value:.2f} ± {found.error:.3f}, without the grid ± {found.of_maps:.3f}")
-    0.30 ± 0.027, without the grid ± 0.025
+    >>> maps = [Record("gap", value, "m", errors={DISCRETISATION: 0.01}) for value in (0.29, 0.30, 0.31)]
+    >>> found, _ = mean_of_maps(maps)
+    >>> print(f"{found.value:.2f} ± {found.error:.3f}, between positions ± {found.errors[POSITIONS]:.3f}")
+    0.30 ± 0.027, between positions ± 0.025
     """
     from scipy.stats import t
 
-    values, known = np.asarray(values, dtype=float), np.ravel(errors)[np.isfinite(np.ravel(errors))]
-    of_grid = float(np.abs(known).mean()) if known.size else np.nan
-    of_maps = np.nan
-    if values.size > 1:
-        scatter = float(values.std(ddof=1)) if np.ptp(values) > SAME_PIXELS * np.abs(values).max() else 0.0
-        of_maps = float(t.ppf((1 + CONFIDENCE) / 2, values.size - 1) * scatter / np.sqrt(values.size))
-    return Mean(float(values.mean()), float(np.hypot(of_maps, np.nan_to_num(of_grid))), of_maps, of_grid)
+    first, count = records[0], len(records)
+    of_pixels = {cause for each in records for cause in each.errors} & {DISCRETISATION, PLANES}
+    whole = all(math.isfinite(each.extrapolated) or of_pixels & {*each.errors} for each in records)
+    values = np.array([each.best if whole else each.value for each in records])
+    errors = {
+        cause: float(np.mean([each.errors.get(cause, 0.0) for each in records]))
+        for cause in CAUSES
+        if cause != POSITIONS and (whole or cause not in of_pixels)
+    }
+    if count > 1:
+        scatter = 0.0 if is_same(values) else float(values.std(ddof=1))
+        errors[POSITIONS] = float(t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
+    is_extrapolated = whole and any(math.isfinite(each.extrapolated) for each in records)
+    low, high = (choose(each.bounds[end] for each in records) for end, choose in ((0, min), (1, max)))
+    mean = replace(
+        first,
+        value=float(np.mean([each.value for each in records])),
+        extrapolated=float(values.mean()) if is_extrapolated else math.nan,
+        errors=errors,
+        bounds=Bounds(low, high, first.bounds.reason),
+        position=Position(float(np.mean([each.position.depth for each in records]))),
+        words=first.words if all(each.words == first.words for each in records) else "",
+        note=first.note if all(each.note == first.note for each in records) else "",
+        varies=first.varies and count == 1,
+    )
+    return mean, values
 
 
-def pool_answers(answers: Sequence[Answer]) -> "Sample":
-    """The numbers of maps of one surface, in one case, as a sample.
-
-    Parameters
-    ----------
-    answers : sequence of Answer
-        Of `run`, for maps of different places, with the same pixels, bodies and load.
+def pooled(answers: Mapping[str, AnswerData] | Sequence[AnswerData]) -> Sample:
+    """The sample of the answers of maps of one surface, in one case; see `asperity.pool`.
 
     Raises
     ------
     ValueError
         If there is no answer, or maps, bodies or loads differ.
-
-    Examples
-    --------
-    >>> steel, edge = asp.Body(young=210e9, poisson=0.3), 2e-4
-    >>> heights = [asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, 1e-7, seed, length=edge) for seed in range(3)]
-    >>> maps = [asp.HeightMap(height, (edge, edge), periodic=True, name="ground") for height in heights]
-    >>> sample = asp.pool_answers([asp.run(each, steel, mean_pressure=50e6) for each in maps])
-    >>> area = sample.mean("contact", "real contact")
-    >>> print(f"real contact {100 * area.value:.1f} ± {100 * area.error:.1f} %")
-    real contact 5.1 ± 1.1 %
     """
     if not answers:
         raise ValueError("answers: at least one is needed")
-    count = Counter(answer.face.name for answer in answers)
-    names = [
-        answer.face.name if count[answer.face.name] == 1 else f"{answer.face.name} {number}"
-        for number, answer in enumerate(answers, 1)
-    ]
-    named = dict(zip(names, answers, strict=True))
-    check_alike({name: answer.face for name, answer in named.items()})
-    cases = {name: case_in_words(answer.case) for name, answer in named.items()}
+    if not isinstance(answers, Mapping):
+        answers = named(answers)
+    check_alike({name: answer.face for name, answer in answers.items()})
+    cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
+    first, *_ = cases
     for name, case in cases.items():
-        if case != cases[names[0]]:
-            others = f"{names[0]} of {cases[names[0]]}"
-            raise ValueError(f"answers: {name} is of {case}, {others}; one case is needed")
-    kinds = Answer.frame, Answer.peaks, Answer.advice_table
-    tables = [[table(answer).assign(map=name) for name, answer in named.items()] for table in kinds]
-    return Sample(cases[names[0]], tuple(names), *(pd.concat(each, ignore_index=True) for each in tables))
+        if case != cases[first]:
+            raise ValueError(f"answers: {name} is of {case}, {first} of {cases[first]}; one case is needed")
+    return Sample(answers)
+
+
+def named(answers: Sequence[AnswerData]) -> dict[str, AnswerData]:
+    """Answers by the names of their maps, with a number where several have one name."""
+    count = Counter(answer.face.name for answer in answers)
+    return {
+        answer.face.name if count[answer.face.name] == 1 else f"{answer.face.name} {number}": answer
+        for number, answer in enumerate(answers, 1)
+    }
 
 
 def check_alike(faces: Mapping[str, TreatedMap]) -> None:
@@ -179,111 +199,131 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
     (first, known), *others = faces.items()
     for name, face in others:
         pixels = [each.grid.spacing for each in (face, known)]
-        if any(abs(a / b - 1) > SAME_PIXELS for a, b in zip(*pixels, strict=True)):
+        if any(abs(a / b - 1) > SAME for a, b in zip(*pixels, strict=True)):
             own, other = (f"{shown_si(x, 'm')} x {shown_si(y, 'm')}" for y, x in pixels)
             needed = "maps of the same pixels are needed"
             raise ValueError(f"pooled: {name} has pixels of {own}, {first} of {other}; {needed}")
         heights = [float(each.height.std()) for each in (face, known)]
         if max(heights) > OTHER_UNIT * min(heights):
             own, other = (shown_si(height, "m") for height in heights)
-            heights_of = f"{name} has an rms height of {own}, {first} of {other}"
-            raise ValueError(f"pooled: {heights_of}; the same unit is needed")
+            raise ValueError(f"pooled: {name} has Sq = {own}, {first} has {other}; the same unit is needed")
 
 
-def warnings_by_kind(advice: Mapping[str, pd.DataFrame]) -> list[str]:
-    """Warnings of several maps, one line for each kind: number of maps, and the text of the first.
-
-    `advice` is the name of a map → the table of `Answer.advice_table`.
-    """
+def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[str]:
+    """Warnings of several maps, one line for each kind: number of maps, and the text of the first."""
     kinds: dict[str, dict[str, str]] = {}
-    for name, of_map in advice.items():
-        for row in of_map[of_map["level"] == "warning"].itertuples():
-            kinds.setdefault(row.subject, {}).setdefault(name, row.text)
+    for name, answer in answers.items():
+        for each in answer.warnings:
+            if each.warns:
+                kinds.setdefault(each.subject, {}).setdefault(name, each.text)
     return [
-        f"{subject}: {len(found)} of {len(advice)} maps; {next(iter(found))}: {next(iter(found.values()))}"
+        f"{subject}: {len(found)} of {len(answers)} maps; {next(iter(found))}: {next(iter(found.values()))}"
         for subject, found in kinds.items()
     ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sample:
-    """Numbers of several maps of one surface; ``print`` shows their means, `frame` returns them as a table.
+    """Answers of several maps of one surface: ``print`` shows their means, `frame` returns them as a table.
 
     Attributes
     ----------
-    case : str
-        Bodies and load in one line.
-    names : tuple of str
-        Of the maps.
-    numbers : DataFrame
-        Numbers of all maps as of `Answer.frame`, with the name of the ``map``.
-    peaks : DataFrame
-        Peaks of all maps as of `Answer.peaks`, with the name of the ``map``.
-    advice : DataFrame
-        Warnings and notes of all maps as of `Answer.advice_table`, with the name of the ``map``.
+    answers : mapping
+        Name of a map → its answer.
+    deepest : mapping
+        Body → depth to which the fraction above yield refers; by default the deepest point above yield.
     """
 
-    case: str
-    names: tuple[str, ...]
-    numbers: pd.DataFrame
-    peaks: pd.DataFrame
-    advice: pd.DataFrame
+    answers: Mapping[str, AnswerData]
+    deepest: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, folder: Path) -> Sample:
+        """The sample in a folder, of the answers in the folders of its maps."""
+        names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
+        return pooled({name: read_data(folder / name, AnswerData) for name in names})
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the maps."""
+        return tuple(self.answers)
+
+    @property
+    def case(self) -> Scene:
+        """The case of the first map."""
+        return next(iter(self.answers.values())).case
+
+    @property
+    def title(self) -> str:
+        """Number of maps, and the case in words."""
+        maps = "1 map" if len(self.names) == 1 else f"{len(self.names)} maps"
+        return f"{maps} of one surface: {case_in_words(self.case)}"
+
+    @cached_property
+    def _means(self) -> dict[Key, tuple[Record, Array]]:
+        """Mean and values of the numbers that all maps have."""
+        deepest = self.deepest or deepest_of(self.answers.values())
+        maps = [
+            {key_of(each): each for each in to_one_depth(answer.records, deepest)}
+            for answer in self.answers.values()
+        ]
+        common = (key for key in maps[0] if all(key in each for each in maps))
+        return {key: mean_of_maps([each[key] for each in maps]) for key in common}
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """Means over the maps; errors between positions follow from the maps."""
+        return tuple(mean for mean, _ in self._means.values())
+
+    def values(self, record: Record) -> Array:
+        """Values on each map whose mean is the best value of a record."""
+        return self._means[key_of(record)][1]
+
+    def __getitem__(self, quantity: str) -> Record:
+        for each in find(self.records, quantity):
+            return each
+        raise KeyError(quantity)
+
+    @property
+    def tiles(self) -> list[Record]:
+        """Records at the top of a page: first those that decide."""
+        shown = without_repeats(self.records)
+        of_case = (each for name in tile_names(self.case) for each in find(shown, name))
+        keys = {key_of(each): each for each in (*decisive(self.case, shown), *of_case)}
+        return list(keys.values())
+
+    @property
+    def verdict(self) -> tuple[str, ...]:
+        """The number that decides, with its whole interval, the number of maps, and the largest cause."""
+        found, count = [], len(self.names)
+        maps = "on 1 map" if count == 1 else f"as the mean over {count} maps"
+        for each in self.tiles:
+            if each.best == 0 and not each.error > 0:
+                found.append(f"{each.quantity[0].upper()}{each.quantity[1:]}: none {maps}.")
+                continue
+            text = f"{each.quantity[0].upper()}{each.quantity[1:]}: {each.best_text()} {maps}"
+            if count == 1:
+                text += "; differences between positions are not known"
+            elif len(each.errors) > 1:
+                text += f"; most of the interval comes from {_cause(each)}"
+            return *found, f"{text}."
+        return tuple(found)
 
     @property
     def warnings(self) -> list[str]:
         """Warnings of the maps by kind."""
-        return warnings_by_kind({name: self.advice[self.advice["map"] == name] for name in self.names})
-
-    @cached_property
-    def rows(self) -> list[SampleRow]:
-        """Numbers that all maps have, line by line: estimates for vanishing pixels where all have one.
-
-        The share above yield refers to the volume down to the deepest point above yield of all maps.
-        """
-        found: list[SampleRow] = []
-        for (group, name), part in self.numbers.groupby(["group", "name"], sort=False):
-            if len(part) < len(self.names):  # a percentile for which one of the maps has too few peaks
-                continue
-            of_maps = part.set_index("map").reindex(list(self.names))
-            whole = of_maps["estimate"].notna().all()
-            values = of_maps["estimate" if whole else "value"].to_numpy(dtype=float)
-            errors = of_maps["error"] if whole else np.nan
-            if name == "share above yield":
-                volume = next(row for row in found if (row.group, row.name) == (group, VOLUME))
-                deepest = (
-                    self.numbers[self.numbers["name"] == DEEPEST_POINT].groupby("group")["value"].max()[group]
-                )
-                values, errors = volume.of_each / deepest, volume.mean.of_grid / deepest
-            if name not in POSITION_NAMES[1:]:  # only a mean depth is meaningful
-                found.append(
-                    SampleRow(group, name, part["unit"].iloc[0], mean_of_maps(values, errors), values)
-                )
-        return found
-
-    def mean(self, group: str, name: str) -> Mean:
-        """Mean of a number, by its group and name as `frame` lists them.
-
-        Raises
-        ------
-        KeyError
-            If there is no such number.
-        """
-        for row in self.rows:
-            if (row.group, row.name) == (group, name):
-                return row.mean
-        raise KeyError(f"{group}, {name}")
+        return warnings_by_kind(self.answers)
 
     def frame(self) -> pd.DataFrame:
-        """All numbers as a table; the columns are described in ``docs/tables.md``."""
-        columns = ["group", "name", "unit", "mean", "error", "error_of_maps", "error_of_grid"]
-        columns += [f"map_{name}" for name in self.names]
-        return pd.DataFrame([(*row[:3], *row.mean, *row.of_each) for row in self.rows], columns=columns)
+        """All means, and the value of each map; the columns are described in ``docs/tables.md``."""
+        of_maps = np.array([values for _, values in self._means.values()])
+        columns = {f"map_{name}": of_maps[:, number] for number, name in enumerate(self.names)}
+        return frame(self.records).assign(**columns)
 
     @cached_property
     def areas(self) -> Array:
         """Nominal area of each map in m²."""
-        area = self.numbers[self.numbers["name"] == "nominal area"].set_index("map")["value"]
-        return area[list(self.names)].to_numpy(dtype=float)
+        return np.array([answer.record("nominal area").value for answer in self.answers.values()])
 
     def _peaks(self) -> Iterator[tuple[str, str, list[Array]]]:
         """Body, quantity, and the sizes of its peaks on each map.
@@ -291,17 +331,17 @@ class Sample:
         The pressure acts on both bodies. Bodies of one material have the same von Mises stress, too; under
         friction, which has the opposite direction in the other body, this holds for its distribution.
         """
-        groups = set(self.numbers["group"])
-        alike = any("upper" in group and group.replace("upper", "lower") in groups for group in groups)
-        common = ["pressure", "von_mises"] if alike else ["pressure"]
-        for (body, quantity), part in self.peaks.groupby(["body", "quantity"]):
-            if body == "upper" and quantity in common:
-                continue
+        bodies = [*self.case.bodies.values()]
+        common = ["pressure", "von_mises"] if bodies[0].is_like(bodies[-1]) else ["pressure"]
+        each_map = {name: answer.tables["peaks"] for name, answer in self.answers.items()}
+        peaks = pd.concat([table.assign(map=name) for name, table in each_map.items()])
+        peaks["value_Pa"] = peaks["value_Pa"].abs()
+        for (body, quantity), part in peaks.groupby(["body", "quantity"]):
             if quantity in common:  # of the body with the largest peak
-                part = self.peaks[self.peaks["quantity"] == quantity]
-                part = part[part["body"] == part.loc[part["value_Pa"].abs().idxmax(), "body"]]
-            sizes = [part["value_Pa"][part["map"] == name].abs().to_numpy() for name in self.names]
-            yield body, quantity, sizes
+                part = peaks[peaks["quantity"] == quantity].reset_index()
+                part = part[part["body"] == part.loc[part["value_Pa"].idxmax(), "body"]]
+            if body == "lower" or quantity not in common:
+                yield body, quantity, [part["value_Pa"][part["map"] == name].to_numpy() for name in each_map]
 
     def peaks_per_area(self) -> pd.DataFrame:
         """Peaks above a stress per nominal area, as means over the maps; columns as in ``docs/tables.md``."""
@@ -310,13 +350,14 @@ class Sample:
             highest = max((float(size.max()) for size in sizes if size.size), default=0.0)
             for level in highest * np.linspace(0, 1, STRESS_LEVELS, endpoint=False):
                 each = np.array([np.count_nonzero(size > level) for size in sizes]) / (1e6 * self.areas)
-                mean = mean_of_maps(each)
-                found.append((body, quantity, level, mean.value, mean.error, *each))
+                mean, _ = mean_of_maps([Record(quantity, value) for value in each.tolist()])
+                error = mean.error if len(self.names) == 1 else mean.errors.get(POSITIONS, 0.0)
+                found.append((body, quantity, level, mean.value, error, *each))
         columns = ["body", "quantity", "stress_Pa", "per_mm2", "error_per_mm2"]
         return pd.DataFrame(found, columns=[*columns, *(f"map_{name}" for name in self.names)])
 
-    def largest(self, area: float) -> pd.DataFrame:
-        """Largest pressure, stresses and Dang Van stress that are expected on an area, by their peaks.
+    def maximum(self, area: float) -> pd.DataFrame:
+        """Maximum pressure, stresses and Dang Van stress that are expected on an area, by their peaks.
 
         Parameters
         ----------
@@ -326,8 +367,8 @@ class Sample:
         Returns
         -------
         DataFrame
-            Columns as in ``docs/tables.md``. The interval holds the error of the grid, too. There is no row
-            for fewer than 40 peaks.
+            Columns as in ``docs/tables.md``. The interval holds the discretisation error, too. There is no
+            row for fewer than 40 peaks.
 
         Raises
         ------
@@ -336,17 +377,16 @@ class Sample:
         """
         total, found = float(self.areas.sum()), []
         check_area(area, total)
-        least = self.numbers.groupby("name")["value"].min()
-        hardness = np.inf if "plastic real contact" in least else float(least.get("hardness", np.inf))
         for body, quantity, sizes in self._peaks():
             if sum(size.size for size in sizes) >= 2 * FEWEST_PEAKS:
                 value = largest_on(sizes, total, area)
-                rows = [row.mean for row in self.rows if row.name == LARGEST.get(quantity)]
-                share = max((row.of_grid / row.value for row in rows if row.of_grid > 0), default=0.0)
+                means = list(find(self.records, MAXIMA.get(quantity, "")))
+                share = max((each.errors.get(DISCRETISATION, 0.0) / each.best for each in means), default=0.0)
                 size = value.value
                 low, high = size + np.hypot(np.subtract(value[1:3], size), share * size) * (-1, 1)
-                highest = hardness if quantity == "pressure" else np.inf
-                ends = np.minimum((value.value, low, high), highest)
+                of_hardness = (each.bounds.high for each in means if quantity == "pressure")
+                highest = min(of_hardness, default=np.inf)
+                ends = np.minimum((size, low, high), highest)
                 found.append((body, quantity, area, *ends, *value[3:]))
         columns = ["body", "quantity", "area_m2", "value_Pa", "low_Pa", "high_Pa"]
         return pd.DataFrame(found, columns=[*columns, "threshold_Pa", *Largest._fields[4:]])
@@ -362,36 +402,22 @@ class Sample:
         Returns
         -------
         DataFrame
-            Columns group, area_m2, no_crack, and low and high of its 95 % interval, NaN for one map. No rows
+            Columns body, area_m2, no_crack, and low and high of its 95 % interval, NaN for one map. No rows
             without a scatter of the fatigue limit.
         """
         found = []
-        for row in self.rows:
-            if row.name == CRACKS:
-                mean, error = row.mean.value, row.mean.error if len(self.names) > 1 else np.nan
-                ends = np.exp(-area * np.maximum([mean, mean + error, mean - error], 0))
-                found.append((row.group, area, *ends))
-        return pd.DataFrame(found, columns=["group", "area_m2", "no_crack", "low", "high"])
-
-    def text(self) -> str:
-        """The means as a block of text."""
-        width = max(len(row.name) for row in self.rows)
-        lines = [f"{len(self.names)} maps of one surface: {', '.join(self.names)}", self.case]
-        lines += [ONE_MAP] if len(self.names) == 1 else []
-        shown = without_repeats(self.rows)
-        for group, rows in groupby(shown, key=lambda row: row.group):
-            lines += ["", group]
-            for row in rows:
-                mean, each = row.shown
-                lines.append(f"  {row.name:<{width}}  {mean:<24}  {'  '.join(each)}".rstrip())
-        lines += ["", REPEATS] if len(shown) < len(self.rows) else []
-        lines += [line for text in self.warnings for line in ("", f"warning: {text}")]
-        return "\n".join(lines)
-
-    __str__ = text
-
-    def _repr_html_(self) -> str:
-        return table(self.case, [(row.name, row.shown[0]) for row in self.rows])
+        for each in find(self.records, CRACKS):
+            mean = each.best
+            error = np.nan_to_num(each.error) if len(self.names) > 1 else np.nan
+            ends = np.exp(-area * np.maximum([mean, mean + error, mean - error], 0))
+            found.append((each.body, area, *ends))
+        return pd.DataFrame(found, columns=["body", "area_m2", "no_crack", "low", "high"])
 
     def __repr__(self) -> str:
-        return f"<Sample of {len(self.names)} maps, {self.case}>"
+        return f"<Sample of {self.title}>"
+
+
+def _cause(record: Record) -> str:
+    """The largest cause of the error of a mean."""
+    largest = max(record.errors, key=lambda cause: record.errors[cause])
+    return "differences " + largest if largest == POSITIONS else largest

@@ -143,6 +143,9 @@ takes a tenth of the time of a whole calculation to write the peaks of a map of 
 SHEET_COLUMNS = {"m": "m", "m2": "m^2", "Pa": "Pa"}
 """End of the name of a column → its unit."""
 
+PLACES = "depth_m", "y_m", "x_m"
+"""Columns whose unit is not in the column ``unit``."""
+
 _OPEN = "http://schemas.openxmlformats.org"
 _SHEETS = f"{_OPEN}/spreadsheetml/2006/main"
 _NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -194,7 +197,7 @@ def _relations(kind: str, targets: Mapping[str, str]) -> str:
 def _in_sheet_units(frame: "pd.DataFrame") -> "pd.DataFrame":
     shown = frame.copy()
     for column in shown.select_dtypes("number"):
-        if "unit" in shown:
+        if "unit" in shown and column not in PLACES:
             factors = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[1])
             shown[column] = shown[column] / factors
         elif (end := str(column).rpartition("_")[2]) in SHEET_COLUMNS:

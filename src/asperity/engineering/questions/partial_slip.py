@@ -151,7 +151,7 @@ class PartialSlip(Question):
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """Maps of traction and slip, and the loop of force and displacement."""
-        from asperity.engineering.show.pictures import map_of_contact
+        from asperity.engineering.drawing import map_of_contact
         from asperity.views.maps import SHEAR_TRACTION, SLIP
 
         fields = answer.datasets["partial_slip"]

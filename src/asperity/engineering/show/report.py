@@ -1,0 +1,135 @@
+"""The report of an answer as one page, its first screen in a notebook, and its pictures as files."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+from markupsafe import Markup
+
+from asperity.core.markup import html_table, rendered
+from asperity.engineering.answer_data import REPEATS, AnswerData, by_topic, case_in_words, without_repeats
+from asperity.engineering.answer_files import case_of
+from asperity.engineering.contact_numbers import certificate_in_words
+from asperity.engineering.question import Picture
+from asperity.engineering.records import Record
+from asperity.engineering.scene import Scene
+from asperity.engineering.show.pictures import lead_of, pictures, png_of
+from asperity.engineering.show.tables import for_reader
+from asperity.results.atomic import write_text
+from asperity.settings.materials import material
+
+TILES = 4
+"""Most numbers at the top."""
+
+
+class Drawn(NamedTuple):
+    """A picture and its image."""
+
+    picture: Picture
+    png: bytes
+
+    @property
+    def uri(self) -> str:
+        """The image within a page."""
+        return f"data:image/png;base64,{b64encode(self.png).decode()}"
+
+
+class Tile(NamedTuple):
+    """A number at the top of a page: its name, itself, and lines below it."""
+
+    name: str
+    number: str
+    lines: list[str]
+
+
+def write_report(answer: AnswerData, folder: Path) -> None:
+    """Write the pictures of an answer, and the page that holds them, into an empty folder.
+
+    The folder is within the folder of the answer.
+    """
+    drawn = []
+    for picture in pictures(answer):
+        drawn.append(Drawn(picture, png_of(picture.figure)))
+        (folder / f"{picture.name}.png").write_bytes(drawn[-1].png)
+    write_text(folder / "report.html", report(answer, drawn, folder.parent))
+
+
+def report(answer: AnswerData, drawn: Sequence[Drawn] | None = None, folder: Path | None = None) -> str:
+    """The answer as a page that needs no other file.
+
+    Parameters
+    ----------
+    answer : AnswerData
+    drawn : sequence of Drawn, optional
+        Its pictures; by default they are drawn here.
+    folder : Path, optional
+        To which names of files in the case file are relative, by default the working folder.
+    """
+    if drawn is None:
+        drawn = [Drawn(picture, png_of(picture.figure)) for picture in pictures(answer)]
+    lead = lead_of(answer, [each.picture for each in drawn])
+    groups: dict[str, list[Drawn]] = {}
+    for each in drawn:
+        if each.picture is not lead:
+            body = each.picture.body
+            groups.setdefault(answer.case.stress_title(body) if body else "contact", []).append(each)
+    shown = without_repeats(answer.records)
+    listed = dict(for_reader(name, table) for name, table in answer.tables.items())
+    return rendered(
+        "asperity.engineering.show",
+        "report.html.j2",
+        title=f"{answer.face.name}: contact and stress",
+        answer=answer,
+        case=case_in_words(answer.case),
+        tiles=tiles_of(answer.case, answer.tiles),
+        lead=next((each for each in drawn if each.picture is lead), None),
+        numbers={heading: list(records) for heading, records in by_topic(answer.case, shown)},
+        repeats=REPEATS if len(shown) < len(answer.records) else "",
+        tables={heading: Markup(html_table(table)) for heading, table in listed.items()},
+        pictures=groups,
+        certificate=certificate_in_words(answer.contact.certificate),
+        constants=constants_of_table(answer.case),
+        case_file=case_of(answer, folder or Path()),
+    )
+
+
+def preview(answer: AnswerData) -> str:
+    """The first screen of the report, as a notebook shows it."""
+    lead = lead_of(answer) if find_spec("matplotlib") else None
+    return rendered(
+        "asperity.engineering.show",
+        "preview.html.j2",
+        title=answer.title,
+        verdict=answer.verdict,
+        tiles=tiles_of(answer.case, answer.tiles),
+        lead=None if lead is None else Drawn(lead, png_of(lead.figure)),
+    )
+
+
+def tiles_of(case: Scene, records: Sequence[Record]) -> list[Tile]:
+    """The numbers at the top of a page."""
+    several = len({each.body for each in records if each.body}) > 1
+    return [
+        Tile(
+            f"{each.quantity}, {each.body} body" if several and each.body else each.quantity,
+            each.number(),
+            [*filter(None, [each.place()]), *each.error_texts()],
+        )
+        for each in records[:TILES]
+    ]
+
+
+def constants_of_table(case: Scene) -> list[str]:
+    """Constants of a case that come from the table of materials, a line for each body."""
+    lines = []
+    for name, body in case.groups_of_bodies.items():
+        for part, group in ((name, body), (f"{name}.coating", body.coating)):
+            if group is not None and group.of_table and group.material is not None:
+                constants = [(each, material(group.material).constants[each]) for each in group.of_table]
+                values = [f"{each} {constant.value} ({constant.source})" for each, constant in constants]
+                lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
+    return lines

@@ -1,0 +1,144 @@
+"""A sample of maps as text, as a page and as a folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from markupsafe import Markup
+
+from asperity.core.markup import html_table, rendered
+from asperity.core.system import sha256_of
+from asperity.core.units import shown_si
+from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
+from asperity.engineering.case_file import pool_text
+from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, locked, replacing
+from asperity.engineering.sample import ONE_MAP, Sample
+from asperity.engineering.show.pictures import compared_pictures, png_of
+from asperity.engineering.show.report import Drawn, tiles_of
+from asperity.results.atomic import write_text
+from asperity.results.tables import write_table, write_workbook
+
+SHOWN_MAPS = 3
+"""Maps whose pictures are shown."""
+
+QUANTITIES = {"von_mises": "von Mises stress", "dang_van": "Dang Van stress"}
+"""Quantity of peaks → its name, if that is another one."""
+
+MEANS = (
+    "Means over the maps, extrapolated to zero pixel size where all maps are, ± half of the 95 % interval: "
+    "Student's t over the maps, and the errors that all maps have in common."
+)
+
+
+def text(sample: Sample) -> str:
+    """The verdict, the means and the warnings as a block of text."""
+    lines = [sample.title, f"maps: {', '.join(sample.names)}", "", *sample.verdict, *predicted(sample)]
+    for heading, rows in _numbers(sample).items():
+        wide = [max(map(len, rows[column])) for column in rows]
+        lines += ["", heading]
+        for row in rows.itertuples(index=False):
+            cells = (f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True))
+            lines.append(f"  {'  '.join(cells)}".rstrip())
+    lines += [line for each in sample.warnings for line in ("", f"warning: {each}")]
+    return "\n".join(lines)
+
+
+def page(sample: Sample, folder: Path | None = None) -> str:
+    """The sample as a page; names of files in its case file are relative to the folder."""
+    shown = dict(list(sample.answers.items())[:SHOWN_MAPS])
+    means = f"{ONE_MAP[0].upper()}{ONE_MAP[1:]}." if len(sample.names) == 1 else MEANS
+    repeats = len(without_repeats(sample.records)) < len(sample.records)
+    return rendered(
+        "asperity.engineering.show",
+        "several.html.j2",
+        title=f"{', '.join(sample.names)}: contact and stress",
+        heading=sample.title.partition(":")[0],
+        case=case_in_words(sample.case),
+        verdicts=[*sample.verdict, *predicted(sample)],
+        tiles=tiles_of(sample.case, sample.tiles),
+        warnings=sample.warnings,
+        notes=[means, *([f"{REPEATS[0].upper()}{REPEATS[1:]}."] if repeats else [])],
+        tables={heading: Markup(html_table(rows)) for heading, rows in _numbers(sample).items()},
+        pictures=[Drawn(each, png_of(each.figure)) for each in compared_pictures(shown)],
+        names=sample.names,
+        case_file=_case_text(sample, folder or Path()),
+    )
+
+
+def tables(sample: Sample) -> dict[str, pd.DataFrame]:
+    """Name of a table → all means, peaks per area, and maxima on the area that is asked for."""
+    found = {"sample": sample.frame(), "peaks_per_area": sample.peaks_per_area()}
+    area = _area(sample)
+    return found if area is None else found | {"maximum": sample.maximum(area)}
+
+
+def write_sample(sample: Sample, folder: Path) -> None:
+    """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
+    found = tables(sample)
+    with locked(folder), replacing(folder, kept=set()) as unfinished:
+        for name, table in found.items():
+            write_table(table, f"answer_{name}", unfinished / f"{name}.csv")
+        write_workbook(found, unfinished / "sample.xlsx")
+        write_text(unfinished / "sample.html", page(sample, folder))
+        write_text(unfinished / CASE_FILE, _case_text(sample, folder))
+        maps = {name: sha256_of(folder / name / MANIFEST) for name in sample.names}
+        write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
+
+
+def predicted(sample: Sample) -> Iterator[str]:
+    """Sentences about maxima and cracks on the area that is asked for, or on the area of all maps."""
+    area, bodies = _area(sample), [*sample.case.bodies.values()]
+    alike = bodies[0].is_like(bodies[-1])
+    maxima = [] if area is None else [*sample.maximum(area).itertuples()]
+    for row in maxima:
+        if row.body == "lower" or not alike:
+            yield _maximum_in_words(row)
+    for row in sample.survival(float(sample.areas.sum()) if area is None else area).itertuples():
+        between = f"95 % between {1 - row.high:.2g} and {1 - row.low:.2g}"
+        if not row.low <= row.high:
+            between = "no interval of one map"
+        where = f"{shown_si(row.area_m2, 'm^2')} of the {row.body} body"
+        yield f"Probability that a crack starts on {where}: {1 - row.no_crack:.2g}, {between}."
+
+
+def _maximum_in_words(row: Any) -> str:
+    """A sentence about the maximum on an area, of a row of `Sample.maximum`."""
+    low, value, high, threshold = (
+        shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
+    )
+    between = f"95 % between {low} and {high}"
+    if not row.low_Pa < row.high_Pa:
+        between = "the hardness" if row.low_Pa == row.high_Pa else "no interval of one map"
+    return (
+        f"Maximum {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
+        f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
+        f"{row.times:.3g} times the area of the maps."
+    )
+
+
+def _area(sample: Sample) -> float | None:
+    """The area on which maxima are asked for."""
+    asked = sample.case.questions.get("sample")
+    return None if asked is None else asked.area
+
+
+def _numbers(sample: Sample) -> dict[str, pd.DataFrame]:
+    """Heading → means and values of each map as texts."""
+    found = {}
+    for heading, records in by_topic(sample.case, without_repeats(sample.records)):
+        rows = []
+        for each in records:
+            factor, _ = each.scale()
+            values = (f"{float(f'{value / factor:.4g}'):.15g}" for value in sample.values(each))
+            rows.append([each.quantity, ", ".join(filter(None, [each.best_text(), each.note])), *values])
+        found[heading] = pd.DataFrame(rows, columns=["", "mean", *sample.names])
+    return found
+
+
+def _case_text(sample: Sample, folder: Path) -> str:
+    """The case file of the maps."""
+    return pool_text([(each.case, each.origin.files) for each in sample.answers.values()], folder)

@@ -1,0 +1,55 @@
+"""All tables of an answer, and a table for a reader."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from asperity.core.units import shown_si
+from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.records import PER_AREA, SCALED, SMALL_UNITS
+from asperity.results.tables import units
+
+SHOWN_ROWS = 40
+"""Most rows of a table in a report."""
+
+FIRST_ROWS = 10
+"""Rows that are shown of a longer table in falling order."""
+
+FALLING = ("peaks", "contact_spots")
+"""Tables in falling order."""
+
+
+def tables(answer: AnswerData) -> dict[str, pd.DataFrame]:
+    """Name of a file or sheet → table: all numbers, warnings, peaks, spots, gaps, tables of the questions."""
+    return {"answer": answer.frame(), "warnings": answer.warnings_table(), **answer.tables}
+
+
+def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
+    """Heading of a table of an answer, and rows of it as texts with units."""
+    heading = name.replace("_", " ")
+    rows, unit_of = np.arange(len(table)), units(f"answer_{name}", table)
+    if name in FALLING and len(table) > FIRST_ROWS:
+        rows, heading = rows[:FIRST_ROWS], f"{heading}, the first {FIRST_ROWS} of {len(table)}"
+    elif len(table) > SHOWN_ROWS:
+        rows = np.linspace(0, len(table) - 1, FIRST_ROWS + 1).round().astype(int)
+        heading = f"{heading}, {rows.size} of {len(table)} rows"
+    shown = {}
+    for column in table.columns:
+        unit = unit_of.get(str(column), "")
+        ends = [f"_{unit.replace('^', '').replace('/', '_').replace(' ', '_')}"] if unit else []
+        title = next((column.removesuffix(end) for end in ends if column.endswith(end)), column)
+        if unit in SCALED:
+            texts = [shown_si(value, unit, 3) for value in table[column].iloc[rows]]
+        else:
+            factor, symbol = SMALL_UNITS.get(unit, (1.0, unit if unit not in ("1", PER_AREA) else ""))
+            title = f"{title.removesuffix('_' + symbol)} ({symbol})" if symbol else title
+            values = table[column].iloc[rows]
+            texts = [f"{value / factor:.4g}" if _is_number(value) else str(value) for value in values]
+        shown[title.replace("_", " ")] = texts
+    return heading, pd.DataFrame(shown)
+
+
+def _is_number(value: object) -> bool:
+    """True for a number that is no truth value."""
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, (bool, np.bool_))

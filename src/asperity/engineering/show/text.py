@@ -1,0 +1,22 @@
+"""The answer as text for the terminal."""
+
+from __future__ import annotations
+
+from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
+
+
+def text(answer: AnswerData) -> str:
+    """The answer as a block of text, warnings last."""
+    width = max(len(each.quantity) for each in answer.records)
+    lines = [answer.title, "", *answer.verdict]
+    if answer.uncertainties:
+        lines += ["", "largest uncertainties", *(f"  {each}" for each in answer.uncertainties)]
+    shown = without_repeats(answer.records)
+    for heading, records in by_topic(answer.case, shown):
+        lines += ["", heading, *(f"  {each.quantity:<{width}}  {each.text()}" for each in records)]
+    lines += ["", ONE_POSITION]
+    lines += ["", REPEATS] if len(shown) < len(answer.records) else []
+    lines += ["", "what was done to the map", *(f"  {step}" for step in answer.face.done)]
+    for each in answer.warnings:
+        lines += ["", f"{each.level}: {each.text}"]
+    return "\n".join(lines)
