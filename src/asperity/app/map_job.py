@@ -175,7 +175,11 @@ def _cost(jobs: Sequence[Job]) -> tuple[str, float]:
     from asperity.study.cost.model import answer_cost, minutes, time_factor
 
     faces = [job.rough.face for job in jobs if job.rough is not None]
-    work = [sum(work_of(job.case, face.grid.mirrored).values()) for job, face in zip(jobs, faces, strict=True)]
-    costs = [answer_cost(each, face.height.size, face.boundary) for each, face in zip(work, faces, strict=True)]
+    work = [
+        sum(work_of(job.case, face.grid.mirrored).values()) for job, face in zip(jobs, faces, strict=True)
+    ]
+    costs = [
+        answer_cost(each, face.height.size, face.boundary) for each, face in zip(work, faces, strict=True)
+    ]
     seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
     return minutes(seconds), max(cost.memory for cost in costs)

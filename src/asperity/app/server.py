@@ -111,7 +111,9 @@ class _Application(BokehTornado):
         is_known = given is not None and secrets.compare_digest(given.value, self.cookie)
         if is_known or request.path.rpartition("/once-")[2] in self.tokens:
             return ""
-        return "an address of asperity app can be opened once, in one browser: open the last one in its terminal"
+        return (
+            "an address of asperity app can be opened once, in one browser: open the last one in its terminal"
+        )
 
 
 class _Refused(RequestHandler):
@@ -295,7 +297,11 @@ def serve(
                 (r"/once-([\w-]+)", _Once),
                 (r"/events", _Events, of_session),
                 (r"/upload", _Upload, of_session),
-                (r"/answer/([0-9]{1,4})/((?:[^/]+/)?report\.html|sample\.html|all\.zip)", _Download, of_session),
+                (
+                    r"/answer/([0-9]{1,4})/((?:[^/]+/)?report\.html|sample\.html|all\.zip)",
+                    _Download,
+                    of_session,
+                ),
             ],
             transforms=[_Headers],
         )

@@ -152,7 +152,9 @@ class Session:
             known = form.settings().keys() | form.SWITCHES.keys() | form.CHOICES.keys()
             texts = {key: text for key, text in given.items() if isinstance(text, str) and key in known}
             if long := [key for key, text in texts.items() if len(text) > LONGEST_TEXT]:
-                self._say(f"{_words(long[0])}: at most {LONGEST_TEXT} characters are accepted, nothing is changed")
+                self._say(
+                    f"{_words(long[0])}: at most {LONGEST_TEXT} characters are accepted, nothing is changed"
+                )
             else:
                 self.set(texts, socket)
         elif isinstance(name, str) and hasattr(self, f"do_{name}"):
@@ -224,7 +226,11 @@ class Session:
         name, _, chosen = value.partition("=")
         known: dict[str, Any] = dict(UNITS) | {"contact": ("pressure", "gap")}
         if (first := self.shown[0]) is not None:
-            known |= {"field": first.drawn["fields"], "body": first.drawn["bodies"], "map": first.summary["maps"]}
+            known |= {
+                "field": first.drawn["fields"],
+                "body": first.drawn["bodies"],
+                "map": first.summary["maps"],
+            }
         if chosen not in known.get(name, ()):
             return
         if name in UNITS:

@@ -92,9 +92,7 @@ def to_one_depth(records: Sequence[Record], deepest: Mapping[str, float]) -> lis
         volume, depth = volumes[each.body], deepest[each.body]
         errors = {cause: error / depth for cause, error in volume.errors.items()}
         note = f"of the volume down to {shown_si(depth, 'm', 3)} on all maps"
-        return replace(
-            each, value=volume.value / depth, extrapolated=math.nan, errors=errors, note=note
-        )
+        return replace(each, value=volume.value / depth, extrapolated=math.nan, errors=errors, note=note)
 
     return [referred(each) for each in records]
 

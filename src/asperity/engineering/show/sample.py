@@ -15,7 +15,7 @@ from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
 from asperity.engineering.case_file import pool_text
-from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, locked, replacing
+from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, replacing
 from asperity.engineering.sample import ONE_MAP, Sample
 from asperity.engineering.show.pictures import compared_pictures, png_of
 from asperity.engineering.show.report import Drawn, tiles_of
