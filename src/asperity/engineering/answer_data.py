@@ -164,7 +164,8 @@ class AnswerData:
 
     def extreme(self, field: str, body: str = "lower") -> Extreme:
         """The extreme value of a field of the case in a body, and its place."""
-        return Extreme(*map(float, self.stress[self._of(body)].attrs[f"extreme_{field}"]))
+        value, depth, y, x = map(float, self.stress[self._of(body)].attrs[f"extreme_{field}"])
+        return Extreme(value, depth, y, x)
 
     def depths(self, body: str = "lower") -> Array:
         """Depths of the planes of the stress in a body."""
@@ -274,11 +275,10 @@ def without_repeats(records: Any) -> list[Any]:
 
 def by_topic(case: Scene, records: Any) -> Iterator[tuple[str, list[Any]]]:
     """Heading of each part of an answer, and its records."""
-    groups: dict[tuple[str, str], list[Any]] = {}
+    groups: dict[str, list[Any]] = {}
     for each in records:
-        groups.setdefault((each.topic, each.body), []).append(each)
-    for (topic, body), found in groups.items():
-        yield heading(case, topic, body), found
+        groups.setdefault(heading(case, each.topic, each.body), []).append(each)
+    yield from groups.items()
 
 
 def heading(case: Scene, topic: str, body: str) -> str:

@@ -162,9 +162,10 @@ def body_stress(
     on_nodes, on_half = loaded
     layer, sliding = on_nodes.layer, case.sliding_of(name)
     extremes, interface = Extremes(layer, case.fields), _AtInterface(face, on_nodes)
+    observers: list[Observer] = [extremes, interface, *observed.values()]
 
     def observe(plane: LinearPlane) -> None:
-        for each in (extremes, interface, *observed.values()):
+        for each in observers:
             each.add(plane)
 
     stress = analyse_stress(

@@ -51,7 +51,7 @@ LIMITS = {
     "90th percentile of the peaks": ("p90", "von_mises"),
     "99th percentile of the peaks": ("p99", "von_mises"),
 }
-"""Quantity with a discretisation error → its variable in `asperity.continuum_limit`, and quantity or field."""
+"""Quantity with a discretisation error → variable in `asperity.continuum_limit`, and quantity or field."""
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
@@ -182,7 +182,7 @@ def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) ->
 
 
 def _is_plain(case: Scene, name: str) -> bool:
-    """True for a half-space under a pressure alone: no friction, film, layers, residual stress or Hertz contact."""
+    """True for a half-space under a contact pressure alone."""
     body = case.bodies[name]
     loads = case.friction or case.carried < 1 or body.layers or body.residual_stress or case.hertz_contact
     return not loads

@@ -186,7 +186,7 @@ class _Material(NamedTuple):
 
     def warning(self, stages: Stages) -> Advice:
         """Stress that is, or may be, above the yield stress."""
-        of = self.words.removeprefix("the material").replace("the ", " of the ", 1)
+        of = self.words.removeprefix("the material") if self.name == "" else f" of {self.words}"
         reaches = "may exceed" if self.stress.interval[0] <= self.limit else "exceeds"
         affected = ""
         if self.depth is not None:
