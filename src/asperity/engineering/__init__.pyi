@@ -7,5 +7,5 @@ from .case_file import save_case as save_case
 from .moving import MovingContact as MovingContact
 from .questions.load_curve import load_curve as load_curve
 from .records import Record as Record
-from .sample import Sample as Sample
+from .show.sample import Sample as Sample
 from .stages import answer_of as answer_of

@@ -24,9 +24,9 @@ from asperity.engineering.folder import (
     names_in,
     replacing,
 )
-from asperity.engineering.sample import Sample, pooled
 from asperity.engineering.show.comparison import Comparison, compared
 from asperity.engineering.show.report import preview, write_report
+from asperity.engineering.show.sample import Sample, pooled
 from asperity.engineering.show.text import text
 from asperity.engineering.stages import answer_of
 from asperity.settings.load import UNITS
@@ -147,7 +147,7 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     >>> maps = [asp.HeightMap(height, (edge, edge), periodic=True, name="ground") for height in heights]
     >>> sample = asp.pool([asp.run(each, steel, mean_pressure=50e6) for each in maps])
     >>> area = sample["contact area fraction"]
-    >>> print(f"contact area fraction {100 * area.value:.1f} ± {100 * area.error:.1f} %")
+    >>> print(f"contact area fraction {area.best_text()}")
     contact area fraction 5.1 ± 1.1 %
     """
     named = answers if isinstance(answers, Mapping) else dict(enumerate(answers))

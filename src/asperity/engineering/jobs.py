@@ -23,7 +23,8 @@ from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, holds_answer, names_of_maps
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.folder import COMPARISON, SAMPLE, folder_problem, locked, stems_of
-from asperity.engineering.sample import Sample, check_alike
+from asperity.engineering.sample import check_alike
+from asperity.engineering.show.sample import Sample
 from asperity.engineering.stages import problems_on_map
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.model import Problem, SettingsError
@@ -324,5 +325,5 @@ def sample_of(arrangement: Arrangement, answers: Mapping[str, AnswerData]) -> Sa
     """The sample of the answers of pooled maps, written into their folder."""
     assert arrangement.folder is not None
     sample = pool(answers)
-    sample.write(arrangement.folder, [(job.case, job.rough.files) for job in arrangement.jobs if job.rough])
+    sample.write(arrangement.folder)
     return sample

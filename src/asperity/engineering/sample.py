@@ -6,13 +6,11 @@ The maximum of a peak on an area that was not measured follows from the peaks of
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -20,8 +18,6 @@ import pandas as pd
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import AnswerData, case_in_words, tile_names, without_repeats
-from asperity.engineering.answer_files import read_data
-from asperity.engineering.folder import SAMPLE_DATA
 from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.records import (
     CAUSES,
@@ -92,9 +88,7 @@ def to_one_depth(records: Sequence[Record], deepest: Mapping[str, float]) -> lis
         volume, depth = volumes[each.body], deepest[each.body]
         errors = {cause: error / depth for cause, error in volume.errors.items()}
         note = f"of the volume down to {shown_si(depth, 'm', 3)} on all maps"
-        return replace(
-            each, value=volume.value / depth, extrapolated=math.nan, errors=errors, note=note
-        )
+        return replace(each, value=volume.value / depth, extrapolated=math.nan, errors=errors, note=note)
 
     return [referred(each) for each in records]
 
@@ -149,7 +143,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
         scatter = 0.0 if is_same(values) else float(values.std(ddof=1))
         errors[POSITIONS] = float(t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
     is_extrapolated = whole and any(math.isfinite(each.extrapolated) for each in records)
-    low, high = (choose(each.bounds[end] for each in records) for end, choose in ((0, min), (1, max)))
+    low, high = min(each.bounds.low for each in records), max(each.bounds.high for each in records)
     mean = replace(
         first,
         value=float(np.mean([each.value for each in records])),
@@ -162,27 +156,6 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
         varies=first.varies and count == 1,
     )
     return mean, values
-
-
-def pooled(answers: Mapping[str, AnswerData] | Sequence[AnswerData]) -> Sample:
-    """The sample of the answers of maps of one surface, in one case; see `asperity.pool`.
-
-    Raises
-    ------
-    ValueError
-        If there is no answer, or maps, bodies or loads differ.
-    """
-    if not answers:
-        raise ValueError("answers: at least one is needed")
-    if not isinstance(answers, Mapping):
-        answers = named(answers)
-    check_alike({name: answer.face for name, answer in answers.items()})
-    cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
-    first, *_ = cases
-    for name, case in cases.items():
-        if case != cases[first]:
-            raise ValueError(f"answers: {name} is of {case}, {first} of {cases[first]}; one case is needed")
-    return Sample(answers)
 
 
 def named(answers: Sequence[AnswerData]) -> dict[str, AnswerData]:
@@ -223,8 +196,8 @@ def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sample:
-    """Answers of several maps of one surface: ``print`` shows their means, `frame` returns them as a table.
+class SampleData:
+    """Answers of several maps of one surface, and the means of their numbers.
 
     Attributes
     ----------
@@ -236,12 +209,6 @@ class Sample:
 
     answers: Mapping[str, AnswerData]
     deepest: Mapping[str, float] = field(default_factory=dict)
-
-    @classmethod
-    def read(cls, folder: Path) -> Sample:
-        """The sample in a folder, of the answers in the folders of its maps."""
-        names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
-        return pooled({name: read_data(folder / name, AnswerData) for name in names})
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -414,7 +381,7 @@ class Sample:
         return pd.DataFrame(found, columns=["body", "area_m2", "no_crack", "low", "high"])
 
     def __repr__(self) -> str:
-        return f"<Sample of {self.title}>"
+        return f"<{type(self).__name__.removesuffix('Data')} of {self.title}>"
 
 
 def _cause(record: Record) -> str:

@@ -19,7 +19,7 @@ from asperity.core.version import __version__
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, at
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, checksums_in
-from asperity.engineering.sample import Sample
+from asperity.engineering.show.sample import Sample
 from asperity.results import dataset
 from asperity.settings.reader import load
 

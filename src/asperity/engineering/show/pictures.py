@@ -75,7 +75,9 @@ def lead_of(answer: AnswerData, of: Any = None) -> Picture | None:
     """
     case = answer.case
     asked = [question.LEAD for name, question in case.questions.items() if name in case.model_fields_set]
-    implied = [question.LEAD for name, question in case.questions.items() if name not in case.model_fields_set]
+    implied = [
+        question.LEAD for name, question in case.questions.items() if name not in case.model_fields_set
+    ]
     names = [*filter(None, [*reversed(asked), "interface", *reversed(implied), "pressure"])]
     best: tuple[int, Picture] | None = None
     for picture in pictures(answer) if of is None else of:
@@ -142,7 +144,9 @@ def _of_stress(
         limits = {"coating": own.coating.yield_stress, "base": own.yield_stress}
     known = {name: limit for name, limit in limits.items() if limit is not None and field == "von_mises"}
     if known:
-        texts = (f"{shown_si(limit, 'Pa')}{f' of the {name}' if name else ''}" for name, limit in known.items())
+        texts = (
+            f"{shown_si(limit, 'Pa')}{f' of the {name}' if name else ''}" for name, limit in known.items()
+        )
         end = f"; the line is the yield stress, {' and '.join(texts)}{end}"
     suffix = ("" if field == "von_mises" else f"_{field}") + end_of_name
     word, look = field_words(field), field_look(field)
@@ -180,7 +184,9 @@ def _of_interface(answer: AnswerData, source: Source, body: str, suffix: str) ->
         if record is None or record.words or coating is None or part is None:
             continue
         planes = [answer.plane(coating.thickness, each, body) for each in components]
-        size = np.sqrt(sum(plane**2 for plane in planes)) if len(planes) > 1 else planes[0].clip(0)
+        size = planes[0].clip(0)
+        if len(planes) == 2:
+            size = size.copy(data=np.hypot(planes[0].values, planes[1].values))
         look = Look(f"{words} the interface", "stress", STRESS, "white", np.max, low=0.0)
         figure = draw_framed(plane_maps(answer, source, size, part, "")[:1], look)
         axis = figure.axes[0]
@@ -190,5 +196,3 @@ def _of_interface(answer: AnswerData, source: Source, body: str, suffix: str) ->
         caption = f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its maximum"
         title = answer.case.stress_title(body)
         yield Picture(f"interface_{name}{suffix}", f"{caption}; {title}.", figure, body)
-
-

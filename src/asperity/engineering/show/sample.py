@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
-from asperity.core.markup import html_table, rendered
+from asperity.core.markup import html_table, rendered, table
 from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
+from asperity.engineering.answer_data import (
+    REPEATS,
+    AnswerData,
+    by_topic,
+    case_in_words,
+    without_repeats,
+)
+from asperity.engineering.answer_files import read_data
 from asperity.engineering.case_file import pool_text
-from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, locked, replacing
-from asperity.engineering.sample import ONE_MAP, Sample
+from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, names_in, replacing
+from asperity.engineering.sample import ONE_MAP, SampleData, check_alike, named
 from asperity.engineering.show.pictures import compared_pictures, png_of
 from asperity.engineering.show.report import Drawn, tiles_of
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
+from asperity.surface.reading.height_map import HeightMap
 
 SHOWN_MAPS = 3
 """Maps whose pictures are shown."""
@@ -34,20 +43,80 @@ MEANS = (
 )
 
 
-def text(sample: Sample) -> str:
-    """The verdict, the means and the warnings as a block of text."""
-    lines = [sample.title, f"maps: {', '.join(sample.names)}", "", *sample.verdict, *predicted(sample)]
-    for heading, rows in _numbers(sample).items():
-        wide = [max(map(len, rows[column])) for column in rows]
-        lines += ["", heading]
-        for row in rows.itertuples(index=False):
-            cells = (f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True))
-            lines.append(f"  {'  '.join(cells)}".rstrip())
-    lines += [line for each in sample.warnings for line in ("", f"warning: {each}")]
-    return "\n".join(lines)
+class Sample(SampleData):
+    """Answers of several maps of one surface: ``print`` shows their means, `frame` returns them as a table.
+
+    Attributes as of `SampleData`: ``answers``, ``records``, ``verdict``, ``warnings``.
+    """
+
+    @classmethod
+    def read(cls, folder: Path) -> Sample:
+        """The sample in a folder, of the answers in the folders of its maps."""
+        names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
+        return pooled({name: read_data(folder / name, AnswerData) for name in names})
+
+    def text(self) -> str:
+        """The verdict, the means and the warnings as a block of text."""
+        lines = [self.title, f"maps: {', '.join(self.names)}", "", *self.verdict, *predicted(self)]
+        for heading, rows in _numbers(self).items():
+            wide = [max(map(len, rows[column])) for column in rows]
+            lines += ["", heading]
+            for row in rows.itertuples(index=False):
+                cells = (f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True))
+                lines.append(f"  {'  '.join(cells)}".rstrip())
+        lines += [line for each in self.warnings for line in ("", f"warning: {each}")]
+        return "\n".join(lines)
+
+    __str__ = text
+
+    def _repr_html_(self) -> str:
+        rows = [(each.quantity, each.best_text()) for each in self.tiles]
+        return table(self.title, [*(("", text) for text in self.verdict), *rows])
+
+    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write tables, page and case file into the parent folder of the answers of the maps.
+
+        Raises
+        ------
+        ValueError
+            If the answer of a map is not in the folder of its name there.
+        """
+        folder, found = Path(folder), tables(self)
+        if missing := [name for name in self.names if not (folder / name / MANIFEST).is_file()]:
+            raise ValueError(f"{folder / missing[0]}: the answer of each map is needed there; write it first")
+        with locked(folder), replacing(folder, kept=set()) as unfinished:
+            for name, each in found.items():
+                write_table(each, f"answer_{name}", unfinished / f"{name}.csv")
+            write_workbook(found, unfinished / "sample.xlsx")
+            write_text(unfinished / "sample.html", page(self, folder))
+            write_text(unfinished / CASE_FILE, _case_text(self, folder))
+            maps = {name: sha256_of(folder / name / MANIFEST) for name in self.names}
+            write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
+        return [folder / name for name in sorted(names_in(folder))]
 
 
-def page(sample: Sample, folder: Path | None = None) -> str:
+def pooled(answers: Mapping[str, AnswerData] | Sequence[AnswerData]) -> Sample:
+    """The sample of the answers of maps of one surface, in one case; see `asperity.pool`.
+
+    Raises
+    ------
+    ValueError
+        If there is no answer, or maps, bodies or loads differ.
+    """
+    if not answers:
+        raise ValueError("answers: at least one is needed")
+    if not isinstance(answers, Mapping):
+        answers = named(answers)
+    check_alike({name: answer.face for name, answer in answers.items()})
+    cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
+    first, *_ = cases
+    for name, case in cases.items():
+        if case != cases[first]:
+            raise ValueError(f"answers: {name} is of {case}, {first} of {cases[first]}; one case is needed")
+    return Sample(answers)
+
+
+def page(sample: SampleData, folder: Path | None = None) -> str:
     """The sample as a page; names of files in its case file are relative to the folder."""
     shown = dict(list(sample.answers.items())[:SHOWN_MAPS])
     means = f"{ONE_MAP[0].upper()}{ONE_MAP[1:]}." if len(sample.names) == 1 else MEANS
@@ -69,27 +138,14 @@ def page(sample: Sample, folder: Path | None = None) -> str:
     )
 
 
-def tables(sample: Sample) -> dict[str, pd.DataFrame]:
+def tables(sample: SampleData) -> dict[str, pd.DataFrame]:
     """Name of a table → all means, peaks per area, and maxima on the area that is asked for."""
     found = {"sample": sample.frame(), "peaks_per_area": sample.peaks_per_area()}
     area = _area(sample)
     return found if area is None else found | {"maximum": sample.maximum(area)}
 
 
-def write_sample(sample: Sample, folder: Path) -> None:
-    """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
-    found = tables(sample)
-    with locked(folder), replacing(folder, kept=set()) as unfinished:
-        for name, table in found.items():
-            write_table(table, f"answer_{name}", unfinished / f"{name}.csv")
-        write_workbook(found, unfinished / "sample.xlsx")
-        write_text(unfinished / "sample.html", page(sample, folder))
-        write_text(unfinished / CASE_FILE, _case_text(sample, folder))
-        maps = {name: sha256_of(folder / name / MANIFEST) for name in sample.names}
-        write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
-
-
-def predicted(sample: Sample) -> Iterator[str]:
+def predicted(sample: SampleData) -> Iterator[str]:
     """Sentences about maxima and cracks on the area that is asked for, or on the area of all maps."""
     area, bodies = _area(sample), [*sample.case.bodies.values()]
     alike = bodies[0].is_like(bodies[-1])
@@ -106,7 +162,7 @@ def predicted(sample: Sample) -> Iterator[str]:
 
 
 def _maximum_in_words(row: Any) -> str:
-    """A sentence about the maximum on an area, of a row of `Sample.maximum`."""
+    """A sentence about the maximum on an area, of a row of `SampleData.maximum`."""
     low, value, high, threshold = (
         shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
     )
@@ -120,13 +176,13 @@ def _maximum_in_words(row: Any) -> str:
     )
 
 
-def _area(sample: Sample) -> float | None:
+def _area(sample: SampleData) -> float | None:
     """The area on which maxima are asked for."""
     asked = sample.case.questions.get("sample")
     return None if asked is None else asked.area
 
 
-def _numbers(sample: Sample) -> dict[str, pd.DataFrame]:
+def _numbers(sample: SampleData) -> dict[str, pd.DataFrame]:
     """Heading → means and values of each map as texts."""
     found = {}
     for heading, records in by_topic(sample.case, without_repeats(sample.records)):
@@ -139,6 +195,8 @@ def _numbers(sample: Sample) -> dict[str, pd.DataFrame]:
     return found
 
 
-def _case_text(sample: Sample, folder: Path) -> str:
-    """The case file of the maps."""
+def _case_text(sample: SampleData, folder: Path) -> str:
+    """The case file of the maps; empty for maps that were given as arrays."""
+    if any(isinstance(each.case.map.file, HeightMap) for each in sample.answers.values()):
+        return ""
     return pool_text([(each.case, each.origin.files) for each in sample.answers.values()], folder)
