@@ -56,7 +56,8 @@ def height_of(surface: dict[str, float], nodes: int) -> np.ndarray:
 def estimated(surface: dict[str, float], nodes: int, **load: float) -> tuple[asp.Contact, xr.Dataset]:
     """Contact and its estimates."""
     contact = asp.solve_contact(height_of(surface, nodes), LAYER, **load)
-    stress = asp.analyse_stress(contact, poisson=RATIOS, quantities=("pressure", "von_mises"), tolerance=1e-4)
+    of_peaks = {"quantities": ("pressure", "von_mises"), "tolerance": 1e-4}
+    stress = asp.analyse_stress(contact, poisson=RATIOS, **of_peaks, covariances=True)
     return contact, asp.continuum_limit(contact, stress)
 
 

@@ -30,8 +30,8 @@ CASES = {
     "λ = 0.5": {"film": {"lambda_ratio": 0.5}},
     "λ = 1": {"film": {"lambda_ratio": 1.0}},
     "λ = 2": {"film": {"lambda_ratio": 2.0}},
-    "dry, run in": {"run_in": RUN_IN},
-    "λ = 1, run in": {"film": {"lambda_ratio": 1.0}, "run_in": RUN_IN},
+    "dry, run in": {"running_in": RUN_IN},
+    "λ = 1, run in": {"film": {"lambda_ratio": 1.0}, "running_in": RUN_IN},
 }
 NUMBERS = (
     *("real contact", "largest pressure", "largest von Mises stress", "volume above yield per area"),

@@ -92,7 +92,8 @@ def height_of(settings: dict, nodes: int) -> Array:
 def estimated(settings: dict, nodes: int, **load: float) -> tuple[asp.Contact, xr.Dataset]:
     """Contact and its estimates."""
     contact = asp.solve_contact(height_of(settings, nodes), LAYER, **load)
-    stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"), tolerance=1e-4)
+    of_peaks = {"quantities": ("pressure", "von_mises"), "tolerance": 1e-4}
+    stress = asp.analyse_stress(contact, **of_peaks, covariances=True)
     return contact, asp.continuum_limit(contact, stress)
 
 

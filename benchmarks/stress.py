@@ -55,7 +55,7 @@ def measure_once(path: Path, threads: int) -> None:
     before, times, walls = peak_memory(), [], []
     for _ in range(REPEATS):
         work, start, begun = Work(), time.process_time(), time.perf_counter()
-        data = asp.analyse_stress(contact, **settings, work=work)
+        data = asp.analyse_stress(contact, **settings, work=work, covariances=True)
         times.append(time.process_time() - start)
         walls.append(time.perf_counter() - begun)
     cost = {"planes": data.sizes["plane"], "equivalents": work.nodes / contact.grid.size / 8}

@@ -90,7 +90,7 @@ def pressed(
     contact = asp.solve_contact(height, layer, **load, rtol=contact_tolerance, dtype=precision)
     depths = asp.stress.depth_grid(contact.grid, deepest, depth_spacing, depth_spacing / 4)
     stress = asp.analyse_stress(
-        contact, depths, quantities=("pressure", "von_mises"), tolerance=depth_tolerance
+        contact, depths, quantities=("pressure", "von_mises"), tolerance=depth_tolerance, covariances=True
     )
     times.append(time.process_time())
     found = asp.continuum_limit(contact, stress).squeeze("poisson")

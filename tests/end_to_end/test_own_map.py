@@ -150,7 +150,7 @@ EFFECTS = {
     "moving_faces": lambda answer: {*answer.found["cycles"]} == {"lower", "upper"},
     "partial_slip": question("partial_slip"),
     "rolling": None,  # 200 positions
-    "run_in": lambda answer: answer.found["run_in"].depths[0] > 0,
+    "running_in": lambda answer: answer.found["running_in"].depths[0] > 0,
     "sample": None,  # test_pooled.py
     "two_faces": lambda answer: answer.case.counter_map.shift == pytest.approx((10e-6, -4e-6)),
 }

@@ -192,13 +192,13 @@ def test_files_that_run_has_not_written_are_kept(path, tmp_path, refused):
 def test_everything_wrong_is_named_at_once(tmp_path, refused):
     wrong = (
         "--young 210 --poisson 0.7 --mean-pressure 50m --force 3N --counter-young 70GPa --counter-poisson x"
-        " --set body.layer.bottom=bonded --set lek.viscosity=1 --set cycles.shifts=1"
+        " --set body.layers.0.young=1GPa --set lek.viscosity=1 --set cycles.shifts=1"
     )
     lines = refused("run", tmp_path / "none.x3p", *wrong.split()).splitlines()
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
     assert starts == [
-        *("--young", "--poisson", "body.layer.height", "--counter-poisson", "load.mean_pressure"),
-        *("cycles.shifts", "lek", str(tmp_path / "none.x3p")),
+        *("--young", "--poisson", "body.layers.0.poisson", "body.layers.0.thickness", "--counter-poisson"),
+        *("load.mean_pressure", "cycles.shifts", "lek", str(tmp_path / "none.x3p")),
     ]
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
     assert "did you mean leak?" in lines[-2]

@@ -44,7 +44,8 @@ OPTIONS = {
     "--set counter_body.hardness=2GPa",
     "fatigue": "--set body.fatigue_torsion=300MPa --set body.fatigue_bending=480MPa",
     "friction": "--friction 0.3 --sliding-direction 30",
-    "layer": "--set body.layer.height=5um",
+    "layer": "--set body.layers.0.thickness=5um --set body.layers.0.young=3GPa "
+    "--set body.layers.0.poisson=0.4",
     "free": "--periodic none",
     "counter map": f"{SECOND} --counter-map other.txt --set counter_body.map.turned_about=x",
     "fields": "--set fields=[xx,von_mises]",

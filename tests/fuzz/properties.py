@@ -573,7 +573,7 @@ sliding\.friction = .* which bears no shear
 conduction: a counter_body is needed
 conduction: conductivity or resistivity of both bodies
 (counter_)?body\.(conductivity|resistivity): missing
-(counter_)?body\.layer: not accepted
+(counter_)?body\.layers: not accepted
 load_curve\.loads = .*: a list of rising values
 (counter_)?body\.hardness = .*: more than the pressure
 area_fraction = .*: less is needed

@@ -214,7 +214,7 @@ def test_settings_make_the_same_case(radii, expected):
     assert case.map.radius is None
 
 
-COATED = {"young": 2e11, "poisson": 0.3, "coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.2}}
+COATED = {"young": 2e11, "poisson": 0.3, "layers": [{"thickness": 1e-6, "young": 4e11, "poisson": 0.2}]}
 
 test_wrong_argument_is_refused = refuses(
     (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
@@ -224,7 +224,7 @@ test_wrong_argument_is_refused = refuses(
         lambda: a_case(kind="force", radius_y=np.inf),
         "load.force: the Hertz pressure is needed under a roller",
     ),
-    (lambda: a_case(body=COATED), "body.coating: half-spaces are needed in a Hertz contact"),
+    (lambda: a_case(body=COATED), "body.layers: half-spaces are needed in a Hertz contact"),
     (
         lambda: asp.run(a_case(load=1e7)),
         "2 problems:\n  load.radius_y: a Hertz contact wider than the map, 10 µm along y, is needed",

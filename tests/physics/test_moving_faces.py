@@ -213,13 +213,12 @@ def test_run_moves_two_maps():
     limits = {"fatigue_torsion": 3e8, "fatigue_bending": 4.8e8, "tolerance": 1e-4}
     for body in ("lower", "upper"):
         found = asp.stress.stress_cycles(direct.in_body(body), **limits)
-        own = answer.found["cycles"][body]
+        own = answer.datasets[f"cycles_{body}"]
         for name in ("shear_range", "dang_van"):
             assert own.attrs[f"worst_{name}"] == pytest.approx(found.attrs[f"worst_{name}"], rel=1e-3)
-    groups = {row.group for row in answer.rows if row.name == "largest range of shear stress"}
-    assert groups == {
-        f"cycles of the {body} body as the faces move along y, 8 shifts" for body in ("lower", "upper")
-    }
+        record = answer.record("maximum range of shear stress", body)
+        assert record.value == own.attrs["worst_shear_range"][0]
+    assert any("the faces move along y, 8 shifts" in text for text in answer.assumptions)
 
 
 def case(cycles=None, counter=None, options=None, **groups):
@@ -229,8 +228,19 @@ def case(cycles=None, counter=None, options=None, **groups):
     return asp.run({"file": surface} | (options or {}), STEEL, counter, mean_pressure=1e8, **groups)
 
 
+def test_factor_without_a_cycle_is_told_in_words():
+    """The rough body presses the same points all the way: any load shakes down, and there is no error."""
+    surface = asp.HeightMap(face(16, 1) * 1e-5, (1e-5, 1e-5), periodic=True, unit="m")
+    body = asp.Body(young=210e9, poisson=0.3, yield_stress=1e9)
+    answer = asp.run(surface, body, mean_pressure=1e8, cycles={"shifts": 8})
+    factor = answer.record("shakedown factor, at most", "lower")
+    assert factor.text().startswith("unlimited, as the stress does not change")
+    assert not factor.errors
+    assert "1e+12" not in " ".join(answer.verdict)
+
+
 SLIDING = {"friction": 0.1, "direction": 30}
-COATING = {"coating": {"thickness": 1e-6, "young": 4e11, "poisson": 0.3}}
+COATING = {"layers": [{"thickness": 1e-6, "young": 4e11, "poisson": 0.3}]}
 test_wrong_case_is_refused = refuses(
     (lambda: case(counter={"map": "a.x3p"}), "counter_body.map: needs cycles.shifts, for the stress cycles"),
     (lambda: case({"slide_to_roll": 0.1}), "cycles.slide_to_roll = 0.1: needs cycles.shifts"),

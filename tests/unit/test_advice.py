@@ -112,7 +112,7 @@ def test_bodies_are_named_if_they_differ(sound):
 
 
 def test_friction_on_a_thin_layer_is_warned_of(sound):
-    rubber = Body(young=1e6, poisson=0.5, layer={"height": 20.37e-6})
+    rubber = Body(layers=[{"young": 1e6, "poisson": 0.5, "thickness": 20.37e-6}], base="bonded")
     layer = {"case.body": rubber, "case.sliding": {"friction": 0.3}}
     (found,) = (f for f in advice.advise(changed(sound, layer)) if f.subject == "friction in the contact")
     assert found.level == "warning"

@@ -12,9 +12,11 @@ from asperity.fourier.grid import Fourier
 from asperity.stress.analysis import QUANTITIES, analyse_lateral_conditions
 from asperity.stress.planes import stream
 from asperity.stress.planes.planes import depth_grid
+from asperity.stress.statistics.covariance import decay_lengths
 
 RATIOS = [0.0, 0.33, 0.5]
 SETTINGS = {"poisson": RATIOS, "quantities": QUANTITIES, "tolerance": 1e-5}
+COVARIANCES = {"poisson": RATIOS, "covariances": True}
 
 
 def rough(points=96, layer=None):
@@ -35,12 +37,12 @@ def contact():
 
 @pytest.fixture(scope="module")
 def result(contact):
-    return asp.analyse_stress(contact, **SETTINGS)
+    return asp.analyse_stress(contact, **SETTINGS, covariances=True)
 
 
 @pytest.fixture(scope="module")
 def exact(contact):
-    return asp.analyse_stress(contact, poisson=RATIOS, tolerance=0)
+    return asp.analyse_stress(contact, tolerance=0, **COVARIANCES)
 
 
 def test_peaks_are_those_of_searched_planes(contact):
@@ -98,7 +100,7 @@ def test_profile_and_covariance_are_those_of_the_planes(contact, exact):
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-4])
 def test_coarse_planes_keep_the_statistics(contact, exact, tolerance):
     """At 1e-4 they are in single precision, and those above the reference are kept in 16 bits."""
-    coarse = asp.analyse_stress(contact, poisson=RATIOS, tolerance=tolerance)
+    coarse = asp.analyse_stress(contact, tolerance=tolerance, **COVARIANCES)
     assert coarse["plane_points"][-1] < exact["plane_points"][-1]
     assert (exact["reference_depth"] > exact["plane_depth"][1]).all()
     np.testing.assert_array_equal(coarse["reference_depth"], exact["reference_depth"])
@@ -123,17 +125,29 @@ def test_both_mean_modes_are_those_of_two_analyses(contact, result):
     both = analyse_lateral_conditions(contact, conditions, result["plane_depth"], **SETTINGS)
     free = replace(contact, layer=replace(contact.layer, lateral="free"))
     xr.testing.assert_identical(both["confined"], result)
-    xr.testing.assert_identical(both["free"], asp.analyse_stress(free, **SETTINGS))
+    xr.testing.assert_identical(both["free"], asp.analyse_stress(free, **SETTINGS, covariances=True))
 
 
 def test_threads_change_no_bit(contact, result):
     """Progress rises to its total."""
     calls = []
-    two = asp.analyse_stress(contact, **SETTINGS, threads=2, progress=lambda *call: calls.append(call))
+    two = asp.analyse_stress(
+        contact, **SETTINGS, covariances=True, threads=2, progress=lambda *call: calls.append(call)
+    )
     xr.testing.assert_identical(two, result)
     done, total = np.array(calls).T
     assert np.all(np.diff(done) >= 0)
     assert done[-1] == pytest.approx(total[-1])
+
+
+@pytest.mark.parametrize("kept_bytes", [stream.KEPT_BYTES, 1])
+def test_covariances_change_nothing_else(contact, result, monkeypatch, kept_bytes):
+    """Without them all other numbers are the same, to the last bit, and decay lengths are unknown."""
+    monkeypatch.setattr(stream, "KEPT_BYTES", kept_bytes)
+    without = asp.analyse_stress(contact, **SETTINGS)
+    xr.testing.assert_identical(without, result.drop_dims("lag").drop_vars("covariance_depth"))
+    assert np.isnan(decay_lengths(without)).all()
+    assert np.isfinite(decay_lengths(result)).all()
 
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
@@ -183,7 +197,7 @@ test_wrong_argument_is_refused = refuses(
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5])
 def test_large_planes_are_computed_again(contact, monkeypatch, tolerance):
     """With one plane in memory at a time: the same peaks, and covariances to the steps of kept planes."""
-    settings = {"poisson": RATIOS, "tolerance": tolerance}
+    settings = COVARIANCES | {"tolerance": tolerance}
     both = asp.analyse_stress(contact, **settings)
     monkeypatch.setattr(stream, "KEPT_BYTES", 1)
     one = asp.analyse_stress(contact, **settings)

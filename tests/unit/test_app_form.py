@@ -26,15 +26,15 @@ def test_every_template_survives_the_form(name):
 def test_settings_that_are_switched_off_keep_their_texts_and_are_not_used():
     values = {
         "map.file": "a.x3p",
-        "body.coating.thickness": "2 um",
+        "body.layers.0.thickness": "2 um",
         "load.force": "3 N",
         "leak.viscosity": "1",
     }
     assert form.content_of(values) == {"map": {"file": "a.x3p"}}
-    values |= {"use.body.coating": "yes", "choose.load": "force", "use.leak": "yes"}
+    values |= {"use.body.layers": "yes", "choose.load": "force", "use.leak": "yes"}
     assert form.content_of(values) == {
         "map": {"file": "a.x3p"},
-        "body": {"coating": {"thickness": "2 um"}},
+        "body": {"layers": [{"thickness": "2 um"}]},
         "load": {"force": "3 N"},
         "leak": {"viscosity": 1.0},
     }
@@ -53,12 +53,12 @@ def groups():
 
 def test_the_command_line_is_quoted_for_a_shell():
     name = "a map; rm -rf $HOME 'x'.x3p"
-    content = {"map": {"file": name, "despike": 8.0}, "body": {"coating": {"thickness": "2 um"}}, "leak": {}}
+    content = {"map": {"file": name, "despike": 8.0}, "body": {"layers": [{"thickness": "2 um"}]}, "leak": {}}
     words = shlex.split(form.command_of(content, FLAGS))
     assert words[:4] == ["asperity", "run", name, "--despike"]
-    assert words[5:] == ["--set", "body.coating.thickness=2 um", "--set", "leak={}"]
+    assert words[5:] == ["--set", "body.layers.0.thickness=2 um", "--set", "leak={}"]
 
 
 def test_a_group_of_a_case_file_that_is_none_is_named():
-    with pytest.raises(SettingsError, match=r"load = 5: a group of keys is needed[\s\S]*leak = \[1\]"):
+    with pytest.raises(SettingsError, match=r"load = 5: a group with one of .*\n.*leak = \[1\]"):
         form.values_of({"map": {"file": "a.x3p"}, "load": 5, "leak": [1]})

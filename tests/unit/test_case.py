@@ -34,10 +34,10 @@ CASES = {
         "sliding": {"friction": 0.05, "direction": "y"},
     },
     "bodies": {
-        "body": {"material": "100Cr6", "hardness": "inf", "coating": {"thickness": "2 um", **STEEL}},
+        "body": {"material": "100Cr6", "hardness": "inf", "layers": [{"thickness": "2 um", **STEEL}]},
         "counter_body": {
-            **STEEL,
-            "layer": {"height": "5 um"},
+            "layers": [{"thickness": "5 um", **STEEL}],
+            "base": "bonded",
             "map": {"file": "b.x3p", "turned_about": "x", "shift": ["10 um", "-4 um"], "detrend": "none"},
         },
     },
@@ -58,7 +58,7 @@ CASES = {
         "body": STEEL
         | {"fatigue_torsion": "300 MPa", "fatigue_bending": "480 MPa", "residual_stress": "-400 MPa"},
         "cycles": {"fatigue_scatter": 0.1, "fatigue_volume": "100 mm3"},
-        "run_in": {"loads": 1, "hardness": "7 GPa"},
+        "running_in": {"loads": 1, "hardness": "7 GPa"},
         "film": {"load_share": 0.5},
         "sample": {"area": "10 mm2"},
     },
@@ -203,8 +203,11 @@ def test_all_problems_are_found_at_once():
         ({"body": {"material": "100Cr7"}}, "body.material", "did you mean 100Cr6?"),
         ({"map": {"file": "a.x3p", "form": "sphere"}}, "map.form", "needs map.radius"),
         (
-            {"map": {"file": "a", "periodic": "none"}, "body": STEEL | {"layer": {"height": "1 um"}}},
-            "body.layer",
+            {
+                "map": {"file": "a", "periodic": "none"},
+                "body": STEEL | {"layers": [STEEL | {"thickness": "1 um"}]},
+            },
+            "body.layers",
             "not accepted with map.periodic = none",
         ),
     ],
@@ -217,8 +220,8 @@ def test_material_by_name_with_other_constants(tmp_path):
     body = asp.Body(material="52100", poisson=0.28)
     known = asp.material("100Cr6").constants
     assert (body.young, body.poisson) == (210e9, 0.28)
-    assert set(body.of_table) == known.keys() - {"poisson", "fatigue_torsion", "fatigue_bending"}
-    coated = asp.Body(material="100Cr6", coating={"thickness": 1e-6, **STEEL})
+    assert set(body.from_material) == known.keys() - {"poisson", "fatigue_torsion", "fatigue_bending"}
+    coated = asp.Body(material="100Cr6", layers=[{"thickness": 1e-6, **STEEL}])
     assert coated.hardness is None  # the hardness of the material does not hold for the coated body
     surface = asp.HeightMap(1e-9 * np.random.default_rng(1).normal(size=(16, 16)), (16e-6, 16e-6), name="a")
     answer = asp.run(surface, asp.Body(material="100Cr6", hardness="inf"), mean_pressure=20e6)

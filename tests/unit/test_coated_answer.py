@@ -21,14 +21,14 @@ from asperity.views.source import sources
 
 COATING = {"thickness": 2e-6, "young": 400e9, "poisson": 0.25}
 LIMITS = {"yield_stress": 1e9, "fatigue_torsion": 300e6, "fatigue_bending": 480e6}
-COATED = Body(young=210e9, poisson=0.3, **LIMITS, coating=COATING)
+COATED = Body(young=210e9, poisson=0.3, **LIMITS, layers=[COATING])
 LAYER, STEEL = solid_of(COATED), asp.Solid(210e9, 0.3)
 
 
 @pytest.fixture(scope="module")
 def answer():
     soft = {"thickness": 1e-6, "young": 20e9, "poisson": 0.4, "yield_stress": 100e6}
-    upper = Body(young=110e9, poisson=0.34, coating=soft)
+    upper = Body(young=110e9, poisson=0.34, layers=[soft])
     return run(a_rough_map(), COATED, upper, mean_pressure=60e6, load_curve={"loads": [1e6]})
 
 
@@ -78,7 +78,7 @@ def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
 def test_residual_stress_of_the_coating_is_added(tmp_path):
     """It adds to σ_xx in the coating alone; the interface has a place and its picture."""
     body = COATED.replaced(fatigue_torsion=None, fatigue_bending=None)
-    stressed = body.replaced(coating={**COATING, "yield_stress": 4e9, "residual_stress": -1e9})
+    stressed = body.replaced(layers=[{**COATING, "yield_stress": 4e9, "residual_stress": -1e9}])
     found = [run(a_rough_map(), each, mean_pressure=60e6) for each in (body, stressed)]
     rows = [{row.name: row for row in answer.rows} for answer in found]
     for name in ("largest shear stress on the interface", "σ_xx on the interface, in the base"):
@@ -109,28 +109,36 @@ test_wrong_coating_is_refused = refuses(
     (lambda: asp.elasticity.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Solid.*: one without a base"),
     (lambda: LAYER.green_tensor(1.0, 0.0), "base = Solid.*: None is needed"),
     (lambda: asp.stress.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),
-    (lambda: COATED.replaced(coating={"thickness": 1e-6, "young": 1e9}), "coating.poisson: missing"),
-    (lambda: COATED.replaced(coating={"yield_stress": 1e9}), r"3 problems:\n  coating.young: missing"),
-    (lambda: COATED.replaced(layer={"height": 1e-6}), "coating: not accepted together with layer"),
-    (lambda: COATED.replaced(layer={"bottom": "frictionless"}), "layer.height: missing"),
-    (lambda: run({"file": "a.x3p", "periodic": "none"}, COATED, force=1.0), "body.coating: not accepted"),
+    (lambda: COATED.replaced(layers=[{"thickness": 1e-6, "young": 1e9}]), r"layers\.0\.poisson: missing"),
+    (lambda: COATED.replaced(layers=[{"yield_stress": 1e9}]), r"3 problems:\n  layers\.0\.young: missing"),
+    (lambda: COATED.replaced(layers=[COATING, COATING]), "layers = .*: a list of at most 1 values"),
+    (lambda: COATED.replaced(base="bonded"), "base = 'bonded': young, poisson, yield_stress belong to"),
+    (lambda: Body(base="bonded", young=1e9, poisson=0.3), "base: needs layers"),
+    (
+        lambda: Body(base="bonded", layers=[COATING | {"residual_stress": 1e6}]),
+        "layers.0.residual_stress: not",
+    ),
+    (lambda: Body(base="bonded", layers=[{"material": "100Cr7", "thickness": 1.0}]), "layers.0.material = "),
+    (lambda: Body(young=1e9, poisson=0.3, coating=COATING), "coating: does not exist any more; give layers"),
+    (lambda: Body(young=1e9, poisson=0.3, layer={"height": 1.0}), "layer: does not .*, and base: bonded"),
+    (lambda: run({"file": "a.x3p", "periodic": "none"}, COATED, force=1.0), "body.layers: not accepted"),
 )
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["thickness=2 um"], "body.coating.young: missing; a pressure > 0 with its unit"),
-        (["yield_stress=1 GPa"], "body.coating.thickness: missing; a length > 0 with its unit"),
-        (["thickness=2", "young=1 GPa", "poisson=0.2"], "body.coating.thickness = 2: a length > 0"),
-        (["thick=2 um"], "body.coating.thick: unknown key; did you mean thickness?"),
+        (["thickness=2 um"], "body.layers.0.young: missing; a pressure > 0 with its unit"),
+        (["yield_stress=1 GPa"], "body.layers.0.thickness: missing; a length > 0 with its unit"),
+        (["thickness=2", "young=1 GPa", "poisson=0.2"], "body.layers.0.thickness = 2: a length > 0"),
+        (["thick=2 um"], "body.layers.0.thick: unknown key; did you mean thickness?"),
     ],
 )
 def test_command_refuses_a_coating(options, message, capsys, tmp_path):
     path = tmp_path / "map.csv"
     np.savetxt(path, np.eye(8))
     known = ["--young", "1 GPa", "--poisson", "0.3", "--mean-pressure", "1 MPa", "--physical-size", "1", "1"]
-    more = [word for option in options for word in ("--set", f"body.coating.{option}")]
+    more = [word for option in options for word in ("--set", f"body.layers.0.{option}")]
     with pytest.raises(SystemExit):
         main(["run", str(path), "--unit", "um", *known, *more])
     assert message in capsys.readouterr().err

@@ -122,7 +122,9 @@ def rough():
     return run(a_rough_map(), STEEL, mean_pressure=200e6)
 
 
-SLIPPING = STEEL.replaced(layer={"height": 5e-6, "bottom": "frictionless"})
+SLIPPING = Body(
+    layers=[{"thickness": 5e-6, "young": STEEL.young, "poisson": STEEL.poisson}], base="frictionless"
+)
 
 
 test_wrong_load_is_refused = refuses(

@@ -23,7 +23,9 @@ def contact_on(nodes, hurst=0.8, **load):
 
 
 def stress_of(contact):
-    return asp.analyse_stress(contact, poisson=[0.0, 0.33], quantities=("pressure", "von_mises"))
+    return asp.analyse_stress(
+        contact, poisson=[0.0, 0.33], quantities=("pressure", "von_mises"), covariances=True
+    )
 
 
 def pillars():

@@ -74,11 +74,11 @@ def test_run_in_ends_at_the_hardness(ground):
     """The flattened map touches as the plastic contact did, nowhere with more than the hardness."""
     hardness = 2e9
     plastic = asp.run(ground, asp.Body(young=210e9, poisson=0.3, hardness=hardness), mean_pressure=3e8)
-    answer = asp.run(ground, STEEL, mean_pressure=3e8, run_in={"hardness": hardness})
+    answer = asp.run(ground, STEEL, mean_pressure=3e8, running_in={"hardness": hardness})
     assert plastic.contact.plastic_area > 0.01
     assert answer.contact.area_fraction == pytest.approx(plastic.contact.area_fraction, rel=5e-3)
     assert answer.numbers.largest_pressure == pytest.approx(hardness, rel=1e-4)  # tolerance of the contact
-    found = answer.found["run_in"]
+    found = answer.found["running_in"]
     assert found.depths[0] == pytest.approx(float(plastic.contact.plastic_depth.max()), rel=1e-6)
     assert found.another < 1e-3
     assert math.isinf(answer.contact.hardness)
@@ -86,7 +86,7 @@ def test_run_in_ends_at_the_hardness(ground):
 
 def test_run_in_below_the_hardness_changes_nothing(ground):
     dry = asp.run(ground, STEEL, mean_pressure=1e8)
-    after = asp.run(ground, STEEL, mean_pressure=1e8, run_in={"hardness": 1e11})
+    after = asp.run(ground, STEEL, mean_pressure=1e8, running_in={"hardness": 1e11})
     assert np.array_equal(dry.contact.pressure, after.contact.pressure)
     assert any("flattens nothing" in advice.text for advice in after.advice)
 
@@ -97,8 +97,8 @@ def test_run_in_below_the_hardness_changes_nothing(ground):
         ({"film": {}}, "film: exactly one of load_share and lambda_ratio is needed"),
         ({"film": {"load_share": 1.0}}, "film.load_share = 1.0: a number ≥ 0 and < 1 is needed"),
         ({"film": {"lambda_ratio": 3}}, "film.lambda_ratio = 3: a number ≥ 0 and ≤ 2 is needed"),
-        ({"run_in": {}}, "run_in.hardness: missing"),
-        ({"run_in": {"hardness": 1e8}}, "run_in.hardness = 100 MPa: more than the mean pressure"),
+        ({"running_in": {}}, "running_in.hardness: missing"),
+        ({"running_in": {"hardness": 1e8}}, "running_in.hardness = 100 MPa: more than the mean pressure"),
     ],
 )
 def test_wrong_film_or_run_in_is_refused(ground, groups, message):

@@ -119,7 +119,10 @@ def case_of(slip=None, body=None, **groups):
     return lambda: Case.read(known | {"body": body} | groups)
 
 
-DISPLACED, LAYER = {"tangential_displacement": "1 nm"}, {"height": "5 um"}
+DISPLACED, LAYER = (
+    {"tangential_displacement": "1 nm"},
+    {"thickness": "5 um", "young": "3 GPa", "poisson": 0.4},
+)
 HERTZ = {"hertz_pressure": "1 GPa", "radius_x": "9 mm"}
 LIMITS = {"fatigue_torsion": "300 MPa", "fatigue_bending": "480 MPa"}
 test_bad_cases = refuses(
@@ -133,5 +136,8 @@ test_bad_cases = refuses(
     (case_of(body=LIMITS), "partial_slip: not accepted with stress cycles"),
     (case_of(load=HERTZ), "partial_slip: not accepted with a map in a Hertz contact"),
     (case_of(load_curve={"loads": ["1 N"]}), "partial_slip: not accepted with load_curve"),
-    (case_of(DISPLACED, {"layer": LAYER}), "partial_slip.tangential_displacement: half-spaces are needed"),
+    (
+        case_of(DISPLACED, {"layers": [LAYER], "base": "bonded", "young": None, "poisson": None}),
+        "partial_slip.tangential_displacement: half-spaces are needed",
+    ),
 )

@@ -25,18 +25,18 @@ def test_answer_is_that_of_the_last_load():
     curve = run(a_rough_map(), STEEL, mean_pressure=100e6, load_curve={"loads": [1e6, 10e6]})
     alone = answer_of()
     np.testing.assert_array_equal(curve.contact.pressure, alone.contact.pressure)
-    assert "load_curve" not in alone.found
-    table = curve.found["load_curve"].frame()
+    assert "curve" not in alone.tables
+    table = curve.tables["curve"]
     assert table["mean_pressure_Pa"].to_numpy() == pytest.approx([1e6, 10e6, 100e6])
-    for name in ("area_fraction", "approach_m", "largest_pressure_Pa", "stiffness_Pa_m"):
+    for name in ("contact_area_fraction", "normal_approach_m", "maximum_pressure_Pa", "stiffness_Pa_m"):
         assert np.all(np.diff(table[name]) > 0)
     assert np.all(np.diff(table["mean_gap_m"]) < 0)
     last = table.iloc[-1]
-    assert last["area_fraction"] == alone.numbers.area_fraction
-    assert last["approach_m"] == alone.numbers.approach
-    assert last["mean_gap_m"] == pytest.approx(alone.numbers.mean_gap)
-    largest = alone.bodies["lower"].largest_von_mises
-    assert last["largest_von_mises_lower_Pa"] == pytest.approx(largest, rel=1e-6)
+    assert last["contact_area_fraction"] == alone["contact area fraction"].value
+    assert last["normal_approach_m"] == alone["normal approach"].value
+    assert last["mean_gap_m"] == pytest.approx(alone["mean gap"].value)
+    von_mises = alone["maximum von Mises stress"].value
+    assert last["maximum_von_mises_lower_Pa"] == pytest.approx(von_mises, rel=1e-6)
 
 
 def test_yield_of_a_sphere_begins_where_hertz_says():
@@ -45,9 +45,10 @@ def test_yield_of_a_sphere_begins_where_hertz_says():
     limit = 0.62 * largest / 2 ** (1 / 3)  # half of the load of the sphere: p₀ grows as its third root
     body, sphere = STEEL.replaced(yield_stress=limit), {"file": a_sphere(), **AS_IT_IS}
     answer = run(sphere, body, force=0.8, load_curve={"loads": [0.2]})
-    assert answer.found["load_curve"].yield_loads["lower"] == pytest.approx(0.5 / EDGE**2, rel=0.05)
-    (row,) = (row for row in answer.rows if row.name.startswith("mean pressure where yield"))
-    assert row.shown.endswith("± 0.5 %")
+    begins = answer.record("mean pressure where yield begins", "lower")
+    assert begins.value == pytest.approx(0.5 / EDGE**2, rel=0.05)
+    assert begins.errors == {"the search": pytest.approx(0.005 * begins.value)}
+    assert begins.text().endswith("by the search")
 
 
 def test_yield_beyond_the_curve_is_a_bound():
@@ -84,8 +85,7 @@ def test_steps_are_in_equal_ratios():
 
 
 @pytest.mark.parametrize("nodes", [63, 64])  # the mean mode of rounding errors is 0 on even grids alone
-def test_full_contact_is_infinitely_stiff(nodes, tmp_path, monkeypatch):
-    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
+def test_full_contact_is_infinitely_stiff(nodes):
     height = asp.self_affine((nodes, nodes), 0.8, 5e-4, 2.5e-4, rms_height=1e-6, seed=1, length=1e-3)
     contact = asp.solve_contact(height, asp.Solid(200e9, 0.3), 1e-3, mean_pressure=10e9)
     assert contact.area_fraction == 1
@@ -99,29 +99,27 @@ def test_full_contact_is_infinitely_stiff(nodes, tmp_path, monkeypatch):
     body = Body(young=200e9, poisson=0.3, conductivity=50.0)
     surface = asp.HeightMap(height, (1e-3, 1e-3), periodic=True, unit="m", name="sine")
     answer = run(surface, body, body, mean_pressure=10e9, load_curve={"loads": [1e9]})
-    rows = {row.name: row for row in answer.rows}
     for name in ("thermal contact conductance", "stiffness"):
-        assert rows[name].value == np.inf
-        assert rows[name].shown.startswith("infinite, as the bodies touch everywhere")
-    asp.write_answer(answer, tmp_path / "out")
-    assert "<td>infinite</td>" in (tmp_path / "out" / "report.html").read_text()
+        assert answer[name].value == np.inf
+        assert answer[name].text().startswith("infinite, as the bodies touch everywhere")
+    assert answer.tables["curve"]["stiffness_Pa_m"].iloc[-1] == np.inf
 
 
-def rows(answer):
-    return {row.name: row.value for row in answer.rows if row.group.startswith("plastic contact")}
+def plastic(answer):
+    return {each.quantity: each.value for each in answer.records if each.topic == "plastic contact"}
 
 
 def test_hardness_limits_the_pressure():
     answer = answer_of(hardness=4e9)
-    contact, found = answer.contact, rows(answer)
-    assert answer.numbers.largest_pressure == pytest.approx(4e9)
-    assert found["area at the hardness"] == contact.plastic_area > 0
-    assert found["load at the hardness"] == contact.plastic_load > 0
-    assert found["largest plastic depth"] == contact.plastic_depth.max() > 0
+    contact, found = answer.contact, plastic(answer)
+    assert answer["maximum pressure"].value == pytest.approx(4e9)
+    assert found["area fraction at the hardness"] == contact.plastic_area > 0
+    assert found["load fraction at the hardness"] == contact.plastic_load > 0
+    assert found["maximum plastic depth"] == contact.plastic_depth.max() > 0
     gradient = asp.roughness_parameters(contact.height, contact.grid).rms_gradient
     assert found["plasticity index"] == pytest.approx(210e9 / (1 - 0.3**2) * gradient / 4e9)
-    largest = next(row for row in answer.rows if row.name == "largest pressure")
-    assert np.isnan(largest.estimate)  # the largest pressure is the hardness on every grid
+    # The maximum pressure is the hardness on every grid.
+    assert np.isnan(answer["maximum pressure"].extrapolated)
 
 
 def test_smaller_hardness_counts():
@@ -135,11 +133,13 @@ def test_yield_stress_suggests_a_hardness():
     """The answer describes the elastic contact, with the plastic one beside it."""
     elastic, answer = answer_of(), answer_of(yield_stress=4e9 / 3)
     np.testing.assert_array_equal(answer.contact.pressure, elastic.contact.pressure)
-    assert rows(elastic) == {}
-    plastic, found = answer_of(hardness=4e9), rows(answer)
-    assert found["plastic real contact"] == plastic.numbers.area_fraction > elastic.numbers.area_fraction
-    assert found["load at the hardness"] == pytest.approx(rows(plastic)["load at the hardness"])
-    assert rows(answer_of(yield_stress=100e9)) == {}
+    assert plastic(elastic) == {}
+    hard, found = answer_of(hardness=4e9), plastic(answer)
+    areas = [each["contact area fraction"].value for each in (hard, elastic)]
+    assert found["plastic contact area fraction"] == areas[0] > areas[1]
+    load = "load fraction at the hardness"
+    assert found[load] == pytest.approx(plastic(hard)[load])
+    assert plastic(answer_of(yield_stress=100e9)) == {}
 
 
 test_wrong_hardness_is_refused = refuses(

@@ -92,7 +92,8 @@ def test_analysis_is_that_of_the_cell_of_four(shape, solid, tolerance, bound):
     own, cell = pressed(shape, solid)
     quantities = "pressure", "von_mises", "xx", "zz", "xz"
     found, expected = (
-        asp.analyse_stress(each, None, None, quantities, tolerance=tolerance) for each in (own, cell)
+        asp.analyse_stress(each, None, None, quantities, tolerance=tolerance, covariances=True)
+        for each in (own, cell)
     )
     np.testing.assert_array_equal(found["plane_depth"], expected["plane_depth"])
     np.testing.assert_array_equal(2 * found["plane_points"], expected["plane_points"])
@@ -141,13 +142,39 @@ def test_friction_is_that_of_the_cell_of_four_on_the_map(solid):
         ny, nx = found.grid.shape
         assert found.grid.coordinates()[0][-1] < own.grid.length[0]
         np.testing.assert_array_equal(found.fields["von_mises"], expected.fields["von_mises"][:, :ny, :nx])
-    found, expected = (asp.analyse_stress(each, DEPTHS, **chosen) for each in (own, cell))
+    found, expected = (asp.analyse_stress(each, DEPTHS, **chosen, covariances=True) for each in (own, cell))
     for name in ("mean_von_mises", "largest_von_mises", "covariance_depth", "covariance_plane"):
         np.testing.assert_array_equal(found[name], expected[name])
-    half_y, half_x = np.array(own.grid.spacing) / 2
-    on_map = (expected["peak_y"] + half_y) % 2 < 1
-    on_map &= (expected["peak_x"] + half_x) % (2 * LENGTH[1]) < LENGTH[1]
-    np.testing.assert_array_equal(found["peak_value"], expected["peak_value"][on_map.values])
+    np.testing.assert_array_equal(found["peak_value"], expected["peak_value"])
+    assert (found["peak_weight"] == 0.25).all()
+    for axis, edge in zip("yx", LENGTH, strict=True):
+        place, on_map = expected[f"peak_{axis}"].values, found[f"peak_{axis}"].values
+        assert ((on_map >= 0) & (on_map < edge)).all()
+        step = edge / own.grid.shape[axis == "x"]
+        folded = np.abs((place + step / 2 + edge) % (2 * edge) - edge) - step / 2
+        np.testing.assert_allclose(on_map, np.maximum(folded, 0), atol=1e-12)
+
+
+@pytest.mark.parametrize(("middle", "share"), [(0.5, 0.5), (1.0, 0.25)])
+def test_peak_on_a_mirror_line_is_found_under_friction_and_counts_in_part(middle, share):
+    """A ball whose summit lies on the line x = 1; sliding moves its peak to the image beyond the line."""
+    nodes = 48
+    y, x = (np.mgrid[:nodes, :nodes] + 0.5) / nodes
+    grid, ball = Grid((nodes, nodes), mirrored=True), ((y - middle) ** 2 + (1 - x) ** 2) / 10
+    contact = asp.solve_contact(ball, SOLIDS["half-space"], grid, mean_pressure=2e-4)
+    without, under = (
+        asp.analyse_stress(contact, quantities=("pressure", "von_mises"), friction=friction)
+        for friction in (0.0, 0.05)
+    )
+    for name in ("pressure", "von_mises"):
+        peaks = asp.stress.select_peaks(without, name)
+        assert peaks["peak_weight"].values == [share]
+        sliding = asp.stress.select_peaks(under, name)
+        high = sliding.isel(peak=np.flatnonzero(sliding["peak_value"] > 0.1 * peaks["peak_value"].item()))
+        assert high["peak_weight"].sum() == share
+        np.testing.assert_allclose(high["peak_value"], peaks["peak_value"].item(), rtol=0.01)
+    assert high["peak_on_image"].all()
+    assert (high["peak_x"] < peaks["peak_x"].item()).all()
 
 
 def test_background_of_shear_is_added_in_the_cell_of_four():

@@ -57,6 +57,9 @@ RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
 COUNTER = ["--counter-map", "other.txt", "--counter-material", "100Cr6"]
 
 
+COATING = "--set body.layers.0.thickness=1um --set body.layers.0.young=1GPa --set body.layers.0.poisson=0.3"
+
+
 @pytest.mark.usefixtures("never")
 @pytest.mark.parametrize(
     ("words", "line"),
@@ -91,7 +94,7 @@ def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
         ("--force 1N --hardness 1kPa", "--hardness = 1 kPa: more than the pressure 976.6 MPa is needed"),
         ("--approach 1m", "--approach = 1 m: less than"),
         ("--approach 1e6m --periodic none", "--approach = 1000000 m: a length from"),
-        ("--approach 1e-60m --set body.layer.height=1um", "--approach = 1e-45 fm: a length from"),
+        (f"--approach 1e-60m {COATING}", "--approach = 1e-45 fm: a length from"),
         (
             "--mean-pressure 1MPa --set map.points=32768",
             "map.points: a grid of 32768 × 32768 nodes needs about 220 GB of m",

@@ -2,39 +2,30 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import count
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
-from asperity.app.map_job import Ends, along, picture
+from asperity.app.map_job import Ends, along, contents_of, picture
 from asperity.core.errors import InputError
 from asperity.core.types import Array
-from asperity.engineering.answer import case_in_words, tile_names
-from asperity.engineering.case import Case
-from asperity.engineering.case_file import case_of_answer
-from asperity.engineering.face import read_face
-from asperity.engineering.folder import CASE_FILE, names_in
-from asperity.engineering.question import Row
-from asperity.engineering.run import answer_of
-from asperity.fourier.grid import Grid, grid_of
-from asperity.results.dataset import settings_of
+from asperity.engineering.answer import Answer, Sample, open_answer
+from asperity.engineering.answer_data import AnswerData, by_topic, load_in_words, without_repeats
+from asperity.engineering.jobs import arranged, computed, sample_of
+from asperity.engineering.records import Advice, Record
+from asperity.results.atomic import locked
 from asperity.stress.planes.planes import StressPlane, named_fields
 from asperity.stress.planes.stream import PlaneStream
 from asperity.views.maps import largest_magnitude
-from asperity.views.source import sources
 
 PLANE_TOLERANCE = 1e-3
 """Error of a plane that is only looked at, relative to the rms of σ_zz in it."""
 
 MOST_KEPT = 2**30
-"""Bytes of planes that are kept for the depth slider."""
+"""Bytes of planes of fields that are not looked at, above which these are deleted."""
 
 ROWS = 160
 """Rows of a section."""
@@ -42,148 +33,145 @@ ROWS = 160
 FADED = 0.05
 """A section ends where the stress is below this share of its largest value."""
 
-ADVICE = ["level", "subject", "text"]
-"""Columns of the advice that are shown."""
+MOST_TILES = 4
+"""Numbers at the top of an answer: those that decide; all others stand in its tables."""
 
-PEAKS = {"body": str, "quantity": str} | dict.fromkeys(("value_Pa", "depth_m", "y_m", "x_m"), float)
-"""Columns of the peaks that are shown, with their types."""
+PEAKS = ("value_Pa", "depth_m", "y_m", "x_m")
+"""Columns of the peaks that are shown, beside their body and quantity."""
 
 
 class AnswerJob:
-    """Computes an answer into a folder, and shows the answer of a folder.
+    """Computes an answer or a sample into a folder, and shows what a folder holds.
 
     Planes are computed for the depths of the answer, ahead of the slider that asks for them.
     """
 
     def __init__(self, reply: Callable[[str, Any], None]) -> None:
         self._reply = reply
-        self._planes: dict[tuple[str, str, float], dict[str, Any]] = {}
-        self._streams: dict[tuple[str, str], tuple[PlaneStream, Iterator[StressPlane]]] = {}
-        self._wanted: tuple[str, str] | None = None
-        self.folder = Path()
+        self._answers: Mapping[str, AnswerData] = {}
+        self._look_at("")
 
-    def run(self, contents: Mapping[str, Mapping[str, Any]], folder: str) -> dict[str, Any]:
-        """Compute the answer of a case, write it into a folder, and show it.
+    def run(self, content: Mapping[str, Any], out: str, memory: float) -> dict[str, Any]:
+        """Compute the answer of a case into a new folder below another, or the sample of several maps.
 
-        Of the cases of several maps, each answer has a folder of the name of the map, as after
-        ``asperity run --pooled``, and the first is shown.
+        Jobs run side by side within some bytes of memory. The folder is locked from its first moment on.
         """
-        from asperity.engineering.output import write_answer
-        from asperity.engineering.sample import check_alike
-        from asperity.engineering.several_answers import read_sample, write_sample
-
-        cases, is_sample = {}, len(contents) > 1
-        for name, content in contents.items():
-            case = Case.read(content)
-            cases[name] = case, read_face(case.map, case.counter_map, shared=is_sample)
-        if is_sample:
-            check_alike({name: rough.face for name, (_, rough) in cases.items()})
-        read = []
-        for number, (name, (case, rough)) in enumerate(cases.items()):
-            place = f"map {number + 1} of {len(cases)}, " if is_sample else ""
-
-            def report(done: float, total: float, before: int = number) -> None:
-                self._reply("progress", 0.95 * (before + done / total) / len(cases))
-
-            def on_stage(stage: str, place: str = place) -> None:
-                self._reply("stage", f"{place}{stage.replace('_', ' ')}")
-
-            answer = answer_of(case, rough, report, on_stage)
-            on_stage("pictures and report")
-            write_answer(answer, Path(folder, name) if is_sample else folder)
-            read.append((answer.case, rough.files))
-        if not is_sample:
-            return self.open(folder)
-        means = write_sample(read_sample(Path(folder), list(cases), read[0][0]), Path(folder), read)
-        return self.open(os.path.join(folder, next(iter(cases)))) | {"sample": str(means)}
+        for number in count(1):
+            folder = Path(out, f"answer_{number}")
+            try:
+                folder.mkdir(parents=True)
+                break
+            except FileExistsError:
+                continue
+        with locked(folder):
+            self._reply("folder", folder)
+            arrangement = arranged(contents_of(content), folder, pooled="sample" in content)
+            problems = [*(each for job in arrangement.jobs for each in job.problems), *arrangement.problems]
+            if problems:
+                raise InputError("", [str(problem) for problem in dict.fromkeys(problems)])
+            beside = max(1, int(memory / max(job.memory for job in arrangement.jobs)))
+            made = computed(arrangement, lambda *state: self._reply("progress", state), cores=beside)
+            answers = {job.name: answer for job, answer in made}
+            if arrangement.pooled:
+                sample_of(arrangement, answers)
+        return self.open(str(folder))
 
     def open(self, folder: str) -> dict[str, Any]:
-        """Tables, contact and advice of an answer, which the page shows before a plane is asked for."""
-        self.folder = Path(folder)
-        if CASE_FILE not in names_in(self.folder):
-            raise InputError(str(self.folder), ["the folder of an answer of asperity run is needed"])
-        case = self._case = Case.read(case_of_answer(self.folder))
-        self._contact = xr.load_dataset(self.folder / "contact.nc")
-        bodies = list(case.different_bodies)
-        try:
-            rows = rows_in(self.folder)
-            advice = pd.read_csv(self.folder / "advice.csv", usecols=ADVICE, keep_default_na=False)
-            peaks = pd.read_csv(self.folder / "peaks.csv", usecols=[*PEAKS], dtype=PEAKS)
-        except (OSError, ValueError, KeyError) as error:
-            needed = f"a complete answer of this version of asperity is needed ({error}); compute it again"
-            raise InputError(str(self.folder), [needed]) from None
+        """What a folder holds in words and numbers, with the pictures of its answer or of its first map."""
+        self._whole = found = open_answer(folder)
+        maps = {} if isinstance(found, Answer) else found.answers
+        self._answers = maps or {"": found}
+        names = ", ".join(maps) or found.face.name
         return {
-            "title": settings_of(self._contact)["name"],
-            "case": case_in_words(case),
-            "rows": rows,
-            "tiles": tile_names(case),
-            "advice": advice.to_dict("records"),
-            **{
-                name: picture(self._contact[name].values, self._grid, np.fmax.reduce)
-                for name in ("pressure", "gap")
-            },
-            "bodies": bodies,
-            "fields": list(case.fields),
-            "depths": {body: self._depths(body) for body in bodies},
-            "yield": {name: body.yield_stress for name, body in case.bodies.items()},
-            "peaks": {name: values.to_numpy() for name, values in peaks.items()},
+            "label": f"{names}, {load_in_words(found.case)}",
+            "whole": _described(found),
+            "maps": {name: _described(answer) for name, answer in maps.items()},
+            "drawn": self.map(next(iter(self._answers))),
         }
 
-    @cached_property
-    def _grid(self) -> Grid:
-        return grid_of(self._contact)
+    def map(self, name: str) -> dict[str, Any]:
+        """Contact and peaks of the answer of one map, and everything that can be chosen for its planes."""
+        self._look_at(name)
+        answer, grid = self._answer, self._answer.contact.grid
+        contact = {"pressure": answer.contact.pressure, "gap": answer.contact.gap}
+        peaks = answer.tables["peaks"]
+        return {name: picture(values, grid, np.fmax.reduce) for name, values in contact.items()} | {
+            "name": name,
+            "bodies": [*answer.stress],
+            "fields": [*answer.case.fields],
+            "depths": {body: self._depths(body) for body in answer.stress},
+            "yield": {name: body.yield_stress for name, body in answer.case.bodies.items()},
+            "peaks": {column: peaks[column].to_numpy() for column in ("body", "quantity", *PEAKS)},
+        }
+
+    def compare(self, names: Sequence[str], folder: str) -> dict[str, Any]:
+        """Verdict, and differences of all numbers, of this answer and that of another folder."""
+        from asperity.engineering.show.comparison import compared
+
+        found = compared(dict(zip(names, (self._whole, open_answer(folder)), strict=True)))
+        first, second = (found.records[name] for name in names)
+        differences = [found.difference(key, *names) for key in first if key in second]
+        return {"verdict": found.verdict, "differences": differences}
+
+    def _look_at(self, name: str) -> None:
+        """Forget the planes of the answer of another map."""
+        self._name = name
+        self._planes: dict[tuple[str, str], dict[float, dict[str, Any]]] = {}
+        self._wanted: tuple[str, str] | None = None
+        self._stream: PlaneStream | None = None
+        self._ahead: Iterator[StressPlane] = iter(())
+
+    @property
+    def _answer(self) -> AnswerData:
+        return self._answers[self._name]
 
     def _depths(self, body: str) -> list[float]:
-        suffix = f"_{body}" if len(self._case.different_bodies) > 1 else ""
-        with xr.open_dataset(self.folder / f"stress{suffix}.nc") as stress:
-            depths = stress["plane_depth"].values
-        return depths[depths <= max(self._grid.length)].tolist()
+        depths = self._answer.depths(body)
+        return depths[depths <= max(self._answer.contact.grid.length)].tolist()
 
-    def _stream(self) -> tuple[PlaneStream, Iterator[StressPlane]]:
-        """The planes of the field that is looked at: the modes of the pressure are kept with them."""
-        body, field = self._wanted or ("", "")
-        if (body, field) not in self._streams:
-            sliding = self._case.sliding_of(body)
-            (source,) = sources(self._contact)
-            contact: Any = SimpleNamespace(
-                in_body=lambda name: source.loaded(name)[0],
-                mean_pressure=float(self._contact["mean_pressure"]),
-            )
-            answer: Any = SimpleNamespace(case=self._case)
-            film = self._case.film
-            solid = None if film is None else film.loaded(answer, contact, body)
-            solid = self._case.loaded_body(contact, body) if solid is None else solid
-            stream = PlaneStream(solid, self._depths(body), None, (field,), PLANE_TOLERANCE, **sliding)
-            self._streams[body, field] = stream, named_fields(stream)
-        return self._streams[body, field]
+    def _want(self, body: str, field: str) -> dict[float, dict[str, Any]]:
+        """Planes of a field that are known. The stream of planes that is kept is that of this field."""
+        if self._wanted != (body, field):
+            self._wanted = body, field
+            kept = (plane["values"].nbytes for planes in self._planes.values() for plane in planes.values())
+            if sum(kept) > MOST_KEPT:
+                self._planes = {}
+            known = self._planes.setdefault(self._wanted, {})
+            left = [depth for depth in self._depths(body) if depth not in known]
+            sliding = self._answer.case.sliding_of(body)
+            loaded = self._answer.loaded(body)
+            self._stream = PlaneStream(loaded, left or [0.0], None, (field,), PLANE_TOLERANCE, **sliding)
+            self._ahead = named_fields(self._stream) if left else iter(())
+        return self._planes[body, field]
 
     def _keep(self, plane: StressPlane) -> dict[str, Any]:
-        body, field = self._wanted or ("", "")
-        shown = picture(plane.fields[field][0], plane.grid, largest_magnitude)
-        self._planes[body, field, plane.depth] = shown
+        assert self._wanted is not None
+        shown = picture(plane.fields[self._wanted[1]][0], plane.grid, largest_magnitude)
+        self._planes[self._wanted][plane.depth] = shown
         return shown
 
     def work_ahead(self) -> bool:
         """Compute the next plane of the field that is looked at; False if there is none left."""
-        if self._wanted is None or sum(each["values"].nbytes for each in self._planes.values()) > MOST_KEPT:
-            return False
-        if (plane := next(self._stream()[1], None)) is None:
+        if (plane := next(self._ahead, None)) is None:
             return False
         self._keep(plane)
         return True
 
     def plane(self, body: str, field: str, depth: float) -> dict[str, Any]:
         """A field of the stress in a plane."""
-        self._wanted = body, field
-        shown = self._planes.get((body, field, depth))
+        shown = self._want(body, field).get(depth)
         if shown is None:
-            shown = self._keep(next(named_fields(self._stream()[0], at=[depth])))
+            assert self._stream is not None
+            shown = self._keep(next(named_fields(self._stream, at=[depth])))
         return {"picture": shown, "depth": depth}
 
     def section(self, body: str, field: str, ends: Ends) -> dict[str, Any]:
-        """A field of the stress in the vertical section along a line, from the planes that are kept."""
-        depths = [depth for depth in self._depths(body) if (body, field, depth) in self._planes]
-        found = [along(self._planes[body, field, depth], ends) for depth in depths]
+        """A field of the stress in the vertical section along a line, from all planes of the field."""
+        planes = self._want(body, field)
+        while self.work_ahead():
+            pass
+        depths = self._depths(body)
+        found = [along(planes[depth], ends) for depth in depths]
         distance, values = found[0][0], np.array([each[1] for each in found])
         largest = np.abs(values).max(axis=1)
         last = int(np.flatnonzero(largest > FADED * largest.max()).max(initial=0))
@@ -194,10 +182,20 @@ class AnswerJob:
         return {"picture": {"values": section.astype(np.float32), **frame}}
 
 
-def rows_in(folder: Path) -> list[dict[str, Any]]:
-    """Numbers of an answer without columns of later versions; those that earlier ones lack are left out."""
-    known = get_type_hints(Row)
-    del known["shown"]
-    rows = pd.read_csv(folder / "answer.csv", usecols=lambda name: name in known, dtype=known)
-    _ = rows[["group", "name", "value", "unit"]]  # without them there is no number
-    return rows.fillna({"error_of": "", "unit": ""}).to_dict("records")
+def _described(found: AnswerData | Sample) -> dict[str, Any]:
+    """Words and records of an answer or a sample, as the page shows them; values are those of the maps."""
+    is_answer = isinstance(found, AnswerData)
+    shown: list[Record] = without_repeats(found.records)
+    return {
+        "title": found.title,
+        "verdict": [*found.verdict],
+        "tiles": found.tiles[:MOST_TILES],
+        "topics": [
+            (heading, [(each, () if is_answer else found.values(each)) for each in records])
+            for heading, records in by_topic(found.case, shown)
+        ],
+        "bodies": len(found.case.different_bodies),
+        "maps": () if is_answer else found.names,
+        "uncertainties": found.uncertainties if is_answer else (),
+        "warnings": found.warnings if is_answer else [Advice(True, "", text) for text in found.warnings],
+    }

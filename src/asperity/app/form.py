@@ -2,25 +2,16 @@
 
 import shlex
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cache
-from types import NoneType
 from typing import Any, NamedTuple
 
-import yaml
-
-from asperity.core.errors import shown
+from asperity.core.errors import InputError
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import at, put
-from asperity.settings.model import (
-    Entry,
-    Problem,
-    SettingsError,
-    accepted,
-    described,
-    entries,
-    item_of,
-    scalar,
-)
+from asperity.engineering.case_file import CHECKSUMS, OUT, at, case_of_map, changed_files, leaves, put
+from asperity.engineering.templates import yaml_line
+from asperity.settings.model import Entry, SettingsError, accepted, described, entries, item_of, scalar
+from asperity.settings.reader import parse
 
 LOADS = {
     "mean_pressure": ("mean_pressure",),
@@ -46,15 +37,14 @@ QUESTIONS = {
     "conduction": "How well does the contact conduct?",
     "load_curve": "How does it change with the load?",
     "film": "Does a lubricant film carry a part?",
-    "run_in": "What remains after run-in?",
+    "running_in": "What remains after running-in?",
     "cycles": "Does it fatigue, sliding or rolling?",
+    "sensitivity": "Which input matters most?",
 }
 """Group of a question → how the page asks it."""
 
-SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding")} | {
-    f"use.{body}.{part}": f"{body}.{part}"
-    for body in ("body", "counter_body")
-    for part in ("coating", "layer")
+SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding", "sample")} | {
+    f"use.{body}.layers": f"{body}.layers.0" for body in ("body", "counter_body")
 }
 """Key of a check box of the page → the group that it adds to the case."""
 
@@ -92,41 +82,51 @@ def settings() -> dict[str, Entry]:
     return {
         key: entry
         for key, entry in known.items()
-        if "properties" not in entry and not key.startswith("body.map.")
+        if "properties" not in item_of(entry) and not key.startswith("body.map.")
     }
 
 
 def inputs(group: str) -> Iterator[Input]:
     """Fields of the settings of a group, without its subgroups."""
     for key, entry in settings().items():
-        above, _, name = key.rpartition(".")
-        if above != group or key == "map.file":
+        name = key.rpartition(".")[2]
+        if _group_of(key) != group or key == "map.file":
             continue
         first = FIRST.get(group)
         options = tuple(map(str, entry.get("enum", ())))
         proposed = entry.get("default_text") or entry.get("default", "")
         if "example" in entry and not options:
-            proposed = f"such as {_joined(entry['example'])}"
+            proposed = f"such as {_text(key, entry['example'])}"
         yield Input(
             key,
             name.replace("_", " "),
             entry["description"].replace("`", ""),
             accepted(entry).replace("`", ""),
-            _joined(proposed),
+            _text(key, proposed),
             options,
             first is None or name in first,
         )
 
 
-def _joined(value: Any) -> str:
-    """A value as the text of a field."""
-    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+def _group_of(key: str) -> str:
+    """The group in whose fields the form has a setting: the base of a body is asked for with its layer."""
+    group, _, name = key.rpartition(".")
+    return f"{group}.layers.0" if name == "base" else group
+
+
+def _text(key: str, value: Any) -> str:
+    """A value as the text of a field: a line for each file of a list, a table as in a file."""
+    if isinstance(value, Mapping):
+        return yaml_line(value)
+    if isinstance(value, (list, tuple)):
+        return ("\n" if key.endswith(".file") else ", ").join(map(str, value))
+    return str(value)
 
 
 def is_used(key: str, values: Mapping[str, str]) -> bool:
     """True if a setting is part of the case, given the check boxes and choices of the page."""
     for switch, group in SWITCHES.items():
-        if key.startswith(f"{group}.") and not values.get(switch):
+        if _group_of(key) == group and not values.get(switch):
             return False
     if key.startswith("load."):
         return key.removeprefix("load.") in LOADS[chosen("choose.load", values)]
@@ -153,9 +153,12 @@ def content_of(values: Mapping[str, str]) -> dict[str, Any]:
         if not text or not is_used(key, values):
             continue
         value: Any = scalar(text, entry)
-        if entry.get("type") == "array":
+        if text.startswith("{"):  # a table
+            with suppress(InputError):  # else the text, which the check refuses
+                value = parse(f"value: {text}", key)["value"]
+        elif entry.get("type") == "array":
             value = [scalar(each.strip(), item_of(entry)) for each in text.split(",")]
-        elif key == "map.file" and "\n" in text:
+        elif key.endswith(".file") and "\n" in text:
             value = text.splitlines()
         put(content, key.split("."), value)
     if isinstance(at(content, ("map", "file")), list):
@@ -169,23 +172,18 @@ def values_of(content: Mapping[str, Any]) -> dict[str, str]:
     Raises
     ------
     SettingsError
-        If a group is none.
+        If ``asperity run`` refuses the case for something else than what is missing.
     """
-    groups = {key.partition(".")[0] for key in settings() if "." in key}
-    wrong = [
-        Problem(key, f" = {shown(value)}: a group of keys is needed")
-        for key, value in content.items()
-        if key in groups and not isinstance(value, Mapping | NoneType)
-    ]
-    if wrong:
-        raise SettingsError("", wrong)
-    values: dict[str, str] = {}
-    for key in settings():
-        value = at(content, key.split("."))
-        if isinstance(value, list):
-            value = ("\n" if key == "map.file" else ", ").join(map(str, value))
-        if value is not None:
-            values[key] = str(value)
+    found = []
+    try:
+        first = case_of_map(content, 0)
+        Case.read({key: group for key, group in first.items() if key not in (OUT, CHECKSUMS)})
+    except SettingsError as error:
+        found += [problem for problem in error.found if not problem.text.startswith(": missing")]
+    if found := [*found, *changed_files(content)]:
+        raise SettingsError("", found)
+    given = {key: at(content, key.split(".")) for key in settings()}
+    values = {key: _text(key, value) for key, value in given.items() if value is not None}
     for switch, group in SWITCHES.items():
         if at(content, group.split(".")) is not None:
             values[switch] = "yes"
@@ -213,7 +211,7 @@ def command_of(content: Mapping[str, Any], flags: Mapping[str, str]) -> str:
     files = at(content, ("map", "file")) or "MAP"
     files = files if isinstance(files, list) else [files]
     words = ["asperity", "run", *files]
-    for key, value in _leaves(content):
+    for key, value in leaves(content):
         if key == "map.file":
             continue
         if key == "sample" and not value:
@@ -221,16 +219,5 @@ def command_of(content: Mapping[str, Any], flags: Mapping[str, str]) -> str:
         elif key in flags:
             words += [flags[key], *map(str, value if isinstance(value, list) else [value])]
         else:
-            text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10_000)
-            text = text.removesuffix("\n").removesuffix("\n...")
-            words += ["--set", f"{key}={text}"]
+            words += ["--set", f"{key}={yaml_line(value)}"]
     return shlex.join(words)
-
-
-def _leaves(content: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted key and value of every setting; an empty group is one too."""
-    for name, value in content.items():
-        if isinstance(value, Mapping) and value:
-            yield from _leaves(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -14,14 +13,13 @@ from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import MAP_FILES, at
+from asperity.engineering.case_file import MAP_FILES, at, case_of_map
 from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.jobs import Job, arranged
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
-from asperity.settings.model import SettingsError
 from asperity.surface.description import describe_map
-from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
 
@@ -55,14 +53,30 @@ def picture(values: Array, grid: Grid, reduce: Callable[..., Array]) -> dict[str
 
 
 def along(shown: Mapping[str, Any], ends: Ends) -> tuple[Array, Array]:
-    """Distances in m and values along a line between two places (x, y, x, y) of a picture."""
+    """Distances in m and values along the part of a line (x, y, x, y) that lies on a picture."""
     from scipy.ndimage import map_coordinates
 
-    x, y = np.linspace(ends[0], ends[2], POINTS), np.linspace(ends[1], ends[3], POINTS)
+    first, last = 0.0, 1.0
+    for start, end, edge, width in zip(
+        ends[:2], ends[2:], (shown["x"], shown["y"]), (shown["dw"], shown["dh"]), strict=True
+    ):
+        step = (end - start) or 1e-300
+        near, far = sorted(((edge - start) / step, (edge + width - start) / step))
+        first, last = max(first, near), min(last, far)
+    if not first < last or ends[:2] == ends[2:]:
+        raise InputError("line", ["x, y, x, y of two places are needed between which it crosses the map"])
+    at_line = np.linspace(first, last, POINTS)
+    x, y = (start + at_line * (end - start) for start, end in zip(ends[:2], ends[2:], strict=True))
     rows, columns = shown["values"].shape
     place = [(y - shown["y"]) / shown["dh"] * rows - 0.5, (x - shown["x"]) / shown["dw"] * columns - 0.5]
     values = map_coordinates(shown["values"], place, order=1, mode="nearest")
     return np.hypot(x - x[0], y - y[0]), values
+
+
+def contents_of(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The groups of the case of each of its maps."""
+    files = at(content, MAP_FILES[0])
+    return [case_of_map(content, number) for number in range(len(files) if isinstance(files, list) else 1)]
 
 
 class MapJob:
@@ -71,116 +85,101 @@ class MapJob:
     def __init__(self, reply: Callable[[str, Any], None]) -> None:
         self._reply = reply
         self._described: tuple[str, dict[str, str]] = ("", {})
-        self._face: tuple[Any, RoughFace | None] = (None, None)
+        self._known: dict[str, RoughFace] = {}
+        self._faces: dict[str, RoughFace] = {}
+        self._drawn: Any = None
         self._shown: dict[str, Any] = {}
 
     def work_ahead(self) -> bool:
         return False
 
-    def check(self, content: Mapping[str, Any], number: int) -> dict[str, Any]:
-        """Problems of a case, constants and description of its map; heights are sent ahead."""
-        found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
-        files = at(content, MAP_FILES[0])
-        if isinstance(files, list):  # of a sample the first map is shown
-            content = {**content, "map": {**content["map"], "file": files[0]}}
-        rough = self._of_map(content, found)
-        try:
-            case = Case.read(content)
-        except SettingsError as error:
-            found["problems"] += error.found
-        else:
-            found |= self._of_case(case)
-            if rough is not None:
-                from asperity.engineering.run import problems_on_map, work_of
-                from asperity.study.cost.model import answer_cost, minutes, time_factor
+    def check(self, content: Mapping[str, Any], out: str, number: int) -> dict[str, Any]:
+        """Problems of a case, constants and description of its map; heights are sent ahead.
 
-                case, face = case.on_face(rough), rough.face
-                found["problems"] += problems_on_map(case, rough)
-                work = sum(work_of(case, face.grid.mirrored).values())
-                cost = answer_cost(work, face.height.size, face.boundary)
-                seconds = cost.fixed_seconds + time_factor() * cost.calculation_seconds
-                found["cost"] = minutes(seconds), cost.memory
-        found["problems"] = [*dict.fromkeys((each[0], each[1]) for each in found["problems"])]
+        Of a sample the first map is described and drawn.
+        """
+        self._known, self._faces = self._faces, {}
+        found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
+        if not at(content, MAP_FILES[0]):
+            return found | {"problems": [("map.file", ": missing")]}
+        arrangement = arranged(contents_of(content), out, pooled="sample" in content, read=self._read)
+        first, jobs = arrangement.jobs[0], arrangement.jobs
+        problems = [*(each for job in jobs for each in job.problems), *arrangement.problems]
+        found["problems"] = [*dict.fromkeys(map(tuple, problems))]
+        with suppress(InputError, ValueError, OSError):  # reported above
+            options = Map.read(first.content["map"])
+            found["info"] = self._description(options)
+            if first.rough is None:  # the heights as they are in the file
+                surface = open_map(options.file, options).map
+                self._show(np.nan_to_num(surface.height), Grid(surface.height.shape, surface.length), number)
+        if first.rough is not None:
+            face = first.rough.face
+            if self._drawn is not first.rough:
+                self._show(-face.height, face.grid, number)
+                self._drawn = first.rough
+            wavenumber, power = spectrum(face.height, face.grid.length)
+            found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
+            found |= {"doubts": first.rough.doubts, "done": face.done, "map_length": face.grid.length}
+        if first.case is not None:
+            found |= _of_case(first.case)
+        if not problems:
+            found["cost"] = _cost(jobs)
         return found
 
-    def _of_map(self, content: Mapping[str, Any], found: dict[str, Any]) -> RoughFace | None:
-        """Add the description of a map, and its problems; the face that is pressed."""
-        counter = at(content, MAP_FILES[1][:-1])
-        try:
-            options = Map.read(content.get("map", {}))
-            counter = None if counter is None else CounterMap.read(counter)
-        except SettingsError:  # said of the whole case
-            return None
-        if not os.path.exists(options.file):
-            found["problems"].append(("map.file", f" = {options.file}: no such file"))
-            return None
-        rough = None
-        try:
-            rough = self._read(options, counter, found["number"])
-            wavenumber, power = spectrum(rough.face.height, rough.face.grid.length)
-            found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
-            found |= {"doubts": rough.doubts, "done": rough.face.done}
-            found["map_length"] = rough.face.grid.length
-        except SettingsError as error:
-            found["problems"] += error.found
-        except (InputError, ValueError, OSError) as error:
-            if isinstance(error, MapError):
-                error = error.renamed(lambda name: f"map.{name}")
-            found["problems"] += map(_split, getattr(error, "lines", None) or [str(error)])
-            with suppress(InputError, ValueError, OSError):  # the heights as they are in the file
-                surface = open_map(options.file, options).map
-                grid = Grid(surface.height.shape, surface.length)
-                self._show(np.nan_to_num(surface.height), grid, found["number"])
-        with suppress(InputError, ValueError, OSError):  # reported above
-            own = {name: getattr(options, name) for name in options.model_fields_set - {"file"}}
-            reading = {name: text for name, text in own.items() if name not in TREATMENT}
-            key = repr((options.file, os.stat(options.file).st_mtime_ns, sorted(reading.items())))
-            if self._described[0] != key:
-                self._described = key, describe_map(options.file, MapOptions(**own)).properties
-            found["info"] = self._described[1]
-        return rough
+    def _description(self, options: Map) -> dict[str, str]:
+        """Properties of a map, described again only after a change."""
+        own = {name: getattr(options, name) for name in options.model_fields_set - {"file"}}
+        reading = {name: text for name, text in own.items() if name not in TREATMENT}
+        key = repr((options.file, os.stat(options.file).st_mtime_ns, sorted(reading.items())))
+        if self._described[0] != key:
+            self._described = key, describe_map(options.file, MapOptions(**own)).properties
+        return self._described[1]
 
-    def _read(self, options: Map, counter: CounterMap | None, number: int) -> RoughFace:
-        """The face that is pressed, read and shown again only after a change."""
-        files = [each.file for each in (options, counter) if each is not None and os.path.exists(each.file)]
-        key = options, counter, [os.stat(each).st_mtime_ns for each in files]
-        known, rough = self._face
-        if rough is None or known != key:
-            rough = read_face(options, counter)
-            self._show(-rough.face.height, rough.face.grid, number)
-            self._face = key, rough
-        return rough
+    def _read(self, options: Map, counter: CounterMap | None, shared: bool) -> RoughFace:
+        """The face that is pressed, read again only after a change."""
+        times = [os.stat(each.file).st_mtime_ns for each in (options, counter) if each is not None]
+        key = repr((options, counter, shared, times))
+        self._faces[key] = self._known.get(key) or read_face(options, counter, shared)
+        return self._faces[key]
 
     def _show(self, height: Array, grid: Grid, number: int) -> None:
         """Send heights with peaks upward, and their distribution."""
-        self._face = None, None
-        self._shown = picture(height, grid, np.mean)
+        self._drawn, self._shown = None, picture(height, grid, np.mean)
         density, steps = np.histogram(height, BINS, density=True)
         self._reply("heights", {"number": number, "picture": self._shown, "histogram": (density, steps)})
-
-    def _of_case(self, case: Case) -> dict[str, Any]:
-        """Constants of the bodies that are from the table, and the smooth Hertz contact."""
-        constants = {}
-        for name, body in case.groups_of_bodies.items():
-            for each in body.of_table:
-                value = getattr(body, each)
-                constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")
-        found: dict[str, Any] = {"constants": constants}
-        if (contact := case.hertz_contact) is not None and isinstance(case.load, Hertz):
-            shear, depth = contact.largest_shear(case.body.poisson)
-            half_widths = {"x": contact.half_width_x, "y": contact.half_width_y}
-            found["hertz"] = half_widths | {"shear": shear, "depth": depth, "at": case.load.at}
-            found["hertz"]["pressure"] = contact.largest_pressure
-        return found
 
     def profile(self, ends: Ends) -> tuple[Array, Array]:
         """Distances in m and heights along a line on the map."""
         return along(self._shown, ends)
 
 
-def _split(text: str) -> tuple[str, str]:
-    """Dotted key and the rest of a message that names a setting of the map; else the key of its file."""
-    found = re.search(r"\bmap\.([a-z_]+)", text)
-    if found is None or found[1] not in Map.model_fields:
-        return "map.file", f": {text}"
-    return found[0], text[found.end() :]
+def _of_case(case: Case) -> dict[str, Any]:
+    """Constants of the bodies that are from the table, and the smooth Hertz contact."""
+    constants = {}
+    for name, body in case.groups_of_bodies.items():
+        for each in body.from_material:
+            value = getattr(body, each)
+            constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")
+    found: dict[str, Any] = {"constants": constants}
+    if (contact := case.hertz_contact) is not None and isinstance(case.load, Hertz):
+        shear, depth = contact.largest_shear(case.body.poisson)
+        half_widths = {"x": contact.half_width_x, "y": contact.half_width_y}
+        found["hertz"] = half_widths | {"shear": shear, "depth": depth, "at": case.load.at}
+        found["hertz"]["pressure"] = contact.largest_pressure
+    return found
+
+
+def _cost(jobs: Sequence[Job]) -> tuple[str, float]:
+    """Time of one processor in words, and memory of the largest job in bytes."""
+    from asperity.engineering.stages import work_of
+    from asperity.study.cost.model import answer_cost, minutes, time_factor
+
+    faces = [job.rough.face for job in jobs if job.rough is not None]
+    work = [
+        sum(work_of(job.case, face.grid.mirrored).values()) for job, face in zip(jobs, faces, strict=True)
+    ]
+    costs = [
+        answer_cost(each, face.height.size, face.boundary) for each, face in zip(work, faces, strict=True)
+    ]
+    seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
+    return minutes(seconds), max(cost.memory for cost in costs)

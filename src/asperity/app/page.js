@@ -8,7 +8,7 @@ const values = {};
 let socket, waiting = {}, timer, wasOpen = false;
 
 function connect() {
-  socket = new WebSocket(`ws://${location.host}${root}events`);
+  socket = new WebSocket(`${location.protocol.replace("http", "ws")}//${location.host}${root}events`);
   socket.onopen = () => { if (wasOpen) location.reload(); wasOpen = true; };
   socket.onmessage = (event) => show(JSON.parse(event.data));
   socket.onclose = () => {
@@ -83,7 +83,7 @@ function show(found) {
         const button = document.createElement("button");
         button.type = "button";
         button.textContent = `Set to ${proposed[1]}`;
-        button.onclick = () => { fill(key, proposed[1]); change(key, proposed[1], 0); };
+        button.onclick = () => { byId(key).focus(); fill(key, proposed[1]); change(key, proposed[1], 0); };
         line.append(button);
       }
       if (doubt && line.closest("details")) line.closest("details").open = true;
@@ -119,7 +119,10 @@ function show(found) {
   }
   if ("beside" in found) document.body.classList.toggle("has-beside", found.beside);
 }
-function enable() { byId("start").disabled = document.body.dataset.ready !== "true" || document.body.dataset.running === "true"; }
+function enable() {  // while it computes the button keeps the focus
+  byId("start").disabled = document.body.dataset.ready !== "true";
+  byId("start").setAttribute("aria-disabled", document.body.dataset.running === "true");
+}
 
 document.addEventListener("input", (event) => {
   const input = event.target, key = input.dataset.key;
@@ -154,17 +157,17 @@ function copy(part, button) {
 }
 
 async function upload(files, key = "map.file") {
-  const total = [...files].reduce((sum, file) => sum + file.size, 0);
-  if (!files.length) return;
-  if (total > limit) {
-    notice(`${(total / 2 ** 20).toFixed(0)} MB: at most ${(limit / 2 ** 20).toFixed(0)} MB can be dropped. Type the path of the file instead.`);
-    return;
+  const paths = [];
+  for (const file of files) {
+    const reply = file.size > limit ? null : await fetch(`${root}upload?name=${encodeURIComponent(file.name)}`, { method: "PUT", body: file }).catch(() => null);
+    if (!reply || !reply.ok) {
+      notice(`${file.name}: not taken; at most ${(limit / 2 ** 20).toFixed(0)} MB can be dropped. Type the path of the file instead.`);
+      return;
+    }
+    paths.push(await reply.text());
   }
-  const form = new FormData();
-  for (const file of files) form.append("map", file);
-  const reply = await fetch(`${root}upload/${key}`, { method: "POST", body: form }).catch(() => null);
-  notice(reply && reply.ok ? "" : "The file could not be taken. Type its path instead.");
-  if (reply && reply.ok) byId("notice").replaceChildren();
+  byId("notice").replaceChildren();
+  if (paths.length) { fill(key, paths.join("\n")); change(key, paths.join("\n"), 0); }
 }
 const drop = byId("drop");
 document.addEventListener("dragover", (event) => { event.preventDefault(); drop.classList.add("over"); });

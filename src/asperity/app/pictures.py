@@ -18,6 +18,9 @@ from asperity.core.units import scaled_unit, to_si
 SIGNED = tuple(interp_palette(RdBu11[::-1], 255))
 """Colours of a field with a sign; all palettes are safe for the colour-blind."""
 
+SPIKES = 3.0
+"""Heights further beyond their quartiles than this many times the distance of these have the colour of the end."""
+
 Ends = tuple[float, float, float, float]
 """Coordinates x, y of the first end of a line and x, y of the second one, in m."""
 
@@ -228,7 +231,10 @@ class MapPictures:
 
     def show(self, found: Mapping[str, Any], units: Units) -> None:
         """Draw the heights of a map, and their distribution."""
-        self.image.show(found["picture"], units)
+        values = found["picture"]["values"]
+        least, low, high, most = np.percentile(values, (0, 25, 75, 100)).tolist()
+        reach = SPIKES * (high - low)
+        self.image.show(found["picture"], units, limits=(max(least, low - reach), min(most, high + reach)))
         density, edges = found["histogram"]
         factor, symbol = units.of(edges, "m")
         steps = np.repeat(edges, 2)[1:-1] / factor, np.repeat(density, 2) * 1e-6

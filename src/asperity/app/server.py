@@ -1,16 +1,21 @@
-"""The server of the page: on the loopback interface alone, under an address that holds a token."""
+"""The server of the page, on the loopback interface alone.
+
+Its address works once: it sets a cookie, without which nothing is served.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import secrets
+import shutil
 import time
 import zipfile
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory, TemporaryFile
+from tempfile import TemporaryDirectory, TemporaryFile, gettempdir
 from typing import IO, Any
 
 from bokeh.server.server import BaseServer
@@ -19,16 +24,23 @@ from bokeh.server.util import bind_sockets
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPServerRequest
 from tornado.ioloop import IOLoop, PeriodicCallback
-from tornado.web import ErrorHandler, OutputTransform, RequestHandler
+from tornado.web import OutputTransform, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from asperity.app import form
 from asperity.app.session import TEMPLATES, Session
 from asperity.app.worker import Worker
+from asperity.core.errors import shown
+from asperity.core.system import has_ended, process_name
 from asperity.engineering.folder import MANIFEST, names_in
 from asperity.settings.materials import table
 
 LOOPBACK = "127.0.0.1"
+
+COOKIE = "asperity"
+
+TEMPORARY = "asperity-app-"
+"""Prefix of the name of the temporary folder of a server, before the name of its process."""
 
 LARGEST_UPLOAD = 100 * 2**20
 """Bytes of a map that is dropped on the page; larger ones are named by their path."""
@@ -59,16 +71,73 @@ class _Headers(OutputTransform):
 
 
 class _Application(BokehTornado):
-    """Answers only requests whose ``Host``, and ``Origin`` if they have one, name this server."""
+    """Answers only requests with its cookie, whose ``Host``, and ``Origin`` if they have one, name this server.
+
+    Attributes
+    ----------
+    hosts : tuple of str
+        Accepted names of this server, with their ports.
+    cookie : str
+    tokens : set of str
+        Ends of addresses that have not been opened yet.
+    """
 
     hosts: tuple[str, ...] = ()
 
+    def __init__(self, *arguments: Any, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        self.cookie, self.tokens = secrets.token_urlsafe(24), set[str]()
+
+    def address(self) -> str:
+        """A new address of the page, which can be opened once."""
+        token = secrets.token_urlsafe(16)
+        self.tokens.add(token)
+        return f"http://{self.hosts[0]}{self.prefix}/once-{token}"
+
     def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> Any:
-        origin = request.headers.get("Origin")
-        is_own = origin is None or origin in [f"http://{host}" for host in self.hosts]
-        if request.headers.get("Host") not in self.hosts or not is_own:
-            return self.get_handler_delegate(request, ErrorHandler, {"status_code": 403})
+        if reason := self._refusal(request):
+            return self.get_handler_delegate(request, _Refused, {"reason": reason})
         return super().find_handler(request, **kwargs)
+
+    def _refusal(self, request: HTTPServerRequest) -> str:
+        """Reason why a request is not answered; empty if it is."""
+        host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
+        if host not in self.hosts:
+            own, option = " and ".join(self.hosts), f"--host-header {shown(host)}"
+            return f"asperity app answers {own}, not {shown(host)}: through a tunnel or proxy, start it with {option}"
+        if origin is not None and origin.partition("://")[2] not in self.hosts:
+            return "asperity app answers no page of another server"
+        given = request.cookies.get(COOKIE)
+        is_known = given is not None and secrets.compare_digest(given.value, self.cookie)
+        if is_known or request.path.rpartition("/once-")[2] in self.tokens:
+            return ""
+        return (
+            "an address of asperity app can be opened once, in one browser: open the last one in its terminal"
+        )
+
+
+class _Refused(RequestHandler):
+    """Says why a request is not answered."""
+
+    def initialize(self, reason: str) -> None:
+        self.reason = reason
+
+    def prepare(self) -> None:
+        self.set_status(403)
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{self.reason}\n")
+
+
+class _Once(RequestHandler):
+    """Sets the cookie in the browser in which an address is opened, and goes on to the page."""
+
+    def get(self, token: str) -> None:
+        application: Any = self.application
+        application.tokens.discard(token)
+        if not application.tokens:
+            print(f"{application.address()}  for another browser", flush=True)
+        self.set_cookie(COOKIE, application.cookie, path="", httponly=True, samesite="Lax")  # for this folder
+        self.redirect("./")
 
 
 class _OfSession:
@@ -103,31 +172,25 @@ class _Events(_OfSession, WebSocketHandler):
 
 
 class _Upload(_OfSession, RequestHandler):
-    """Takes maps that are dropped on the page."""
+    """Takes a map that is dropped on the page, and replies with its path."""
 
-    def post(self, key: str) -> None:
-        paths = []
-        for each in self.request.files.get("map", []):
-            if len(each["body"]) > LARGEST_UPLOAD:
-                self.send_error(413)
-                return
-            folder = self.session.folder / "maps" / secrets.token_hex(4)
-            folder.mkdir(parents=True)
-            path = folder / safe_name(each["filename"])
-            path.write_bytes(each["body"])
-            paths.append(str(path))
-        self.session.act({"set": {key: "\n".join(paths)}} if paths else {})
+    def put(self) -> None:
+        folder = self.session.folder / "maps" / secrets.token_hex(4)
+        folder.mkdir(parents=True)
+        path = folder / safe_name(self.get_query_argument("name"))
+        path.write_bytes(self.request.body)
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.write(str(path))
 
 
 class _Download(_OfSession, RequestHandler):
-    """Sends everything that an answer holds as one zip, or its report."""
+    """Sends everything that an answer holds as one zip, or a report in it."""
 
     async def get(self, number: str, name: str) -> None:
         slots = self.session.slots
         slot = slots[int(number)] if int(number) < len(slots) else None
         files = files_of(slot.folder) if slot is not None and slot.state == "shown" else {}
-        report = files.get("sample.html") or files.get("report.html")
-        if name == "report.html" and report is not None:
+        if (report := files.get(name)) is not None:
             self.set_header("Content-Type", "text/html; charset=utf-8")
             self.set_header("Content-Security-Policy", REPORT_POLICY)
             self.write(report.read_bytes())
@@ -179,6 +242,7 @@ def serve(
     stop_after: float | None = None,
     memory: float,
     show: bool = True,
+    host_header: str | None = None,
 ) -> None:
     """Serve the page until Ctrl-C.
 
@@ -200,6 +264,8 @@ def serve(
         Bytes that a computation may use.
     show : bool
         True to open the browser.
+    host_header : str, optional
+        A further name of this server, with its port, as a tunnel or a proxy gives it.
 
     Raises
     ------
@@ -208,8 +274,10 @@ def serve(
     """
     os.environ["BOKEH_RESOURCES"] = "server"  # scripts come from this server, without a network
     sockets, port = bind_sockets(LOOPBACK, port)
-    token = secrets.token_urlsafe(24)
-    with TemporaryDirectory(prefix="asperity-app-", ignore_cleanup_errors=True) as temporary:
+    hosts = (f"{LOOPBACK}:{port}", f"localhost:{port}", *([host_header] if host_header else ()))
+    _remove_abandoned()
+    own = f"{TEMPORARY}{process_name()}-"
+    with TemporaryDirectory(prefix=own, ignore_cleanup_errors=True) as temporary:
         loop = IOLoop.current()
         session = Session(loop, reader, flags, Path(out or temporary).absolute(), memory)
         template = TEMPLATES.get_template("page.html.j2")
@@ -220,19 +288,24 @@ def serve(
             document.template_variables.update(values)
             session.add_tab(document)
 
-        own = {"session": session}
+        of_session = {"session": session}
         application = _Application(
             fill,
-            prefix=token,
-            extra_websocket_origins=[f"{name}:{port}" for name in (LOOPBACK, "localhost")],
+            prefix=secrets.token_urlsafe(16),
+            extra_websocket_origins=hosts,
             extra_patterns=[
-                (r"/events", _Events, own),
-                (r"/upload/([a-z_.]+)", _Upload, own),
-                (r"/answer/([0-9]{1,4})/(report\.html|all\.zip)", _Download, own),
+                (r"/once-([\w-]+)", _Once),
+                (r"/events", _Events, of_session),
+                (r"/upload", _Upload, of_session),
+                (
+                    r"/answer/([0-9]{1,4})/((?:[^/]+/)?report\.html|sample\.html|all\.zip)",
+                    _Download,
+                    of_session,
+                ),
             ],
             transforms=[_Headers],
         )
-        application.hosts = tuple(f"{name}:{port}" for name in (LOOPBACK, "localhost"))
+        application.hosts = hosts
         http = HTTPServer(application, max_buffer_size=LARGEST_UPLOAD + 2**20)
         http.add_sockets(sockets)
         server = BaseServer(loop, application, http)
@@ -245,18 +318,29 @@ def serve(
         PeriodicCallback(watch, WATCHED_EVERY).start()
         if path is not None:
             session.do_open(path)
-        address = f"http://{LOOPBACK}:{port}/{token}/"
-        print(f"{address}\nCtrl-C ends it.", flush=True)
+        print(f"{application.address()}\nCan be opened once. Ctrl-C ends the page.", flush=True)
         if show:
-            _open_browser(address)
+            _open_browser(application.address(), Path(temporary))
         try:
             server.run_until_shutdown()
         finally:
             session.close()
 
 
-def _open_browser(address: str) -> None:
+def _open_browser(address: str, folder: Path) -> None:
+    """Open an address in the browser by a file that only this user can read: arguments are seen by all users."""
     import webbrowser
 
-    if not webbrowser.open(address):
+    file = folder / "open.html"
+    file.touch(0o600)
+    file.write_text(f'<meta http-equiv="refresh" content="0; url={address}">', encoding="utf-8")
+    if not webbrowser.open(file.as_uri()):
         print("No browser was found; open the address in one.", flush=True)
+
+
+def _remove_abandoned() -> None:
+    """Remove the temporary folders of servers that were killed."""
+    for folder in Path(gettempdir()).glob(f"{TEMPORARY}*"):
+        found = re.fullmatch(rf"{TEMPORARY}([\w-]+\.\d+\.\d+)-\w+", folder.name)
+        if found and has_ended(found[1]):
+            shutil.rmtree(folder, ignore_errors=True)

@@ -6,9 +6,9 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +19,28 @@ from jinja2 import Environment, PackageLoader
 from asperity.app import form
 from asperity.app.pictures import AnswerPictures, Ends, MapPictures, Units
 from asperity.app.worker import Worker
-from asperity.core.errors import InputError
+from asperity.core.errors import DatasetError, InputError
 from asperity.core.units import shown_si, to_si
-from asperity.engineering.case_file import MAP_FILES, at, load_case, names_of_maps
-from asperity.engineering.question import Row
+from asperity.engineering.case_file import MAP_FILES, at, load_case
+from asperity.engineering.folder import COMPLETE, MANIFEST, UNFINISHED, names_in
+from asperity.results.atomic import locked
 
-LONGEST_TEXT = 4000
-"""Characters of a field of the form."""
+LONGEST_TEXT = 100_000
+"""Characters of a field of the form; a longer text is refused."""
 
 DRAWN, LISTED, LEAST = 200, 12, 0.05
 """Most peaks in pictures and in the table, and the least value of a peak over the largest."""
 
 UNITS = {"length": ("", "nm", "µm", "mm"), "stress": ("", "kPa", "MPa", "GPa")}
 """Units that can be chosen; an empty one suits the values."""
+
+NEEDED = {
+    "map.file": "a map",
+    "body": "the material of the body, or its Young's modulus and Poisson's ratio",
+    "load": "the load",
+    "choose.counter_body": "the kind of the counter body: a rigid one halves the width of a contact of equal bodies",
+}
+"""Key that is missing → what is needed, in words."""
 
 KILLED = "was killed, perhaps for lack of memory. Inputs are kept."
 
@@ -43,16 +52,28 @@ TEMPLATES.filters["si"] = partial(shown_si, digits=3)
 
 @dataclass(eq=False)
 class Slot:
-    """An answer: being computed or opened, shown, or ended without one."""
+    """An answer or a sample: being computed or opened, shown, or ended without one.
 
-    name: str
-    folder: Path
+    Attributes
+    ----------
+    content : dict or None
+        Groups of the case from which it is computed; None for one that was opened.
+    summary : dict
+        As of `AnswerJob.open`.
+    drawn : dict
+        As of `AnswerJob.map`, for the map that is looked at.
+    """
+
+    label: str
+    folder: Path | None
     state: str
+    content: dict[str, Any] | None = None
     worker: Any = None
     done: float = 0.0
     stage: str = ""
     since: float = field(default_factory=time.monotonic)
     summary: dict[str, Any] = field(default_factory=dict)
+    drawn: dict[str, Any] = field(default_factory=dict)
     plane: dict[str, Any] | None = None
     section: dict[str, Any] | None = None
     message: str = ""
@@ -101,6 +122,7 @@ class Session:
         self.check: dict[str, Any] = {"problems": [("map.file", ": a map is needed")]}
         self.slots: list[Slot] = []
         self.shown: list[Slot | None] = [None, None]
+        self.compared: dict[str, Any] = {}
         self.view = {"contact": "pressure", "body": "", "field": ""}
         self.depth, self.peak = 0.0, -1
         self.units = Units()
@@ -125,30 +147,39 @@ class Session:
         """Do what a message of the page asks for; messages of another form are ignored."""
         if not isinstance(message, dict):
             return
-        name, value = message.get("do"), str(message.get("value", ""))[:LONGEST_TEXT]
+        name, value = message.get("do"), str(message.get("value", ""))
         if isinstance(given := message.get("set"), dict):
             known = form.settings().keys() | form.SWITCHES.keys() | form.CHOICES.keys()
-            texts = {key: text[:LONGEST_TEXT] for key, text in given.items() if isinstance(text, str)}
-            self.set({key: text for key, text in texts.items() if key in known}, socket)
+            texts = {key: text for key, text in given.items() if isinstance(text, str) and key in known}
+            if long := [key for key, text in texts.items() if len(text) > LONGEST_TEXT]:
+                self._say(
+                    f"{_words(long[0])}: at most {LONGEST_TEXT} characters are accepted, nothing is changed"
+                )
+            else:
+                self.set(texts, socket)
         elif isinstance(name, str) and hasattr(self, f"do_{name}"):
             getattr(self, f"do_{name}")(value)
 
     def set(self, values: Mapping[str, str], socket: Any = None) -> None:
         """Take texts of the form, and check the case that they make."""
+        if values.get("choose.load") == "hertz" != form.chosen("choose.load", self.values):
+            values, socket = {"load.force": "", "load.mean_pressure": ""} | dict(values), None
         self.values |= values
         self._number += 1
-        self._map.send("check", content=form.content_of(self.values), number=self._number)
+        content = form.content_of(self.values)
+        self._map.send("check", content=content, out=str(self.folder / "answer"), number=self._number)
         self.tell({"values": dict(values)}, without=socket)
-        self.tell({"html": {"repeat": self._repeat()}})
+        self.tell({"html": {"repeat": self._repeat(), "stale": self._part("stale")}})
 
     def do_open(self, path: str) -> None:
         """Take a map, a case file, or the folder of an answer."""
         self._say("")
         if os.path.isdir(path):
-            self._add(Path(path).resolve().name, Path(path), "opening").worker.send("open", folder=path)
+            self._add(Slot(Path(path).name, Path(path), "opening")).worker.send("open", folder=path)
         elif path.endswith((".yaml", ".yml")):
             try:
-                self.set(dict.fromkeys(self.values, "") | form.values_of(load_case(path)))
+                values = {"choose.counter_body": "flat"} | form.values_of(load_case(path))
+                self.set(dict.fromkeys(self.values, "") | values)
             except (InputError, OSError) as error:
                 self._say(str(error))
         else:
@@ -159,24 +190,17 @@ class Session:
         import asperity.engineering
 
         path = Path(asperity.engineering.__file__).parent / "maps" / "ground_1.x3p"
-        self.set({"map.file": str(path), "body.material": "100Cr6", "load.mean_pressure": "50 MPa"})
+        values = {"map.file": str(path), "body.material": "100Cr6", "load.mean_pressure": "50 MPa"}
+        self.set({"choose.counter_body": "flat"} | values)
 
     def do_start(self, _: str) -> None:
         """Compute the answer of the case, once it is checked, unless one is being computed."""
         self._starts = self.check.get("number") != self._number
-        if self._starts or self._running() or self.check["problems"]:
+        if self._starts or self._running() or self._problems():
             return
         content = form.content_of(self.values)
-        files = content["map"]["file"]
-        maps = files if isinstance(files, list) else [files]
-        names = names_of_maps(maps)
-        contents = {
-            name: {**content, "map": {**content["map"], "file": file}}
-            for name, file in zip(names, maps, strict=True)
-        }
-        numbered = (self.folder / f"answer_{number}" for number in count(1))
-        slot = self._add(names[0], next(folder for folder in numbered if not folder.exists()), "running")
-        slot.worker.send("run", contents=contents, folder=str(slot.folder))
+        slot = self._add(Slot("", None, "running", content))
+        slot.worker.send("run", content=content, out=str(self.folder), memory=self.memory)
 
     def do_stop(self, _: str) -> None:
         """Stop the computation."""
@@ -186,29 +210,37 @@ class Session:
     def do_show(self, number: str) -> None:
         """Show an answer, with the plane of its largest peak and the section through it."""
         if (slot := self._chosen(number)) is not None:
-            self.shown[0], self.peak = slot, -1
-            self.view["body"], self.view["field"] = self._looked_at(slot)
-            self._look_at(slot, 0)
-            self._draw("contact", "planes")
+            self.shown[0] = slot
+            self._look_at_largest(slot)
+            self._compare()
 
     def do_beside(self, number: str) -> None:
-        """Show an answer beside the other; none for an empty number."""
+        """Show an answer beside the other, and their differences; none for an empty number."""
         self.shown[1] = self._chosen(number)
         self._ask(True)
         self._draw("contact", "planes")
+        self._compare()
 
     def do_view(self, value: str) -> None:
         """Show another field, body, or picture of the contact, or other units: ``name=value``."""
         name, _, chosen = value.partition("=")
         known: dict[str, Any] = dict(UNITS) | {"contact": ("pressure", "gap")}
-        if self.shown[0] is not None:
-            known |= {"field": self.shown[0].summary["fields"], "body": self.shown[0].summary["bodies"]}
+        if (first := self.shown[0]) is not None:
+            known |= {
+                "field": first.drawn["fields"],
+                "body": first.drawn["bodies"],
+                "map": first.summary["maps"],
+            }
         if chosen not in known.get(name, ()):
             return
         if name in UNITS:
             setattr(self.units, name, chosen)
             self._draw("heights", "curves", "contact", "planes")
             self._tell_answer()
+        elif name == "map":
+            for slot in filter(None, self.shown):
+                if chosen in slot.summary["maps"]:
+                    slot.worker.send("map", name=chosen)
         elif name == "contact":
             self.view[name] = chosen
             self._draw("contact")
@@ -284,13 +316,21 @@ class Session:
 
     def _of_answer(self, slot: Slot, name: str, found: Any) -> None:
         """Take progress, an answer, or a picture of it."""
-        if name == "progress":
-            slot.done = found
-        elif name == "stage":
-            slot.stage = found
+        if name == "folder":
+            slot.folder = found
+        elif name == "progress":
+            slot.done, slot.stage = found
         elif name in ("run", "open"):
-            slot.state, slot.summary = "shown", found
+            slot.state, slot.summary, slot.drawn, slot.label = "shown", found, found["drawn"], found["label"]
             self.do_show(str(self.slots.index(slot)))
+        elif name == "map":
+            slot.drawn = found
+            if slot is self.shown[0]:
+                self._look_at_largest(slot)
+            self._ask(True)
+        elif name == "compare":
+            self.compared = found if all(self.shown) else {}
+            self._tell_answer()
         elif name in ("plane", "section"):
             setattr(slot, name, found)
             self._draw("planes")
@@ -301,13 +341,13 @@ class Session:
             slot.message = " ".join(found[1])
             slot.worker.stop()
         elif name == "ended" and slot.state != "shown":
-            if slot.state == "running":  # an unfinished folder, which the page has made
-                shutil.rmtree(slot.folder, ignore_errors=True)
+            if slot.state == "running" and slot.folder is not None:
+                remove_made(slot.folder)
             slot.state = "ended"
             killed = f"The computation (exit code {found}) {KILLED}"
             slot.message = slot.message or ("Stopped." if slot.worker.stopped else killed)
         elif name == "ended" and not slot.worker.stopped:
-            self._say(f"The process that draws {slot.name} {KILLED} Choose the answer again for its planes.")
+            self._say(f"The process that draws {slot.label} {KILLED} Choose the answer again for its planes.")
         self.tell({"progress": self._progress()})
 
     # What the page shows
@@ -356,8 +396,7 @@ class Session:
         self.notice = text
         self.tell({"html": {"notice": self._part("notice")}})
 
-    def _add(self, name: str, folder: Path, state: str) -> Slot:
-        slot = Slot(name, folder, state)
+    def _add(self, slot: Slot) -> Slot:
         self._wake(slot)
         self.slots.append(slot)
         self.tell({"progress": self._progress()})
@@ -374,30 +413,44 @@ class Session:
         known = {str(index): slot for index, slot in enumerate(self.slots) if slot.state == "shown"}
         chosen = known.get(number)
         for slot in known.values():
-            if slot not in (chosen, *self.shown) and "sample" not in slot.summary:
+            if slot not in (chosen, *self.shown):
                 slot.worker.stop()
         if chosen is not None and (chosen.worker.stopped or not chosen.worker.process.is_alive()):
             self._wake(chosen)
             chosen.worker.send("open", folder=str(chosen.folder))
         return chosen
 
+    def _problems(self) -> list[tuple[str, str]]:
+        """Keys and texts of everything that is missing or wrong."""
+        asked = [] if self.values.get("choose.counter_body") else [("choose.counter_body", ": missing")]
+        return [*self.check["problems"], *asked]
+
     def _state_of_form(self) -> dict[str, Any]:
         """Missing and wrong settings, at their fields where these have a text; doubts; table constants."""
         listed, at_fields = [], {}
         imposed = f"load.{form.LOADS[form.chosen('choose.load', self.values)][0]}"
-        for key, text in self.check["problems"]:
+        for key, text in self._problems():
+            is_missing = text.startswith(": missing") and key in NEEDED
+            listed.append(NEEDED[key] if is_missing else f"{_words(key)}{text}".lstrip(": "))
             first = imposed if key.startswith("load.") and "," in key else key.split(",")[0]
-            listed.append(f"{self.flags.get(key, key)}{text}")
+            first = "map.file" if first == "map" else first
             if self.values.get(first):
-                at_fields[first] = listed[-1]
+                at_fields[first] = text.lstrip(" :=")
         return {
-            "html": {name: self._part(name, listed=listed) for name in ("info", "hertz", "ready")},
+            "html": {name: self._part(name, listed=listed) for name in ("info", "hertz", "ready", "stale")},
             "problems": at_fields,
             "doubts": list(self.check.get("doubts", ())),
             "constants": self.check.get("constants", {}),
             "ready": not listed,
             "has_map": bool(self.values.get("map.file")),
         }
+
+    @property
+    def outdated(self) -> list[str]:
+        """Numbers of the answers that are shown whose inputs have changed since."""
+        content, shown = form.content_of(self.values), filter(None, self.shown)
+        changed = [slot for slot in shown if slot.content is not None and slot.content != content]
+        return [str(self.slots.index(slot) + 1) for slot in changed]
 
     def _repeat(self) -> str:
         """The command line and the case file of the answer; they name uploaded maps without a folder."""
@@ -423,13 +476,28 @@ class Session:
 
     def _looked_at(self, slot: Slot) -> tuple[str, str]:
         """Body and field that are looked at, as far as an answer has them."""
-        bodies, fields = slot.summary["bodies"], slot.summary["fields"]
+        bodies, fields = slot.drawn["bodies"], slot.drawn["fields"]
         body, name = self.view["body"], self.view["field"]
         return body if body in bodies else bodies[0], name if name in fields else fields[0]
 
+    def _look_at_largest(self, slot: Slot) -> None:
+        """Show the plane of the largest peak of an answer."""
+        self.peak = -1
+        self.view["body"], self.view["field"] = self._looked_at(slot)
+        self._look_at(slot, 0)
+        self._draw("contact", "planes")
+
+    def _compare(self) -> None:
+        """Ask for the differences of the two answers that are shown."""
+        first, second = self.shown
+        self.compared = {}
+        if first is not None and second is not None and first is not second:
+            names = [f"{self.slots.index(slot) + 1}: {slot.label}" for slot in (first, second)]
+            first.worker.send("compare", names=names, folder=str(second.folder))
+
     def _look_at(self, slot: Slot, number: int) -> None:
         """Show the plane of a peak, and the section through it along x; without peaks the surface."""
-        peaks, frame = self._peaks(slot), slot.summary["pressure"]
+        peaks, frame = self._peaks(slot), slot.drawn["pressure"]
         has_peak = number < len(peaks["depth"])
         self.depth = float(peaks["depth"][number]) if has_peak else 0.0
         y = float(peaks["y"][number]) if has_peak else frame["y"] + frame["dh"] / 2
@@ -440,7 +508,7 @@ class Session:
         """Ask for the plane, and the section, of the answers that are shown."""
         for slot in filter(None, self.shown):
             body, name = self._looked_at(slot)
-            deepest = slot.summary["depths"][body][-1]
+            deepest = slot.drawn["depths"][body][-1]
             slot.worker.send("plane", body=body, field=name, depth=min(self.depth, deepest))
             if with_section and "section" in self._lines:
                 slot.worker.send("section", body=body, field=name, ends=self._lines["section"])
@@ -454,7 +522,7 @@ class Session:
 
     def _peaks(self, slot: Slot) -> dict[str, Any]:
         """Peaks of the field and body that are looked at, the largest first; in m and Pa."""
-        known, (body, name) = slot.summary["peaks"], self._looked_at(slot)
+        known, (body, name) = slot.drawn["peaks"], self._looked_at(slot)
         size = np.abs(known["value_Pa"])
         own = np.flatnonzero((known["body"] == body) & (known["quantity"] == name))
         own = own[size[own] >= LEAST * size[own].max(initial=0.0)][:DRAWN]
@@ -462,7 +530,7 @@ class Session:
         return {short: known[column][own] for short, column in columns.items()}
 
     def _depths(self) -> list[float]:
-        return [] if self.shown[0] is None else self.shown[0].summary["depths"][self.view["body"]]
+        return [] if self.shown[0] is None else self.shown[0].drawn["depths"][self.view["body"]]
 
     def _slider(self) -> dict[str, Any]:
         """The depth slider: its end, the position next to the depth, and the depth in words."""
@@ -470,11 +538,6 @@ class Session:
             return {}
         nearest = int(np.abs(np.subtract(depths, self.depth)).argmin())
         return {"last": len(depths) - 1, "at": nearest, "text": shown_si(self.depth, "m", 3)}
-
-    def words(self, values: Mapping[str, Any]) -> tuple[str, list[str]]:
-        """A number of an answer in the chosen units, and its errors, each with its cause."""
-        row = Row(**values, shown="")
-        return row.in_unit(*self.units.of(row.value, row.unit))
 
     def _parts_of_answer(self) -> dict[str, str]:
         """Tiles, warnings, numbers, peaks and files of the answers that are shown."""
@@ -484,7 +547,7 @@ class Session:
             {name: self.in_words(values[number], name) for name, values in known.items()}
             for number in range(min(LISTED, len(known["value"])))
         ]
-        names = ("answer", "peaks", "choices")
+        names = ("answer", "stale", "peaks", "choices")
         return {each: self._part(each, answers=answers, peaks=peaks, units=UNITS) for each in names}
 
     def in_words(self, value: float, name: str) -> str:
@@ -513,15 +576,15 @@ class Session:
                 tab.map.show_profile(distance, height, self._lines["profile"], self.units)
         if "contact" in parts:
             which = self.view["contact"]
-            highest = max((float(slot.summary[which]["values"].max()) for slot, _ in answers), default=0.0)
+            highest = max((float(slot.drawn[which]["values"].max()) for slot, _ in answers), default=0.0)
             peaks = [self._peaks(slot) for slot, _ in answers]
             deepest, largest = (
                 max((float(np.abs(each[name]).max(initial=0)) for each in peaks), default=0.0)
                 for name in ("depth", "value")
             )
             for (slot, own), found in zip(answers, peaks, strict=True):
-                own.show_contact(slot.summary[which], which, self.units, (0.0, highest))
-                own.show_peaks(found, self.units, slot.summary["pressure"], (deepest, largest))
+                own.show_contact(slot.drawn[which], which, self.units, (0.0, highest))
+                own.show_peaks(found, self.units, slot.drawn["pressure"], (deepest, largest))
         if "planes" in parts:
             drawn = [(slot, own) for slot, own in answers if slot.plane is not None]
             values = [self._peaks(slot)["value"] for slot, _ in drawn]
@@ -533,9 +596,27 @@ class Session:
             for slot, pictures in drawn:
                 plane: Any = slot.plane
                 body, name = self._looked_at(slot)
-                level = slot.summary["yield"].get(body) if name == "von_mises" else None
+                level = slot.drawn["yield"].get(body) if name == "von_mises" else None
                 words = name.replace("von_mises", "von Mises").replace("_", " ")
                 title = f"{words} at depth {shown_si(plane['depth'], 'm', 3)}"
                 shown = (plane, slot.section, self._lines["section"])
                 pictures.show_planes(*shown, self.units, title, level, (low, high))
         tab.answers[0].mark(self.peak)
+
+
+def _words(key: str) -> str:
+    """A dotted key as words."""
+    return key.replace(".", ", ").replace("_", " ")
+
+
+def remove_made(folder: Path) -> None:
+    """Remove what an ended process has written into the folder of an answer or a sample; other files stay."""
+    below = (each for each in folder.iterdir() if each.is_dir() and not each.name.startswith("."))
+    for place in (*below, folder):
+        with suppress(DatasetError, OSError):
+            with locked(place):
+                for name in {*names_in(place), MANIFEST}:
+                    (place / name).unlink(missing_ok=True)
+                for unfinished in (*place.glob(f"{UNFINISHED}*"), place / COMPLETE):
+                    shutil.rmtree(unfinished, ignore_errors=True)
+            place.rmdir()

@@ -1,7 +1,7 @@
 """Processes that read maps, press them and compute planes of the stress, beside the server.
 
-A worker is spawned, never forked, and is spoken to over a pipe. It ends when the pipe closes, as it does when
-the server ends, however that happens.
+A worker is spawned, never forked, and is spoken to over a pipe. It leads a group of processes, those that
+compute beside it, and ends with all of them when the pipe closes, as it does when the server ends.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ class Worker:
     Parameters
     ----------
     kind : str
-        ``"map"`` checks cases, ``"answer"`` computes one answer and shows it.
+        ``"map"`` checks cases, ``"answer"`` computes answers and shows them.
     """
 
     def __init__(self, kind: str) -> None:
         context = get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self.stopped = False
-        self.process = context.Process(target=_work, args=(theirs, kind), daemon=True)
+        self.process = context.Process(target=_work, args=(theirs, kind), daemon=kind == "map")
         self.process.start()
         theirs.close()
 
@@ -53,31 +53,41 @@ class Worker:
             self._pipe.send((request, given))
 
     def stop(self) -> None:
-        """End the process now."""
+        """End the process, and those beside it, now."""
         self.stopped = True
-        self.process.terminate()
+        if self.process.is_alive():
+            self.process.terminate()  # it may not lead its group yet
+            self._end_group()
 
     def memory(self) -> int:
-        """Bytes that the process uses."""
+        """Bytes that the process uses, and those beside it."""
         import psutil
 
-        try:
-            return int(psutil.Process(self.process.pid).memory_info().rss)
-        except psutil.Error:
-            return 0
+        used = 0
+        with suppress(psutil.Error):
+            process = psutil.Process(self.process.pid)
+            for each in (process, *process.children(recursive=True)):
+                used += each.memory_info().rss
+        return used
 
     def _listen(self, reply: Reply) -> None:
         try:
             while True:
                 reply(*self._pipe.recv())
         except (EOFError, OSError):
+            self._end_group()
             self.process.join()
             reply("ended", self.process.exitcode)
+
+    def _end_group(self) -> None:
+        assert self.process.pid
+        with suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
 
 
 def _work(pipe: Connection, kind: str) -> None:
     """Answer requests until the pipe is closed; the main function of the process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the server, which closes the pipe
+    os.setpgid(0, 0)  # Ctrl-C does not reach the group; the server ends it
     os.environ["MPLBACKEND"] = "agg"
     requests: SimpleQueue[tuple[str, dict[str, Any]]] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, requests), daemon=True).start()
@@ -127,4 +137,4 @@ def _receive(pipe: Connection, requests: SimpleQueue[Any]) -> None:
         while True:
             requests.put(pipe.recv())
     except (EOFError, OSError):
-        os._exit(1)
+        os.killpg(0, signal.SIGKILL)

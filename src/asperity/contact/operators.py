@@ -57,6 +57,7 @@ from asperity.contact.contact_nodes import (
     whole_stencil,
 )
 from asperity.contact.response import Response, multiply, multiply_rows
+from asperity.contact.sparse_inverse import SparseInverse, influence
 from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.parallel import in_parts, in_strips, sum_parts
 from asperity.core.types import Array
@@ -128,7 +129,11 @@ class Operators:
 
     def __init__(self, nodes: Array, response: "InnerResponse", whole: "Preconditioner") -> None:
         self.nodes, self.response = nodes, response
-        self.precondition = NodePreconditioner(whole, response.in_map(nodes))
+        in_map, self.precondition = response.in_map(nodes), None
+        if whole.influence is not None:
+            self.precondition = SparseInverse(whole.influence, whole.grid.shape, in_map, whole.threads)
+        else:
+            self.precondition = NodePreconditioner(whole, in_map)
         self.uniform = self.precondition.uniform
         self.uniform_sum = sum_parts(added, whole.threads, self.uniform)
 
@@ -371,6 +376,7 @@ class Preconditioner:
         )
         self.nodal_stiffness = float(weights[RADIUS, RADIUS])
         self.grid, self.products, self.threads = grid, products, response.fourier.threads
+        self.influence = influence(response) if response.solid.interface is not None else None
         self.stencil = whole_stencil(weights)
         nodes, drop = CELL_NODES, COARSE_RESIDUAL_DROP
         if response.solid.interface is not None:

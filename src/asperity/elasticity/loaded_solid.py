@@ -208,10 +208,16 @@ def layer_from(settings: Mapping[str, Any]) -> Solid:
     return Solid(**known | {"base": layer_from(base) if (base := settings.get("base")) else None})
 
 
+def _stiffened(layer: Solid, factor: float) -> Solid:
+    """The solid with all moduli multiplied by a factor."""
+    base = layer.base and _stiffened(layer.base, factor)
+    return replace(layer, young=layer.young * factor, base=base)
+
+
 def layer_of(contact: xr.Dataset) -> Solid:
     """The solid of a dataset of stage contact, with E* = 1.
 
-    The stress depends on the pressure, and under a coating on the ratio of the moduli.
+    The stress depends on the pressure, and under layers on the ratios of the moduli.
     """
     poisson = float(contact.attrs["poisson_contact"])
     lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
@@ -224,8 +230,10 @@ def layer_of(contact: xr.Dataset) -> Solid:
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
     if base := settings.get("base"):  # of a study, or of a `Solid`
-        ratio = base["modulus_ratio"] if "modulus_ratio" in base else base["young"] / settings["young"]
-        below = Solid(young * ratio, base["poisson"])
+        if "modulus_ratio" in base:
+            below = Solid(young * base["modulus_ratio"], base["poisson"])
+        else:
+            below = _stiffened(layer_from(base), young / settings["young"])
         return Solid(young, poisson, height, lateral=lateral, base=below)
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
     return Solid(young, poisson, height, bottom, lateral)
@@ -237,8 +245,7 @@ def solid_of(contact: xr.Dataset) -> Solids:
     upper = json.loads(contact.attrs["settings"]).get("upper")
     if upper:
         modulus = float(contact.attrs["young"]) / lower.young
-    base = lower.base and replace(lower.base, young=lower.base.young * modulus)
-    lower = replace(lower, young=lower.young * modulus, base=base)
+    lower = _stiffened(lower, modulus)
     return TwoBodies(lower, layer_from(upper)) if upper else lower
 
 

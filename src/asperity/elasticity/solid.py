@@ -1,4 +1,4 @@
-"""The elastic layer, the half-space and the coated half-space: compliances, stress and displacement.
+"""The elastic solid, a stack of layers on a half-space or a rigid base: compliances, stress and displacement.
 
 Conventions
 -----------
@@ -14,30 +14,31 @@ Five real kernels of (q, depth) describe a pressure mode. With l along the wavev
     σ_zz = −p Z,   σ_ll = −p L,   σ_tt = −p ν (Z + L),   σ_lz = −i p T,
     u_l = i p (1 + ν)/(E q) V,    u_z = −p (1 + ν)/(E q) W,    u_t = σ_lt = σ_tz = 0.
 
-In a half-space, with d = q depth, Z = (1 + d) e^(−d), L = (1 − d) e^(−d), T = d e^(−d). The kernels of a
-layer are in ``docs/method.md``. Five more describe the stress of a shear traction on the top, t_l along and
-t_t across the wavevector:
+In a half-space, with d = q depth, Z = (1 + d) e^(−d), L = (1 − d) e^(−d), T = d e^(−d). Layers follow by the
+recursion of `asperity.elasticity.stack`. Five more describe the stress of a shear traction on the top, t_l
+along and t_t across the wavevector:
 
     σ_zz = i t_l N,   σ_ll = i t_l M,   σ_tt = ν (σ_zz + σ_ll),
     σ_lz = t_l X,     σ_tz = t_t P,     σ_lt = i t_t Q.
 
 In a half-space N = d e^(−d), M = (2 − d) e^(−d), X = (1 − d) e^(−d), P = Q = e^(−d).
 
-Coatings
---------
-A layer with a `base` is a coating, bonded to an elastic half-space. All results hold at every depth: below
-the coating with the Poisson's ratio of the base in σ_tt, and V and W in units of its (1 + ν)/(E q). On the
-interface σ_zz, σ_lz and the displacements are continuous, σ_ll and σ_tt jump: a depth equal to `height` is
-the lower face of the coating, `numpy.nextafter(height, inf)` the upper face of the base.
+Stacks of layers
+----------------
+A layer with a `base` is bonded to it: to an elastic half-space, or to another layer with its own base or
+rigid bottom. All results hold at every depth, with the Poisson's ratio of the material there in σ_tt, and V
+and W in units of its (1 + ν)/(E q). On an interface σ_zz, σ_lz and the displacements are continuous, σ_ll and
+σ_tt jump: a depth equal to one of `Solid.interfaces` is the lower face of the layer above it,
+`numpy.nextafter(depth, inf)` the upper face of the material below.
 
 The mode q = 0
 --------------
 The mode q = 0 is a uniform pressure on a cell that repeats sideways. The paper does not say whether the cell
 may spread; `Solid.lateral` chooses: ``"confined"`` (no lateral strain) or ``"free"`` (no mean lateral
-stress). The mode is not the limit q → 0. A half-space, coated or not, and a layer with a free bottom have no
-finite uniform displacement: their displacement and compliance at q = 0 are set to 0. If the base of a
-coating may spread, the coating is stretched with it. `Solid.kernels` gives 1 for Z and 0 for
-the others at q = 0.
+stress). The mode is not the limit q → 0. A half-space, layered or not, and a layer with a free bottom have no
+finite uniform displacement: their displacement and compliance at q = 0 are set to 0. If a stack may spread,
+all its layers have one lateral strain: that of an elastic base, or, on a rigid base, the one without a net
+lateral force. `Solid.kernels` gives 1 for Z and 0 for the others at q = 0.
 
 The Nyquist rule
 ----------------
@@ -54,9 +55,11 @@ error.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -64,16 +67,8 @@ from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number
 from asperity.core.errors import shown
 from asperity.core.markup import table
 from asperity.core.types import FIELDS, Array, ArrayLike
-from asperity.elasticity.coating import Materials, fill_coated_compliance, fill_coated_kernels
-from asperity.elasticity.kernels import (
-    BONDED,
-    FREE,
-    FRICTIONLESS,
-    HALF_SPACE,
-    fill_kernels,
-    fill_surface_compliance,
-    green_elements,
-)
+from asperity.elasticity.kernels import BONDED, FREE, FRICTIONLESS, HALF_SPACE, green_elements
+from asperity.elasticity.stack import Stack, fill_kernels, fill_surface_compliance
 
 COMPONENTS = FIELDS[:6]
 LATERALS = ("confined", "free")
@@ -120,9 +115,17 @@ class ShearKernels(NamedTuple):
     in_plane: Array
 
 
+class Layer(NamedTuple):
+    """One layer of a stack: thickness, Young's modulus and Poisson's ratio."""
+
+    thickness: float
+    young: float
+    poisson: float
+
+
 @dataclass(frozen=True)
 class Solid:
-    """An isotropic linear elastic layer, or the half-space.
+    """An isotropic linear elastic half-space, or a layer on a rigid or an elastic base, which may be layered.
 
     Parameters
     ----------
@@ -138,13 +141,14 @@ class Solid:
     lateral : "confined" | "free"
         Condition for the mode q = 0: no lateral strain; no mean lateral stress.
     base : Solid, optional
-        Elastic half-space to which the layer, a coating, is bonded; it takes `lateral` from the coating.
+        Elastic half-space, or layer with its own base or bottom, to which the layer is bonded; it takes
+        `lateral` from this layer. See `stack` for many layers.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not a number or is out of range, the base is not a plain half-space, or the coating
-        is not bonded to it.
+        If an argument is not a number or is out of range, the layer is not bonded to its base, or the base
+        has a free bottom.
 
     Examples
     --------
@@ -180,14 +184,52 @@ class Solid:
         if self.base is None:
             return
         if not isinstance(self.base, Solid):
-            raise TypeError(f"base = {shown(self.base)}: a Solid without a height is needed")
-        if self.base.height is not None:
-            raise ValueError(f"base = {self.base!r}: a half-space is needed, a Solid without a height")
+            raise TypeError(f"base = {shown(self.base)}: a Solid is needed")
         if self.height is None:
-            raise ValueError("height = None: the height of the coating is needed on a base")
+            raise ValueError("height = None: the height of the layer is needed on a base")
         if self.bottom != "bonded":
             raise ValueError(f"bottom = {self.bottom!r}: bonded is needed on an elastic base")
-        object.__setattr__(self, "base", replace(self.base, bottom="bonded", lateral=self.lateral))
+        base = self.base if self.base.height else replace(self.base, bottom="bonded")
+        if base.parts[-1].bottom == "free":
+            raise ValueError(f"base = {self.base!r}: one whose bottom is not free is needed")
+        object.__setattr__(self, "base", replace(base, lateral=self.lateral))
+
+    @classmethod
+    def stack(
+        cls,
+        layers: Iterable[tuple[float, float, float]],
+        base: Solid | None = None,
+        bottom: str = "bonded",
+        lateral: str = "confined",
+    ) -> Self:
+        """Layers bonded to each other, on an elastic or a rigid base.
+
+        Parameters
+        ----------
+        layers : sequence of (thickness, young, poisson)
+            Top first.
+        base : Solid, optional
+            By default a rigid base.
+        bottom : "bonded" | "frictionless"
+            Condition on the rigid base.
+        lateral : "confined" | "free"
+
+        Examples
+        --------
+        >>> steel = asp.Solid(young=210e9, poisson=0.3)
+        >>> coated = asp.Solid.stack([(2e-6, 180e9, 0.22), (0.3e-6, 279e9, 0.21)], base=steel)  # on chromium
+        >>> coated.interfaces
+        (2e-06, 2.3e-06)
+        """
+        solid: Any = base
+        for layer in reversed(list(layers)):
+            if not (isinstance(layer, tuple | list) and len(layer) == 3):
+                raise ValueError(f"layers: {shown(layer)} is no (thickness, young, poisson)")
+            thickness, young, poisson = layer
+            solid = cls(young, poisson, thickness, "bonded" if solid else bottom, lateral, solid)
+        if solid is base:
+            raise ValueError("layers: one (thickness, young, poisson) or more are needed")
+        return solid
 
     def __repr__(self) -> str:
         below = f"bottom={self.bottom!r}" if self.base is None else f"base={self.base!r}"
@@ -212,40 +254,58 @@ class Solid:
         return self.young / ((1 - self.poisson) * (1 + self.poisson))
 
     @property
-    def extent(self) -> float | None:
-        """Depth of the bottom of the solid; None for a half-space, coated or not."""
-        return self.height if self.base is None else None
+    def parts(self) -> tuple[Solid, ...]:
+        """The solid itself, and what lies below each of its interfaces."""
+        return (self, *(self.base.parts if self.base else ()))
+
+    def part_at(self, depth: float) -> Solid:
+        """The one of `parts` on top of which the material at a depth lies."""
+        return self.parts[np.searchsorted(self.interfaces, depth)]
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """Thickness, Young's modulus and Poisson's ratio of each layer, top first; none in a half-space."""
+        return tuple(
+            Layer(part.height, part.young, part.poisson) for part in self.parts if part.height is not None
+        )
+
+    @property
+    def interfaces(self) -> tuple[float, ...]:
+        """Depths of the interfaces between layers, and between the last one and an elastic base."""
+        return tuple(self._stack[1][: len(self.parts) - 1].tolist())
 
     @property
     def interface(self) -> float | None:
-        """Depth of the interface between a coating and its base; None without a coating."""
+        """Depth of the first interface; None without a base."""
         return None if self.base is None else self.height
+
+    @property
+    def extent(self) -> float | None:
+        """Depth of the bottom of the solid; None for a half-space, layered or not."""
+        return None if self._stack[0] == HALF_SPACE else float(self._stack[1][-1])
 
     @property
     def description(self) -> str:
         """The kind of solid in words, as in the attribute ``solid`` of results."""
-        if self.base is not None:
-            return "coated half-space"
-        return "half-space" if self.height is None else f"layer, {self.bottom} bottom"
+        bottom = "half-space" if self.extent is None else f"layer, {self.parts[-1].bottom} bottom"
+        if self.base is None:
+            return bottom
+        return "coated half-space" if len(self.layers) == 1 else f"{len(self.layers)} layers, {bottom}"
 
     def _constants(self, depth: ArrayLike) -> tuple[Any, Any]:
         """Young's modulus and Poisson's ratio at depths; one number each without a base."""
         if self.base is None:
             return self.young, self.poisson
-        is_coating = np.asarray(depth) <= self.height
-        young = np.where(is_coating, self.young, self.base.young)
-        return young, np.where(is_coating, self.poisson, self.base.poisson)
+        place = np.searchsorted(self.interfaces, depth)
+        return tuple(np.array([(part.young, part.poisson) for part in self.parts]).T[:, place])
 
-    @property
-    def _materials(self) -> Materials:
-        """Poisson's ratios of coating and base, and their shares in the sum of their shear moduli."""
-        assert self.base is not None
-        stiff, soft = (body.young / (1 + body.poisson) for body in (self, self.base))
-        return self.poisson, self.base.poisson, 1 / (1 + soft / stiff), 1 / (1 + stiff / soft)
-
-    @property
-    def _kind(self) -> int:
-        return HALF_SPACE if self.height is None else _KINDS[self.bottom]
+    @cached_property
+    def _stack(self) -> Stack:
+        heights = np.array([layer.thickness for layer in self.layers])
+        shear, poisson = np.array([(part.young / (1 + part.poisson), part.poisson) for part in self.parts]).T
+        last = self.parts[-1]
+        kind = HALF_SPACE if last.height is None else _KINDS[last.bottom]
+        return kind, np.cumsum(heights), heights, poisson.copy(), shear.copy()
 
     def surface_compliance(self, q: ArrayLike) -> Array:
         """Downward surface displacement per unit pressure amplitude, G_zz(q).
@@ -269,28 +329,31 @@ class Solid:
         """
         q = _wavenumbers(q)
         out = np.empty(q.shape, q.dtype)
-        unit, height, flat = 2 / self.effective_modulus, self.height or 0.0, (q.reshape(-1), out.reshape(-1))
-        if self.base is not None:
-            fill_coated_compliance(flat[0], height, self._materials, unit, flat[1])
-        else:
-            uniform = self.uniform_compliance()
-            fill_surface_compliance(self._kind, flat[0], height, self.poisson, unit, uniform, flat[1])
+        unit, uniform = (1 + self.poisson) / self.young, self.uniform_compliance()
+        fill_surface_compliance(q.reshape(-1), unit, uniform, self._stack, out.reshape(-1))
         _require_finite("surface compliance", out)
         return out
+
+    def _uniform(self) -> tuple[Array, Array]:
+        """Lateral stress in each material, and compression of each, under a unit mean pressure at q = 0."""
+        young, poisson = np.array([(part.young, part.poisson) for part in self.parts]).T
+        stretch = np.zeros(young.size)  # Young's modulus × lateral strain
+        if self.lateral == "free":
+            heights = [part.height or np.inf for part in self.parts]
+            share = young / (1 - poisson) / young.max() * heights
+            share = np.isinf(share) * 1.0 if self.extent is None else share / share.sum()
+            stretch = (young[:, None] / young * poisson) @ share
+        compression = ((1 + poisson) * (1 - 2 * poisson) + 2 * poisson * stretch) / (1 - poisson) / young
+        return (stretch - poisson) / (1 - poisson), compression
 
     def uniform_compliance(self) -> float:
         """Downward surface displacement per unit mean pressure, in length per pressure.
 
-        It is height/C11 for a laterally confined cell and height/E for a free one, with C11 the
-        uniaxial-strain modulus E (1 − ν)/((1 + ν)(1 − 2ν)). For the half-space, coated or not, and for a free
-        bottom, where it is not defined, it is set to 0.
+        It is Σ height/C11 of the layers for a laterally confined cell, with C11 the uniaxial-strain modulus
+        E (1 − ν)/((1 + ν)(1 − 2ν)), and height/E of one layer for a free one. For the half-space, layered or
+        not, and for a free bottom, where it is not defined, it is set to 0.
         """
-        if self.base is not None or self._kind in (HALF_SPACE, FREE):
-            return 0.0
-        assert self.height is not None
-        nu = self.poisson
-        ratio = (1 + nu) * (1 - 2 * nu) / (1 - nu) if self.lateral == "confined" else 1.0
-        return ratio * self.height / self.young
+        return -float(self.uniform_displacement(0.0))
 
     def tangential_compliance(self, q: ArrayLike) -> Array:
         """Displacement of the surface along and across a wave per shear traction in the same direction.
@@ -318,16 +381,14 @@ class Solid:
         wave, kernels = np.where(q > 0, q, 1.0), self.shear_kernels(q, 0.0)
         shear = 2 * (1 + self.poisson) / self.young
         along = kernels.longitudinal / self.effective_modulus / wave
-        uniform = shear * (self.extent or 0.0)
+        uniform = 0.0
+        if self.extent is not None:
+            uniform = sum(2 * (1 + nu) / young * height for height, young, nu in self.layers)
         return np.where(q > 0, np.stack([along, shear * kernels.in_plane / wave]), uniform)
 
     def uniform_stress(self, depth: ArrayLike = 0.0) -> Array:
         """Stress of the mode q = 0 per unit mean pressure, (..., 6); constant in a material."""
-        young, poisson = self._constants(depth)
-        lateral = -poisson / (1 - poisson)
-        if self.lateral == "free":  # coating and base have one strain
-            below = self.base or self
-            lateral = (young / below.young * below.poisson - poisson) / (1 - poisson)
+        lateral = self._uniform()[0][np.searchsorted(self.interfaces, depth)]
         out = np.zeros((*np.shape(lateral), 6))
         out[..., 0] = out[..., 1] = lateral
         out[..., 2] = -1.0
@@ -338,10 +399,11 @@ class Solid:
 
         At the top it is −`uniform_compliance`, at the bottom 0.
         """
-        depth = self._depths(depth)
-        if self.height is None or self.base is not None:
+        depth, (kind, bottoms, heights, *_) = self._depths(depth), self._stack
+        if kind in (HALF_SPACE, FREE):
             return np.zeros(depth.shape)
-        return -self.uniform_compliance() * (self.height - depth) / self.height
+        below = np.cumsum((self._uniform()[1] * heights)[::-1])[::-1]
+        return -np.interp(depth, [0.0, *bottoms], [*below, 0.0])
 
     def kernels(self, q: ArrayLike, depth: ArrayLike) -> Kernels:
         """The five real kernels of a pressure mode, defined in the description of the module.
@@ -364,7 +426,7 @@ class Solid:
             If a wavenumber or a depth is not a number or out of range, the shapes do not match, or the bottom
             is free.
         """
-        if self._kind == FREE:
+        if self._stack[0] == FREE:
             raise ValueError("bottom = 'free': bonded or frictionless is needed for stress and displacement")
         return Kernels(*self._filled(False, q, depth))
 
@@ -379,8 +441,10 @@ class Solid:
             If a wavenumber or the depth is not a number or out of range, or the bottom is frictionless or
             free: it bears no shear, so that no state of rest exists under a mean traction.
         """
-        if self._kind not in (HALF_SPACE, BONDED):
-            raise ValueError(f"bottom = {self.bottom!r}: bonded is needed, because this one bears no shear")
+        if self._stack[0] not in (HALF_SPACE, BONDED):
+            raise ValueError(
+                f"bottom = {self.parts[-1].bottom!r}: bonded is needed, because this one bears no shear"
+            )
         return ShearKernels(*self._filled(True, q, depth))
 
     def _filled(self, of_shear: bool, q: ArrayLike, depth: ArrayLike) -> Array:
@@ -389,11 +453,7 @@ class Solid:
         shape = _broadcast_shape(q=q, depth=depth)
         depths = depth.reshape(-1) if depth.size == 1 else _flat(depth, shape)
         out = np.empty((5, *shape), q.dtype)
-        height, rows, q = self.height or 0.0, out.reshape(5, -1), _flat(q, shape)
-        if self.base is not None:
-            fill_coated_kernels(of_shear, q, depths, height, self._materials, rows)
-        else:
-            fill_kernels(self._kind, of_shear, q, depths, height, self.poisson, rows)
+        fill_kernels(of_shear, _flat(q, shape), depths, self._stack, out.reshape(5, -1))
         return out
 
     def stress(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:

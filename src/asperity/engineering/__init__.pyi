@@ -1,4 +1,5 @@
 from .answer import Answer as Answer
+from .answer import Sample as Sample
 from .answer import open_answer as open_answer
 from .answer import pool as pool
 from .answer import run as run
@@ -7,5 +8,4 @@ from .case_file import save_case as save_case
 from .moving import MovingContact as MovingContact
 from .questions.load_curve import load_curve as load_curve
 from .records import Record as Record
-from .show.sample import Sample as Sample
 from .stages import answer_of as answer_of

@@ -24,9 +24,10 @@ from asperity.engineering.folder import (
     names_in,
     replacing,
 )
+from asperity.engineering.sample import SampleData, named, pooled
+from asperity.engineering.show import sample as show_sample
 from asperity.engineering.show.comparison import Comparison, compared
 from asperity.engineering.show.report import preview, write_report
-from asperity.engineering.show.sample import Sample, pooled
 from asperity.engineering.show.text import text
 from asperity.engineering.stages import answer_of
 from asperity.settings.load import UNITS
@@ -108,6 +109,28 @@ class Answer(AnswerData):
         return compared([self, *others])
 
 
+class Sample(SampleData):
+    """Answers of several maps of one surface: ``print`` shows their means; see `asperity.pool`."""
+
+    def __str__(self) -> str:
+        return show_sample.text(self)
+
+    def _repr_html_(self) -> str:
+        return show_sample.preview(self)
+
+    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write tables, page and case file into the parent folder of the answers of the maps.
+
+        Raises
+        ------
+        ValueError
+            If the answer of a map is not in the folder of its name there.
+        DatasetError
+            If it cannot be written, or another process writes into it.
+        """
+        return show_sample.write_sample(self, Path(folder))
+
+
 def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample:
     """The answer, or the sample, that a folder holds: the same data as after the computation.
 
@@ -150,12 +173,13 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     >>> print(f"contact area fraction {area.best_text()}")
     contact area fraction 5.1 ± 1.1 %
     """
-    named = answers if isinstance(answers, Mapping) else dict(enumerate(answers))
-    opened = {
-        name: each if isinstance(each, AnswerData) else read_data(Path(each), Answer)
-        for name, each in named.items()
-    }
-    return pooled(opened if isinstance(answers, Mapping) else list(opened.values()))
+
+    def opened(each: Any) -> AnswerData:
+        return each if isinstance(each, AnswerData) else read_data(Path(each), Answer)
+
+    if isinstance(answers, Mapping):
+        return pooled({name: opened(each) for name, each in answers.items()}, Sample)
+    return pooled(named([*map(opened, answers)]), Sample)
 
 
 def run(

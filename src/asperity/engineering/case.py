@@ -7,11 +7,11 @@ and its field here. The physics is imported where it is needed: forms, help and 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import nullcontext
+from contextlib import suppress
 from functools import cached_property
 from typing import Any, Self, get_args
 
-from pydantic import model_validator
+from pydantic import ConfigDict, model_validator
 
 from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
@@ -24,13 +24,14 @@ from asperity.engineering.questions.load_curve import LoadCurve
 from asperity.engineering.questions.partial_slip import PartialSlip
 from asperity.engineering.questions.running_in import RunningIn
 from asperity.engineering.questions.sample import SampleOfMaps
-from asperity.engineering.questions.sensitivity import Sensitivity, split_tolerances
+from asperity.engineering.questions.sensitivity import Sensitivity
 from asperity.engineering.questions.sliding import Sliding
 from asperity.engineering.questions.yielding import Yielding
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
-from asperity.settings.materials import own_materials
+from asperity.settings.materials import known_materials, own_materials, table
 from asperity.settings.model import ContradictionError, optional
+from asperity.settings.quantities import split_tolerances
 
 
 class Case(Scene):
@@ -73,15 +74,26 @@ class Case(Scene):
     sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
+    model_config = ConfigDict(json_schema_extra={"renamed": {"run_in": "running_in"}})
+
     @model_validator(mode="wrap")
     @classmethod
-    def _with_materials(cls, value: Any, made: Any) -> Any:
-        """The case, whose bodies may be of materials of the user, and whose inputs may have tolerances."""
-        if isinstance(value, Mapping):
-            value = split_tolerances(value)
-        file = value.get("materials") if isinstance(value, Mapping) else None
-        with own_materials(file) if isinstance(file, str) else nullcontext():
+    def _expanded(cls, value: Any, made: Any) -> Any:
+        """The case, whose inputs may have tolerances, and whose bodies may be of materials of the user."""
+        if not isinstance(value, Mapping):
             return made(value)
+        value, own = split_tolerances(value), {}
+        with suppress(ValueError):  # reported by the check of the field
+            own = own_materials(value.get("materials") or {})
+            value = {**value, "materials": own}
+        with known_materials(own):
+            found = made(value)
+        bodies = [body for body in (found.body, found.counter_body) if body is not None]
+        used = {each.name: each for body in bodies for each in body.materials}
+        own = {name: each for name, each in used.items() if table().get(name) != each}
+        found.__dict__["materials"] = own or None
+        found.model_fields_set.update(["materials"] if own else [])
+        return found
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -2,15 +2,16 @@
 
 It writes one beside every answer. Besides the groups of `asperity.Case` a file may have ``out``, the folder
 of the answer, and ``checksums`` of the maps, with which a case is refused once they have changed. Names of
-files are relative to the folder of the file. ``map.file`` may be a list of several maps, or a pattern such as
-``ring_*.x3p``; then the map of the counter body may be a list, too.
+files are relative to the folder of the file. ``map`` and ``counter_body.map`` may be the name of the map
+alone. ``map.file`` may be a list of several maps, or a pattern such as ``ring_*.x3p``; then the map of the
+counter body may be a list, too.
 """
 
 import copy
 import glob
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +24,10 @@ from asperity.core.version import __version__
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, checksums_in
-from asperity.engineering.scene import MATERIALS
+from asperity.engineering.scene import MATERIALS, Scene
 from asperity.results.atomic import write_text
+from asperity.settings.map import file_name, with_file
+from asperity.settings.model import Entry, Problem, Settings, described, inside, item_of, optional
 from asperity.settings.reader import load
 from asperity.surface.reading.height_map import HeightMap
 
@@ -38,33 +41,79 @@ MAP_FILES = (("map", "file"), ("counter_body", "map", "file"))
 """Keys of the maps."""
 
 
+class Checksums(Settings):
+    """SHA-256 checksums of the maps; of several maps a list."""
+
+    map: str | list[str] | None = optional("not compared", accepts="a checksum, or a list of them")
+    counter_map: str | list[str] | None = optional("not compared", accepts="a checksum, or a list of them")
+
+
+class FileKeys(Settings):
+    """Keys of a case file that are no groups of a case."""
+
+    out: str | None = optional("after the map", accepts="the name of a folder")
+    checksums: Checksums | None = optional("files are not compared")
+
+
 def load_case(path: str | Path) -> dict[str, Any]:
-    """The content of a case file, with names of files relative to the working folder.
+    """The content of a case file, with whole groups, and names of files relative to the working folder.
 
     Raises
     ------
     InputError
-        If it cannot be read, or lists of maps differ in length.
+        If it cannot be read, names of files are none, or lists of maps differ in length.
     """
     path, content = Path(path), copy.deepcopy(load(path))
-    if isinstance(content.get("map"), (str, list)):
-        content["map"] = {"file": content["map"]}
+    own = {key: content.pop(key) for key in (OUT, CHECKSUMS) if key in content}
+    content |= FileKeys.read(own, str(path)).written()
+    for *groups, name in (keys[:-1] for keys in MAP_FILES):
+        if isinstance(group := at(content, groups), dict) and name in group:
+            group[name] = with_file(group[name])
     if (path.parent / MATERIALS).is_file():
         content.setdefault("materials", MATERIALS)
     maps = at(content, MAP_FILES[0])
-    for keys in (*MAP_FILES, (OUT,), ("materials",)):
+    for keys in _names_in(content):
         given = at(content, keys)
-        if isinstance(given, str):
-            file = str(path.parent / given)
-            put(content, keys, matches(file) if keys in MAP_FILES else file)
-        elif isinstance(given, list):
-            if not (given and isinstance(maps, list) and len(given) == len(maps)) or not all(
-                isinstance(each, str) and each for each in given
-            ):
-                needed = f"a list of {len(maps) if isinstance(maps, list) else 1} names is needed"
-                raise InputError(str(path), [f"{'.'.join(keys)} = {shown(given)}: {needed}"])
-            put(content, keys, [str(path.parent / each) for each in given])
+        try:
+            if isinstance(given, list) and keys in MAP_FILES:
+                if not (given and isinstance(maps, list) and len(given) == len(maps)):
+                    raise ValueError(f"a list of {len(maps) if isinstance(maps, list) else 1} names")
+                put(content, keys, [str(path.parent / file_name(each)) for each in given])
+            else:
+                file = path.parent / file_name(given)
+                put(content, keys, matches(given, path.parent) if keys in MAP_FILES else str(file))
+        except ValueError as error:
+            raise InputError(str(path), [f"{'.'.join(keys)} = {shown(given)}: {error} is needed"]) from None
     return content
+
+
+def _names_in(content: Mapping[str, Any]) -> list[Sequence[str]]:
+    """Keys of all names of files in the content of a case file."""
+    own = at(content, ["materials"])
+    of_materials = (
+        [("materials", name, "file") for name in own] if isinstance(own, Mapping) else [("materials",)]
+    )
+    return [keys for keys in (*MAP_FILES, (OUT,), *of_materials) if at(content, keys) is not None]
+
+
+def files_with_checksums(content: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Key, name and checksum of each file from which a case was computed: maps, and materials of the user."""
+    for name, keys in zip(("map", "counter_map"), MAP_FILES, strict=True):
+        given = at(content, keys), at(content, (CHECKSUMS, name))
+        files, checksums = (each if isinstance(each, list) else [each] for each in given)
+        pairs = zip(files, checksums, strict=False)
+        yield from ((f"{CHECKSUMS}.{name}", *pair) for pair in pairs if None not in pair)
+    own = content.get("materials")
+    for name, entry in own.items() if isinstance(own, Mapping) else ():
+        if at(entry, ["sha256"]) is not None:
+            yield f"materials.{name}", entry["file"], entry["sha256"]
+
+
+def changed_files(content: Mapping[str, Any]) -> Iterator[Problem]:
+    """A problem for each file of a case that has another checksum now."""
+    for key, file, checksum in files_with_checksums(content):
+        if os.path.isfile(file) and sha256_of(file) != checksum:
+            yield Problem(key, f": {file} has changed since; delete the key to run it as it is now")
 
 
 def case_of_answer(folder: Path) -> dict[str, Any]:
@@ -73,12 +122,12 @@ def case_of_answer(folder: Path) -> dict[str, Any]:
     return {name: group for name, group in content.items() if name not in (OUT, CHECKSUMS)}
 
 
-def matches(name: str) -> str | list[str]:
-    """Files that match a pattern such as ``ring_*.x3p``, in order; the name itself if less than two match."""
-    if glob.has_magic(name) and not os.path.exists(name):
-        found = sorted(glob.glob(name))
-        return found if len(found) > 1 else (found or [name])[0]
-    return name
+def matches(name: str, folder: Path) -> str | list[str]:
+    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order; one name if only one does."""
+    if glob.has_magic(name) and not (folder / name).exists():
+        found = [str(folder / each) for each in sorted(glob.glob(name, root_dir=folder))]
+        return found if len(found) > 1 else (found or [str(folder / name)])[0]
+    return str(folder / name)
 
 
 def case_of_map(content: Mapping[str, Any], number: int) -> dict[str, Any]:
@@ -86,25 +135,45 @@ def case_of_map(content: Mapping[str, Any], number: int) -> dict[str, Any]:
     found = copy.deepcopy(dict(content))
     for keys in (*MAP_FILES, (CHECKSUMS, "map"), (CHECKSUMS, "counter_map")):
         if isinstance(given := at(found, keys), list):
-            put(found, keys, given[number])
+            put(found, keys, at(given, [str(number)]))
     return found
 
 
 def at(content: Any, keys: Sequence[str]) -> Any:
-    """The value at nested keys; None if there is none."""
+    """The value at nested keys, of which a number is a place in a list; None if there is none."""
     for key in keys:
-        content = content.get(key) if isinstance(content, Mapping) else None
+        if isinstance(content, list):
+            content = content[int(key)] if key.isdecimal() and int(key) < len(content) else None
+        else:
+            content = content.get(key) if isinstance(content, Mapping) else None
     return content
 
 
-def put(content: dict[str, Any], keys: Sequence[str], value: Any) -> None:
-    """Set the value at nested keys; groups on the way are made."""
-    *groups, last = keys
-    for key in groups:
-        if not isinstance(content.get(key), dict):
-            content[key] = {}
-        content = content[key]
-    content[last] = value
+def put(content: Any, keys: Sequence[str], value: Any) -> None:
+    """Set the value at nested keys; groups on the way are made, and a list where the next key is a number."""
+    key, *rest = keys
+    if rest:
+        below = at(content, [key])
+        if not isinstance(below, dict) and not (isinstance(below, list) and str(rest[0]).isdecimal()):
+            below = [] if str(rest[0]).isdecimal() else {}
+        put(below, rest, value)
+        value = below
+    if isinstance(content, list):
+        content += [None] * (int(key) > len(content))  # a list with a gap is refused
+        content[int(key) : int(key) + 1] = [value]
+    else:
+        content[key] = value
+
+
+def leaves(content: Any, known: Entry | None = None, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted key and value of every setting of a case; an empty group is one too."""
+    known = described(Case) if known is None else known
+    for name, value in enumerate(content) if isinstance(content, list) else content.items():
+        below = inside(known, name) or {}
+        if value and isinstance(value, (Mapping, list)) and "properties" in item_of(below):
+            yield from leaves(value, below, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
 
 
 def names_of_maps(paths: Sequence[str]) -> list[str]:
@@ -117,7 +186,7 @@ def names_of_maps(paths: Sequence[str]) -> list[str]:
     ]
 
 
-def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
+def save_case(case: Scene, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
     """Write a case as the YAML file that ``asperity run`` takes in place of a map.
 
     Names of files in it are relative to its folder, or absolute as they were given.
@@ -145,26 +214,26 @@ def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[R
     write_text(path, case_text(case, path.parent, out, files))
 
 
-def case_text(case: Case, folder: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> str:
+def case_text(case: Scene, folder: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> str:
     """The content of a case file in a folder; see `save_case`."""
     return _text(_content(case, folder, out, files))
 
 
-def _content(case: Case, folder: Path, out: Path | None, files: Sequence[ReadFile]) -> dict[str, Any]:
+def _content(case: Scene, folder: Path, out: Path | None, files: Sequence[ReadFile]) -> dict[str, Any]:
     """The groups of a case, with names of files relative to a folder."""
     content = case.written() | ({} if out is None else {OUT: os.fspath(out)})
     maps = {"map": case.map, "counter_map": case.counter_map}
     named = [name for name, each in maps.items() if each is not None and not isinstance(each.file, HeightMap)]
     if files:
         content[CHECKSUMS] = {name: file.sha256 for name, file in zip(named, files, strict=False)}
-    for keys in (*MAP_FILES, (OUT,), ("materials",)):
+    for keys in _names_in(content):
         given = at(content, keys)
-        if given is not None and not os.path.isabs(given):
+        if not os.path.isabs(given):
             put(content, keys, Path(os.path.relpath(given, folder)).as_posix())
     return content
 
 
-def pool_text(cases: Sequence[tuple[Case, Sequence[ReadFile]]], folder: Path) -> str:
+def pool_text(cases: Sequence[tuple[Scene, Sequence[ReadFile]]], folder: Path) -> str:
     """The content of the case file of pooled maps, with the checksums of all their files."""
     each = [_content(case, folder, None, files) for case, files in cases]
     content = copy.deepcopy(each[0])
@@ -179,7 +248,7 @@ def _text(content: Mapping[str, Any]) -> str:
     return yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True)
 
 
-def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
+def same_case(text: str, case: Scene, files: Sequence[ReadFile]) -> bool:
     """True if the text of a case file describes a case; its maps may be elsewhere, with equal checksums."""
     try:
         there = yaml.safe_load(text)
@@ -189,14 +258,13 @@ def same_case(text: str, case: Case, files: Sequence[ReadFile]) -> bool:
     if not isinstance(there, dict):
         return False
     for content in (there, here):
-        for keys in (*MAP_FILES, ("materials",)):
-            if at(content, keys) is not None:
-                put(content, keys, "")
+        for keys in _names_in(content):
+            put(content, keys, "")
         content.pop("sample", None)
     return there == here
 
 
-def holds_answer(folder: Path, case: Case, files: Sequence[ReadFile]) -> bool:
+def holds_answer(folder: Path, case: Scene, files: Sequence[ReadFile]) -> bool:
     """True if a folder has the complete answer of a case, of this version, with all files unchanged."""
     checksums = checksums_in(folder)
     if not {"report.html", "contact.nc", CASE_FILE} <= checksums.keys():

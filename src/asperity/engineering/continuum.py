@@ -4,6 +4,7 @@ The formulas are in `asperity.stress.statistics.extrapolation`.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import xarray as xr
@@ -13,6 +14,7 @@ from asperity.contact.half_grid import HALF_TOLERANCE, solve_on_half
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.extremes import Extremes, largest_of
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.extrapolation import OnGrid, extrapolate, reason_against
 
@@ -66,15 +68,15 @@ def continuum_limit(
         spacing, and the relative ``error`` of the estimate: ``area_fraction``, ``gradient_rms_contact``, and
         ``proportionality`` κ_r, their product times the effective modulus over the mean pressure. With a
         stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
-        ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest tenth;
-        along `poisson` the ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the
-        contact pressure. Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why,
-        or ``reason_of_stress`` if only the peaks have none. ``least_error`` is the least relative error of
-        the largest von Mises stress by the departure of the surface from an isotropic Gaussian one. The
-        attribute ``lost_gradient`` is the share of the squared gradient of the surface that half of the nodes
-        do not resolve: a third or more if the roughness continues below the spacing. ``plastic_area`` is
-        copied from the contact: at a hardness errors are larger, and depths and decay lengths have no
-        estimate.
+        ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest
+        tenth; along `poisson` the ``decay_length_depth`` and ``decay_length_plane``, NaN if `stress` has no
+        covariances. Stresses are in the unit of the contact pressure. Where the grid allows no estimate, it
+        is NaN, and the attribute ``reason`` says why, or ``reason_of_stress`` if only the peaks have none.
+        ``least_error`` is the least relative error of the largest von Mises stress by the departure of the
+        surface from an isotropic Gaussian one. The attribute ``lost_gradient`` is the share of the squared
+        gradient of the surface that half of the nodes do not resolve: a third or more if the roughness
+        continues below the spacing. ``plastic_area`` is copied from the contact: at a hardness errors are
+        larger, and depths and decay lengths have no estimate.
 
     Raises
     ------
@@ -121,30 +123,43 @@ def continuum_on_grids(
     stress: xr.Dataset | None,
     body: str,
     loaded: LoadedSolid | None = None,
+    extremes: Mapping[str, float] | None = None,
 ) -> xr.Dataset:
-    """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it."""
-    coarse = None
+    """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it.
+
+    With the `extremes` of the stress, field → extreme value, also their ``extreme`` along `field`.
+    """
+    coarse = on_half = None
     if stress is not None:
         planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface
         # Depths over the spacing are the same on both grids; in a thin coating planes lie closer.
         spacing = planes[1] / min(contact.grid.spacing) if interface is None else 0.5
+        solid = loaded or half.contact.in_body(body)
+        sliding = {name: stress.attrs[name] for name in ("friction", "sliding_direction")}
+        found = Extremes(solid.layer, [*(extremes or {})])
         coarse = analyse_stress(
-            loaded or half.contact.in_body(body),
+            solid,
             depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interface),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=HALF_TOLERANCE,
-            friction=stress.attrs["friction"],
-            sliding_direction=stress.attrs["sliding_direction"],
+            observe=None if extremes is None else found.add,
+            covariances="covariance_plane" in stress,
+            **sliding,
         )
-    both = _on_grid(contact, stress), _on_grid(half.contact, coarse)
+        if extremes is not None:
+            largest = largest_of(found.refined(solid, HALF_TOLERANCE, **sliding))
+            on_half = {name: largest[name].value for name in extremes}
+    both = _on_grid(contact, stress, extremes), _on_grid(half.contact, coarse, on_half)
     attributes = {"lost_gradient": half.lost, "plastic_area": contact.plastic_area}
     return extrapolate(*both, half.lost, half.reason).assign_attrs(attributes)
 
 
-def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:
+def _on_grid(
+    contact: Contact, stress: xr.Dataset | None, extremes: Mapping[str, float] | None = None
+) -> OnGrid:
     """Results of a contact and of the analysis of its stress."""
     load = contact.mean_pressure / contact.solid.effective_modulus
     plastic = contact.plastic_area > 0
     numbers = contact.pressure, load, contact.gradient_rms_contact, contact.grid
-    return OnGrid(*numbers, stress, plastic, contact.height)
+    return OnGrid(*numbers, stress, plastic, contact.height, extremes)

@@ -17,14 +17,13 @@ from typing import Any
 
 from asperity.core.errors import InputError, one_line, shown
 from asperity.core.system import available_memory
-from asperity.engineering.answer import Answer, answer_to, open_answer, pool
+from asperity.engineering.answer import Answer, Sample, answer_to, open_answer, pool
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, holds_answer, names_of_maps
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.folder import COMPARISON, SAMPLE, folder_problem, locked, stems_of
 from asperity.engineering.sample import check_alike
-from asperity.engineering.show.sample import Sample
 from asperity.engineering.stages import problems_on_map
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.model import Problem, SettingsError
@@ -175,7 +174,7 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
         except SettingsError as error:
             found += error.found
         except InputError as error:
-            found += [Problem("map", f": {line}") for line in error.lines]
+            found += map(_of_map, error.problems, error.lines)
         except ValueError as error:
             found.append(Problem("", str(error)))
     read_files = rough.files if rough else ()
@@ -188,6 +187,12 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
     elif folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
         found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
     return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *missing]),))
+
+
+def _of_map(problem: str, line: str) -> Problem:
+    """A problem of a map with the key of the option with which it begins, or of the map."""
+    name = next((name for name in Map.model_fields if problem.startswith((f"{name}: ", f"{name} = "))), "")
+    return Problem(f"map.{name}", problem.removeprefix(name)) if name else Problem("map", f": {line}")
 
 
 def _problems_of_several(

@@ -6,11 +6,14 @@ The maximum of a peak on an area that was not measured follows from the peaks of
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
+from typing import Self, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -18,6 +21,8 @@ import pandas as pd
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import AnswerData, case_in_words, tile_names, without_repeats
+from asperity.engineering.answer_files import read_data
+from asperity.engineering.folder import SAMPLE_DATA
 from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.records import (
     CAUSES,
@@ -57,6 +62,8 @@ CRACKS = "cracks expected per area"
 """Quantity from which the probability of a crack on an area follows."""
 
 ONE_MAP = "one map: differences between positions are not known"
+
+Kind = TypeVar("Kind", bound="SampleData")
 
 Key = tuple[str, str, str]
 """Topic, body and quantity of a record."""
@@ -158,6 +165,25 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
     return mean, values
 
 
+def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
+    """The sample, as an object of a kind, of the answers of maps of one surface, in one case; see `asperity.pool`.
+
+    Raises
+    ------
+    ValueError
+        If there is no answer, or maps, bodies or loads differ.
+    """
+    if not answers:
+        raise ValueError("answers: at least one is needed")
+    check_alike({name: answer.face for name, answer in answers.items()})
+    cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
+    first, *_ = cases
+    for name, case in cases.items():
+        if case != cases[first]:
+            raise ValueError(f"answers: {name} is of {case}, {first} of {cases[first]}; one case is needed")
+    return kind(answers)
+
+
 def named(answers: Sequence[AnswerData]) -> dict[str, AnswerData]:
     """Answers by the names of their maps, with a number where several have one name."""
     count = Counter(answer.face.name for answer in answers)
@@ -209,6 +235,12 @@ class SampleData:
 
     answers: Mapping[str, AnswerData]
     deepest: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """The sample in a folder, of the answers in the folders of its maps."""
+        names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
+        return pooled({name: read_data(folder / name, AnswerData) for name in names}, cls)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -381,7 +413,7 @@ class SampleData:
         return pd.DataFrame(found, columns=["body", "area_m2", "no_crack", "low", "high"])
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__.removesuffix('Data')} of {self.title}>"
+        return f"<Sample of {self.title}>"
 
 
 def _cause(record: Record) -> str:

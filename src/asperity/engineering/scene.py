@@ -19,6 +19,7 @@ from asperity.core.units import shown_si
 from asperity.settings.body import Body
 from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
+from asperity.settings.materials import OwnMaterials
 from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting
 
 if TYPE_CHECKING:
@@ -48,10 +49,9 @@ class Scene(Settings):
         ("von_mises",)
     )
     """Fields of the stress whose peaks are listed and that are drawn."""
-    materials: str | None = optional(
-        f"`{MATERIALS}` beside the case, if there is one", accepts="the name of a file"
-    )
-    """File with materials of your own."""
+    materials: OwnMaterials | None = optional(f"`{MATERIALS}` beside the case, if there is one")
+    """File with materials of your own, or a group of them: name → constants. The case of an answer holds
+    those that it uses."""
 
     @field_validator("counter_body", mode="wrap")
     @classmethod
@@ -121,10 +121,7 @@ class Scene(Settings):
     @property
     def layers_and_coatings(self) -> list[str]:
         """Dotted keys of the layers and coatings of the elastic bodies."""
-        keys = (
-            (name, body, key) for name, body in self.groups_of_bodies.items() for key in ("layer", "coating")
-        )
-        return [f"{name}.{key}" for name, body, key in keys if getattr(body, key) is not None]
+        return [f"{name}.layers" for name, body in self.groups_of_bodies.items() if body.layers]
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -259,9 +256,9 @@ def solid_of(body: Body) -> Solid:
     """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
     from asperity.elasticity.solid import Solid
 
-    if body.layer is not None:
-        return Solid(body.young, body.poisson, body.layer.height, body.layer.bottom)
-    base = Solid(body.young, body.poisson)
-    if body.coating is None:
-        return base
-    return Solid(body.coating.young, body.coating.poisson, body.coating.thickness, base=base)
+    if body.base is not None:
+        return Solid(body.young, body.poisson, body.layers[0].thickness, body.base)
+    solid = Solid(body.young, body.poisson)
+    for layer in reversed(body.layers):
+        solid = Solid(layer.young, layer.poisson, layer.thickness, base=solid)
+    return solid

@@ -13,13 +13,17 @@ import yaml
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import did_you_mean, shown
 from asperity.engineering.case import Case
+from asperity.engineering.case_file import leaves
 from asperity.settings.materials import table
-from asperity.settings.model import Entry, accepted, described
+from asperity.settings.model import Entry, accepted, described, inside, item_of, keys_like
 
 PACKAGE = "asperity.engineering"
 
 WIDTH = 100
 """Characters of a line of comment."""
+
+ALSO = {"coating": "layers", "run_in": "running_in"}
+"""Word for a group or setting → its key."""
 
 
 def templates() -> dict[str, Any]:
@@ -53,19 +57,24 @@ def template(name: str) -> str:
 
 def _lines(name: str, entry: Entry, value: Any, indent: str) -> Iterator[str]:
     """Lines of a setting or group: a comment, and the value; keys without a value are commented out."""
-    below = entry.get("properties")
-    if not below or not isinstance(value, Mapping):
+    groups, known = value if isinstance(value, list) else [value], item_of(entry).get("properties")
+    if not known or not all(isinstance(group, Mapping) for group in groups):
         yield from _comment(_in_words(entry), indent)
-        yield f"{indent}{name}: {_yaml(value)}"
+        yield f"{indent}{name}: {yaml_line(value)}"
         return
     yield from _comment(entry["description"], indent)
-    yield f"{indent}{name}:{'' if below and value else ' {}'}"
-    for key in value:
-        yield from _lines(key, below[key], value[key], f"{indent}  ")
-    for key, each in below.items():
-        if key not in value and "properties" not in each:
-            yield from _comment(_in_words(each), f"{indent}  ")
-            yield f"{indent}  # {key}: {_yaml(each.get('example', each.get('default')))}"
+    yield f"{indent}{name}:{'' if value else ' {}'}"
+    deeper = f"{indent}  "
+    for group in groups:
+        if isinstance(value, list):
+            yield f"{indent}  -"
+            deeper = f"{indent}    "
+        for key in group:
+            yield from _lines(key, known[key], group[key], deeper)
+        for key, each in known.items():
+            if key not in group and "properties" not in each:
+                yield from _comment(_in_words(each), deeper)
+                yield f"{deeper}# {key}: {yaml_line(each.get('example', each.get('default')))}"
 
 
 def _comment(text: str, indent: str) -> Iterator[str]:
@@ -76,16 +85,16 @@ def _in_words(entry: Entry) -> str:
     """Description of a setting, its accepted values, unit and default."""
     facts = [accepted(entry)]
     facts += [f"unit: {entry['unit']}"] if "unit" in entry else []
-    default = entry.get("default_text") or (_yaml(entry["default"]) if "default" in entry else "")
+    default = entry.get("default_text") or (yaml_line(entry["default"]) if "default" in entry else "")
     facts += [f"default: {default}"] if default else []
     return f"{entry['description'].rstrip('.')} ({'; '.join(facts)})."
 
 
-def _yaml(value: Any) -> str:
+def yaml_line(value: Any) -> str:
     """A value in one line of YAML."""
     if value is None:
         return ""
-    text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10_000)
+    text = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, allow_unicode=True, width=10_000)
     return text.removesuffix("\n").removesuffix("\n...")
 
 
@@ -100,17 +109,34 @@ def explanation(key: str) -> str:
     entry: Entry = described(Case)
     path: list[str] = []
     for part in key.split("."):
-        known = entry.get("properties", {})
-        if part not in known:
+        if (below := inside(entry, part)) is None:
+            known = entry.get("properties", {})
             near = did_you_mean(part, known) or f"; known here are {', '.join(known) or 'no keys'}"
             raise ValueError(f"{'.'.join([*path, part])}: unknown key{near}")
-        entry, path = known[part], [*path, part]
+        entry, path = below, [*path, part]
     if "properties" not in entry:
-        example = f"\nExample: {_yaml({path[-1]: entry['example']})[1:-1]}" if "example" in entry else ""
+        example = f"\nExample: {yaml_line({path[-1]: entry['example']})[1:-1]}" if "example" in entry else ""
         return f"{key}: {_in_words(entry)}{example}"
     width = max(map(len, entry["properties"]), default=0)
     lines = [f"  {name:<{width}}  {each['description']}" for name, each in entry["properties"].items()]
     return "\n".join([f"{key}: {entry['description']}", *lines])
+
+
+def hint(word: str) -> str:
+    """The key of a case that a word means, such as an unknown flag; empty if there is none.
+
+    Examples
+    --------
+    >>> from asperity.engineering.templates import hint
+    >>> hint("--lambda")
+    'film.lambda_ratio, given by --set or in a case file (asperity case film)'
+    """
+    word = word.lstrip("-").lower().replace("-", "_")
+    known = keys_like(ALSO.get(word, word), described(Case)) if len(word) > 2 else []
+    for name, each in templates().items():
+        if key := next((key for key, _ in leaves(each["case"]) if key in known), ""):
+            return f"{key}, given by --set or in a case file (asperity case {name})"
+    return f"{known[0]}, given by --set or in a case file" if known else ""
 
 
 def materials_in_words() -> str:

@@ -231,13 +231,15 @@ class Grid:
     def on_map(self, y: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
         """Positions in the `whole_cell`, which may lie in a mirror image of the map, as positions on the map.
 
-        Between a mirror line and the first node the map has no node of its own.
+        Those on a mirror line before the first node, half a spacing from it, are at 0.
         """
         found = []
         for place, edge, spacing in zip((y, x), self.length, self.spacing, strict=True):
             position = np.asarray(place)
-            image = np.maximum(2 * edge - spacing - position, 0.0) if self.mirrored else position
-            found.append(np.where(position < edge - spacing / 2, position, image))
+            if self.mirrored:
+                image = 2 * edge - spacing - position
+                position = np.maximum(np.where(position < edge - spacing / 2, position, image), 0.0)
+            found.append(position)
         return found[0], found[1]
 
     def first_node(self, finest: Grid) -> tuple[float, float]:

@@ -76,19 +76,3 @@ def accuracy_of(config: Mapping[str, Any], name: str) -> AccuracySettings:
         seeds=len(config["seeds"]),
         **{name: config[section][key] for (section, key), name in PARTS.items()},
     )
-
-
-def overlay(settings: AccuracySettings, points: Mapping[str, int]) -> dict[str, Any]:
-    """Overlay of a configuration with these settings of accuracy.
-
-    Parameters
-    ----------
-    settings : AccuracySettings
-    points : mapping
-        Name of a surface → nodes on an edge.
-    """
-    keys: dict[str, Any] = {"seeds": list(range(1, settings.seeds + 1))}
-    keys["surfaces"] = {name: {"points": number} for name, number in points.items()}
-    for (section, key), name in PARTS.items():
-        keys.setdefault(section, {})[key] = getattr(settings, name)
-    return keys

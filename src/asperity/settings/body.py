@@ -1,11 +1,13 @@
-"""Settings of an elastic body: its material, coating or layer."""
+"""Settings of an elastic body: its material, layers and base."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     ConfigDict,
+    Field,
     GetPydanticSchema,
     PlainSerializer,
     PlainValidator,
@@ -14,22 +16,33 @@ from pydantic import (
     model_validator,
 )
 
+from asperity.core.errors import shown
 from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
-from asperity.settings.materials import material
-from asperity.settings.model import NeededError, Number, Settings, described, optional, setting
+from asperity.settings.materials import Constant, Material, known_materials, material
+from asperity.settings.model import (
+    ContradictionError,
+    Number,
+    Settings,
+    described,
+    nested,
+    optional,
+    setting,
+)
 from asperity.settings.quantities import STRESS, Hardness, Length, Position, Pressure, Stress
 
+UNUSED = {"young": "1 Pa", "poisson": 0.0}
+"""Constants in place of those that a body has not: of a rigid one, and until those of its layer are known."""
 
-def _filled_by_material(schema: dict[str, Any]) -> None:
-    """Take the constants of a material from the keys that a file has to have."""
-    schema["required"] = [name for name in schema["required"] if name not in ("young", "poisson")]
+OF_LAYER = ("material", "young", "poisson", "yield_stress")
+"""Settings that a layer on a rigid base has in place of its body."""
+
+
+IN_LAYERS = "give layers, a list: [{young: …, poisson: …, thickness: …}]"
 
 
 class OfMaterial(Settings):
     """Settings that a material of the table fills where they are not given."""
-
-    model_config = ConfigDict(json_schema_extra=_filled_by_material)
 
     material: str | None = optional(
         "constants are given one by one",
@@ -45,7 +58,8 @@ class OfMaterial(Settings):
         "from the material; without a value yielding is not analysed", example="1.5 GPa", varied=True
     )
     """Yield stress; the volume above it is reported."""
-    _of_table: tuple[str, ...] = PrivateAttr(())
+    _material: Material | None = PrivateAttr(None)
+    _filled_names: tuple[str, ...] = PrivateAttr(())
 
     @model_validator(mode="wrap")
     @classmethod
@@ -53,55 +67,59 @@ class OfMaterial(Settings):
         """The group with the constants of its material."""
         if not isinstance(value, Mapping) or not isinstance(value.get("material"), str):
             return made(value)
+        known, is_coated = material(value["material"]), value.get("layers") and value.get("base") is None
         filled = {
             name: constant.value
-            for name, constant in material(value["material"]).constants.items()
+            for name, constant in known.constants.items()
             if name in cls.model_fields
             and value.get(name) is None
             # The hardness of the material does not hold for a coated body.
-            and not (name == "hardness" and value.get("coating") is not None)
+            and not (name == "hardness" and is_coated)
         }
         if not {"fatigue_torsion", "fatigue_bending"} <= {**value, **filled}.keys():  # one alone is of no use
             filled = {name: constant for name, constant in filled.items() if not name.startswith("fatigue")}
         found = made({**value, **filled})
         found.model_fields_set.difference_update(filled)
-        found._of_table = tuple(filled)
+        found._material, found._filled_names = known, tuple(filled)
         return found
+
+    def replaced(self, **changes: Any) -> Self:
+        """The settings with other values of some of them; the materials stay as they were read."""
+        with known_materials({each.name: each for each in self.materials}):
+            return super().replaced(**changes)
 
     def gives(self, name: str) -> bool:
         """True if the group itself gives a constant, not its material."""
         return name in self.model_fields_set and getattr(self, name) is not None
 
     @property
-    def of_table(self) -> tuple[str, ...]:
-        """Names of the constants that come from the table of materials."""
-        return self._of_table
+    def from_material(self) -> dict[str, Constant]:
+        """The constants that were taken from the material, with their sources, by name."""
+        return {name: self._material.constants[name] for name in self._filled_names if self._material}
+
+    @property
+    def materials(self) -> list[Material]:
+        """The materials of the group and of the groups in it."""
+        return [] if self._material is None else [self._material]
 
 
-class Coating(OfMaterial):
-    """A coating that is bonded to the body, a half-space."""
+class Layer(OfMaterial):
+    """A layer of a body."""
+
+    model_config = ConfigDict(json_schema_extra={"required": ["thickness"]})
 
     thickness: Length = setting(..., example="2 um", varied=True)
-    """Thickness of the coating."""
+    """Thickness of the layer."""
     residual_stress: Stress | None = optional("none", example="-2 GPa")
-    """Equal normal stresses along x and y in the coating of the unloaded body, compression negative. They are
-    added to the stress in the coating."""
-
-
-class Layer(Settings):
-    """A body that is a layer on a rigid base."""
-
-    height: Length = setting(..., example="5 um")
-    """Height of the layer."""
-    bottom: Literal["bonded", "frictionless"] = setting("bonded")
-    """Lower face of the layer: `bonded` to a rigid base, or on a `frictionless` one."""
+    """Equal normal stresses along x and y in the layer of the unloaded body, compression negative. They are
+    added to the stress in the layer. On a rigid base the residual stress of the body is given instead."""
 
 
 class ResidualStress(Settings):
     """A table of equal normal stresses along x and y over depth."""
 
     depth: tuple[Position, ...] = setting(..., example=["0 um", "50 um", "300 um"])
-    """Depths, rising from 0."""
+    """Rising depths ≥ 0. The stress is constant above the first and below the last of them."""
     stress: tuple[Stress, ...] = setting(..., example=["-600 MPa", "-400 MPa", "0 MPa"])
     """Stress at each depth, compression negative."""
 
@@ -115,7 +133,7 @@ class ResidualStress(Settings):
 def _residual(value: Any, info: ValidationInfo) -> float | ResidualStress:
     """A stress, or a table of it."""
     if isinstance(value, Mapping):
-        return ResidualStress.model_validate(value, context=info.context)
+        return nested(ResidualStress, value, info)
     return value if isinstance(value, ResidualStress) else STRESS(value, info)
 
 
@@ -123,7 +141,7 @@ def _of_residual(*_: Any) -> dict[str, Any]:
     """Description of a stress or a table of it, in the words of a JSON Schema."""
     return {
         "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
-        "accepts": f"{STRESS.needed()}, or a group of two lists, depth and stress",
+        "accepts": f"{STRESS.needed()}, or a table such as {{depth: [0 um, 50 um], stress: [-1 GPa, 0 Pa]}}",
     }
 
 
@@ -149,27 +167,44 @@ class Body(OfMaterial):
     Examples
     --------
     >>> steel = asp.Body(young="210 GPa", poisson=0.3, yield_stress=1.5e9)
-    >>> film = asp.Body(young=2e9, poisson=0.4, layer={"height": "5 um"})  # on a rigid base
-    >>> coated = asp.Body(material="100Cr6", coating={"thickness": "2 um", "young": 400e9, "poisson": 0.25})
-    >>> steel.young, coated.young, coated.coating.thickness
-    (210000000000.0, 210000000000.0, 2e-06)
+    >>> coating = {"thickness": "2 um", "young": 400e9, "poisson": 0.25}
+    >>> coated = asp.Body(material="100Cr6", layers=[coating])
+    >>> film = asp.Body(layers=[{"thickness": "5 um", "young": 2e9, "poisson": 0.4}], base="bonded")
+    >>> coated.young, coated.layers[0].thickness, film.young
+    (210000000000.0, 2e-06, 2000000000.0)
     """
 
-    @model_validator(mode="before")
+    model_config = ConfigDict(
+        json_schema_extra={
+            "required": [],
+            "removed": {"coating": IN_LAYERS, "layer": f"{IN_LAYERS}, and base: bonded"},
+        }
+    )
+
+    @model_validator(mode="wrap")
     @classmethod
-    def _of_solid(cls, value: Any) -> Any:
-        """A half-space or layer of the library, `asperity.Solid`, is a body too."""
-        if isinstance(value, Layer):
-            raise NeededError("a Body with this layer, such as Body(young=2e9, poisson=0.4, layer=…),")
-        if isinstance(value, (Mapping, Settings)) or not hasattr(value, "poisson"):
-            return value
-        if getattr(value, "base", None) is not None:
-            raise NeededError("a Body with a coating, such as Body(young=…, poisson=…, coating={…}),")
-        layer = {} if value.height is None else {"layer": {"height": value.height, "bottom": value.bottom}}
-        return {"young": value.young, "poisson": value.poisson, **layer}
+    def _of_solid_or_layer(cls, value: Any, made: Any) -> Any:
+        """A solid of the library is a body too; one on a rigid base has the constants of its layer."""
+        if hasattr(value, "poisson") and not isinstance(value, (Mapping, Settings)):
+            value = _group_of(value)
+        layers = value.get("layers") if isinstance(value, Mapping) else None
+        if not (isinstance(layers, (list, tuple)) and layers and value.get("base") is not None):
+            return made(value)
+        if wrong := [name for name in OF_LAYER if value.get(name) is not None]:
+            text = f" = {shown(value['base'])}: {', '.join(wrong)} belong to layers.0 on a rigid base"
+            raise ContradictionError(("base", text))
+        given, top = {**value, **UNUSED}, layers[0]
+        name = top.get("material") if isinstance(top, Mapping) else getattr(top, "material", None)
+        with suppress(ContradictionError):  # of a material that is not known, which the layer reports
+            given["material"] = material(name).name if isinstance(name, str) else None
+        found = made(given)
+        found.__dict__.update({each: getattr(found.layers[0], each) for each in OF_LAYER})
+        found.model_fields_set.difference_update(OF_LAYER)
+        found._filled_names = tuple(each for each in found._filled_names if each not in OF_LAYER)
+        return found
 
     hardness: Hardness | None = optional(
-        "from the material, if the body has no coating; without a value an elastic contact",
+        "from the material, without a coating; without a value an elastic contact",
         example="7 GPa",
         varied=True,
     )
@@ -193,19 +228,30 @@ class Body(OfMaterial):
     """Equal normal stresses along x and y in the unloaded body, compression negative. They are added to
     the mean stress in the criterion of Dang Van. A group of two lists, `depth` and `stress`, is a table over
     depth, linear between its rows and constant beyond them."""
-    coating: Coating | None = optional("no coating")
-    """Coating of the body. The hardness is measured on the coated body; yield stress and fatigue limits hold
-    below the coating."""
-    layer: Layer | None = optional("a half-space")
-    """A layer on a rigid base."""
+    layers: Annotated[tuple[Layer, ...], Field(max_length=1)] = setting(
+        (),
+        default_text="none",
+        accepts="a list of one group of keys",
+        example=[{"thickness": "2 um", "young": "400 GPa", "poisson": 0.25}],
+    )
+    """Layers on the body, the top one first; so far one. On a half-space it is a coating: the hardness is
+    measured on the coated body; yield stress and fatigue limits of the body hold below the coating."""
+    base: Literal["bonded", "frictionless"] | None = optional("a half-space with the constants of the body")
+    """Rigid base of the layer, which is `bonded` to it or rests on it `frictionless`. Material, elastic
+    constants and yield stress are then those of the layer, and the body gives none."""
     map: CounterMap | None = optional("the counter body is flat")
     """Height map of the counter body, which is rigid if nothing else is given."""
     _is_rigid: bool = PrivateAttr(False)
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         """Settings of the body that exclude each other, or need others."""
-        if self.coating is not None and self.layer is not None:
-            yield "coating", ": not accepted together with layer"
+        if self.base is not None and not self.layers:
+            yield "base", ": needs layers"
+        elif self.base is not None and self.layers[0].residual_stress is not None:
+            yield (
+                "layers.0.residual_stress",
+                ": not accepted on a rigid base; give residual_stress of the body",
+            )
         if (self.fatigue_torsion is None) != (self.fatigue_bending is None):
             limits = ("fatigue_torsion", "fatigue_bending")
             name, other = limits if self.fatigue_bending is None else reversed(limits)
@@ -218,9 +264,8 @@ class Body(OfMaterial):
         """A counter body, which is rigid if its map alone is given."""
         if not (isinstance(value, Mapping) and value.keys() == {"map"} and value["map"] is not None):
             return made(value)
-        unused = {"young": "1 Pa", "poisson": 0.0}
-        found = made({**value, **unused})
-        found.model_fields_set.difference_update(unused)
+        found = made({**value, **UNUSED})
+        found.model_fields_set.difference_update(UNUSED)
         found._is_rigid = True
         return found
 
@@ -230,11 +275,25 @@ class Body(OfMaterial):
         return self._is_rigid
 
     @property
+    def coating(self) -> Layer | None:
+        """The layer on a half-space."""
+        return self.layers[0] if self.layers and self.base is None else None
+
+    @property
+    def layer(self) -> Layer | None:
+        """The layer on a rigid base."""
+        return self.layers[0] if self.layers and self.base is not None else None
+
+    @property
+    def materials(self) -> list[Material]:
+        return [*super().materials, *(found for layer in self.layers for found in layer.materials)]
+
+    @property
     def in_words(self) -> str:
         """Material, elastic constants, and coating or layer."""
         layer = ""
         if self.layer is not None:
-            layer = f", {shown_si(self.layer.height, 'm')} thick, {self.layer.bottom} bottom"
+            layer = f", {shown_si(self.layer.thickness, 'm')} thick, {self.base} bottom"
         if (coating := self.coating) is not None:
             young, poisson = shown_si(coating.young, "Pa"), coating.poisson
             layer = f" under {shown_si(coating.thickness, 'm')} of E = {young}, ν = {poisson:g}"
@@ -242,5 +301,16 @@ class Body(OfMaterial):
         return f"{name}E = {shown_si(self.young, 'Pa')}, ν = {self.poisson:g}{layer}"
 
     def is_like(self, other: "Body") -> bool:
-        """True if another body has the same constants, coating and layer."""
+        """True if another body has the same constants, layers and base."""
         return self.model_dump(exclude={"map", "material"}) == other.model_dump(exclude={"map", "material"})
+
+
+def _group_of(solid: Any) -> dict[str, Any]:
+    """The settings of a body from an `asperity.Solid`."""
+    own = {"young": solid.young, "poisson": solid.poisson}
+    if solid.height is None:
+        return own
+    layers = [own | {"thickness": solid.height}]
+    if solid.base is None:
+        return {"layers": layers, "base": solid.bottom}
+    return {"layers": layers, "young": solid.base.young, "poisson": solid.base.poisson}

@@ -203,7 +203,7 @@ class MeasuredMap(MapFile):
     images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean
     plane."""
     undefined: Literal["harmonic"] = optional("a map with such points is refused")
-    """How points without data are filled."""
+    """How non-measured points are filled."""
     wavelength_short: Annotated[Wavelength, Written("length", "8 um")] = optional(
         "two pixels of the map", unit="cell length, unless it has its own"
     )

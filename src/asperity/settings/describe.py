@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 
 from asperity.settings.configuration import Configuration
-from asperity.settings.model import Entry, Settings, accepted, described
+from asperity.settings.model import Entry, Settings, accepted, described, item_of
 
 MARK = "<!-- settings: python -m asperity.settings describe config/README.md -->\n"
 """Line of the README after which everything is generated."""
@@ -83,7 +83,8 @@ def _group(group: str, entry: Entry, known: dict[str, Entry]) -> tuple[str, list
         known[group] = own
     for name, below in own.items():
         if name not in common:
-            more, inner = _group(f"{group}.{name}", below, known)
+            item = item_of(below)
+            more, inner = _group(f"{group}.{name}{'' if item is below else '.0'}", item, known)
             rows += [(f"{group}.{name}", {**below, "description": below["description"] + more}), *inner]
     if isinstance(named := entry.get("additionalProperties"), Mapping):
         more, inner = _group(f"{group}.NAME", named, known)

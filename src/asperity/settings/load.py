@@ -8,7 +8,6 @@ from pydantic import (
     GetPydanticSchema,
     PlainValidator,
     SerializeAsAny,
-    ValidationError,
     ValidationInfo,
 )
 
@@ -18,10 +17,9 @@ from asperity.settings.model import (
     NeededError,
     Number,
     Settings,
-    SettingsError,
     described,
+    nested,
     optional,
-    problems,
     setting,
 )
 from asperity.settings.quantities import Force as ForceInNewton
@@ -63,17 +61,17 @@ class Force(OneLoad):
 
 
 class Approach(OneLoad):
-    """Approach of the bodies since their first touch."""
+    """Normal approach of the bodies since their first touch."""
 
     approach: Length = setting(..., example="200 nm")
-    """Approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
+    """Normal approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
 
 
 class AreaFraction(OneLoad):
-    """Real over nominal contact area."""
+    """Contact area fraction."""
 
     area_fraction: Number = setting(..., gt=0, le=1, example=0.05)
-    """Real over nominal contact area."""
+    """Contact area fraction: real over nominal contact area."""
 
 
 class Hertz(OneLoad):
@@ -86,7 +84,7 @@ class Hertz(OneLoad):
     """
 
     hertz_pressure: Pressure | None = optional("another quantity is imposed", example="1.2 GPa")
-    """Largest pressure of a Hertz contact, of which the map is a small part."""
+    """Maximum pressure of a Hertz contact, of which the map is a small part."""
     force: ForceInNewton | None = optional("another quantity is imposed")
     """Force of the whole Hertz contact."""
     mean_pressure: Pressure | None = optional("another is imposed")
@@ -154,10 +152,7 @@ def _chosen(value: Any, info: ValidationInfo) -> OneLoad:
     if not in_hertz_contact and given == ["hertz_pressure"]:
         raise ContradictionError(("hertz_pressure", ": needs radius_x"))
     chosen = Hertz if in_hertz_contact else next(each for each in LOADS if given[0] in each.model_fields)
-    try:
-        return chosen.model_validate(value, context=info.context)
-    except ValidationError as error:
-        raise SettingsError("", problems(chosen, error)) from None
+    return nested(chosen, value, info)
 
 
 def _description(*_: Any) -> dict[str, Any]:

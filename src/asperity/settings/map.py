@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Annotated, Any, Literal
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, model_validator
@@ -20,15 +21,27 @@ Periodicity = Literal["declared", "mirrored", "windowed", "none"]
 """Ways in which a map is made periodic; with ``none`` it is not, for a contact with a free boundary."""
 
 
+def file_name(value: Any) -> str:
+    """The name of a file as text; `NeededError` if no file can have it."""
+    name = os.fspath(value) if isinstance(value, (str, os.PathLike)) else ""
+    with suppress(UnicodeEncodeError):  # of surrogates that stand for no bytes
+        if isinstance(name, str) and name and b"\0" not in os.fsencode(name):
+            return name
+    raise NeededError("the name of a file")
+
+
 def _source(value: Any) -> Any:
     """The name of a file as text, or a map in memory, which has heights and edges."""
     if hasattr(value, "height") and hasattr(value, "length"):
         return value
-    if isinstance(value, (str, os.PathLike)) and os.fspath(value):
-        return os.fspath(value)
     if hasattr(value, "ndim"):
         raise NeededError("an asperity.HeightMap or, in asperity.run, an array beside its length")
-    raise NeededError("the name of a file")
+    return file_name(value)
+
+
+def with_file(value: Any) -> Any:
+    """The group of a map, for which the name of its file alone, or names in a list, may stand."""
+    return value if value is None or isinstance(value, (Mapping, Settings)) else {"file": value}
 
 
 Source = Annotated[
@@ -70,9 +83,9 @@ class FileOptions(Settings):
     height_factor: Number | None = optional("as in the file", gt=0, le=1e12)
     """Factor from the numbers in the file to heights."""
     missing: Number | None = optional("as the format of the file marks them")
-    """Number in the file that stands for points without data, such as -9999."""
+    """Number in the file that stands for non-measured points, such as -9999."""
     mask: Literal["excluded"] | None = optional("named, and its points are kept")
-    """`excluded` leaves out the points that a mask in the file marks, as points without data."""
+    """`excluded` leaves out the points that a mask in the file marks, as non-measured points."""
     orientation: Literal["peaks up", "lower face"] | None = optional("as in the file")
     """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
     `lower face` of an indenter, as the library uses it."""
@@ -93,7 +106,7 @@ class FileOptions(Settings):
     """Points that differ from the local median by more than this number of robust standard deviations of
     the local roughness are replaced, as spikes."""
     detrend: Detrend | None = optional("tilt; none for a map that is one period")
-    """Trend that is subtracted besides the mean, by least squares of the points that have data. A period has
+    """Trend that is subtracted besides the mean, by least squares of the measured points. A period has
     no tilt, and subtracting one makes a step at its edges."""
 
 
@@ -122,7 +135,7 @@ class MapOptions(FileOptions):
     undefined: Literal["harmonic"] | None = optional(
         "a map with such points is refused; asperity run fills them"
     )
-    """How points without data are filled."""
+    """How non-measured points are filled."""
     s_filter: LengthOrNumber | None = optional("no filter", example="2.5 um")
     """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
     l_filter: LengthOrNumber | None = optional("no filter", example="80 um")
@@ -171,8 +184,7 @@ class Map(MapOptions):
     @model_validator(mode="before")
     @classmethod
     def _of_file(cls, value: Any) -> Any:
-        """A group may be given as the file alone."""
-        return value if isinstance(value, (Mapping, cls)) else {"file": value}
+        return with_file(value)
 
 
 class CounterMap(Map):

@@ -28,6 +28,7 @@ from pydantic import (
     Strict,
     TypeAdapter,
     ValidationError,
+    ValidationInfo,
     WithJsonSchema,
     model_validator,
 )
@@ -321,7 +322,7 @@ def _plain(entry: Any, known: Mapping[str, Any]) -> Any:
     if "anyOf" in entry:
         others = [_plain(each, known) for each in entry.pop("anyOf") if each.get("type") != "null"]
         entry = (others[0] if len(others) == 1 else {"anyOf": others}) | entry
-    if entry.get("default", 0) is None:
+    if entry.get("default", 0) in (None, []):
         del entry["default"]
     if "patternProperties" in entry:
         ((pattern, below),) = entry.pop("patternProperties").items()
@@ -337,6 +338,33 @@ def _plain(entry: Any, known: Mapping[str, Any]) -> Any:
     return kept
 
 
+def nested(cls: type[BaseModel], value: Any, info: ValidationInfo) -> Any:
+    """A group that the check of another setting makes; its problems have keys inside the group."""
+    try:
+        return cls.model_validate(value, context=info.context)
+    except ValidationError as error:
+        raise SettingsError("", problems(cls, error)) from None
+
+
+def value_at(settings: Any, key: str) -> Any:
+    """The setting of a dotted key, in which a number is a place in a list; None if a group is not given."""
+    for part in key.split("."):
+        if isinstance(settings, tuple):
+            settings = settings[int(part)] if int(part) < len(settings) else None
+        else:
+            settings = getattr(settings, part, None)
+    return settings
+
+
+def with_value(settings: Any, key: str, value: Any) -> Any:
+    """The settings with another value of a dotted key."""
+    name, _, rest = key.partition(".")
+    if isinstance(settings, tuple):
+        changed = value if not rest else with_value(settings[int(name)], rest, value)
+        return (*settings[: int(name)], changed, *settings[int(name) + 1 :])
+    return settings.replaced(**{name: with_value(getattr(settings, name), rest, value) if rest else value})
+
+
 def entry_of(root: type[BaseModel], key: str) -> Entry:
     """Description of one setting, by its dotted key; ``NAME`` stands for a name that the user chooses."""
     *groups, name = key.split(".")
@@ -346,10 +374,10 @@ def entry_of(root: type[BaseModel], key: str) -> Entry:
         one = next((each for each in kinds if name in getattr(each, "model_fields", ())), group)
         entry = described(one)  # without the other groups, whose description takes time
         return entry["additionalProperties"] if name == "NAME" else entry["properties"][name]
-    except (AttributeError, KeyError):  # below a group of one of several classes
+    except (AttributeError, KeyError):  # below a list, or a group of one of several classes
         entry = described(root)
         for part in key.split("."):
-            entry = entry["properties"][part]
+            entry = inside(entry, part) or {}
         return entry
 
 
@@ -366,6 +394,8 @@ def entries(entry: Entry, prefix: str = "") -> Iterator[tuple[str, Entry]]:
     for name, below in entry.get("properties", {}).items():
         yield f"{prefix}{name}", below
         yield from entries(below, f"{prefix}{name}.")
+        if "properties" in (item := item_of(below)) and item is not below:
+            yield from entries(item, f"{prefix}{name}.0.")
     if isinstance(named := entry.get("additionalProperties"), Mapping):
         yield from entries(named, f"{prefix}NAME.")
 
@@ -465,15 +495,15 @@ def _problems_of(root: type[BaseModel], error: Any) -> Iterator[Problem]:
         if part == "[key]" and "names" in group:
             yield Problem(".".join([*path[:-1], shown(error["input"])]), f": {group['names']} is needed")
             return
-        if (below := _below(entry, part)) is None:
+        if (inner := inside(entry, part)) is None:
             break
-        group, entry, path = entry, below, [*path, _part(part)]
+        group, entry, path = entry, inner, [*path, _part(part)]
     key, cause = ".".join(path), error.get("ctx", {}).get("error")
     if isinstance(cause, (ContradictionError, SettingsError)):
         yield from (Problem(".".join(filter(None, [key, inner])), text) for inner, text in cause.found)
     elif unknown:
         word = error["loc"][-1]
-        yield Problem(".".join([*path, _part(word)]), _unknown(str(word), key, entry))
+        yield Problem(".".join([*path, _part(word)]), _unknown(str(word), key, entry, described(root)))
     elif error["type"] == "missing":
         yield Problem(key, f": missing; {accepted(entry)} is needed")
     else:
@@ -489,17 +519,24 @@ def _needed(error: Any, entry: Entry) -> str:
     return accepted(entry) + misread(error["input"])
 
 
-def _below(entry: Entry, part: Any) -> Entry | None:
+def inside(entry: Entry, part: Any) -> Entry | None:
     """Description of a setting in a group, or of an item of a list; None if there is none of this name."""
     if part in entry.get("properties", {}):
         return entry["properties"][part]
-    if entry.get("type") == "array":
+    if entry.get("type") == "array" and str(part).isdecimal():
         return item_of(entry)
     named = entry.get("additionalProperties")
     return named if isinstance(named, Mapping) else None
 
 
-def _unknown(word: str, group: str, entry: Entry) -> str:
+def keys_like(word: str, root: Entry) -> list[str]:
+    """Dotted keys of settings with a part that begins with a word."""
+    start = word.lower().replace("-", "_")
+    known = [key for key, entry in entries(root) if not item_of(entry).get("properties")]
+    return [key for key in known if any(part.startswith(start) for part in key.split("."))]
+
+
+def _unknown(word: str, group: str, entry: Entry, root: Entry) -> str:
     """Message on an unknown key, after the key."""
     if word in entry.get("renamed", {}):
         return f": is called {'.'.join(filter(None, [group, entry['renamed'][word]]))} now"
@@ -508,6 +545,8 @@ def _unknown(word: str, group: str, entry: Entry) -> str:
     if "names" in entry:
         return f": {entry['names']} is needed"
     near = did_you_mean(word, entry["properties"])
+    if not near and (keys := keys_like(word, root)):
+        near = f"; did you mean {keys[0]}?"
     return f": unknown key{near or '; known here are ' + ', '.join(entry['properties'])}"
 
 

@@ -4,6 +4,8 @@ In files and on the command line a quantity needs its unit. In Python a number i
 """
 
 import math
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
 from typing import Annotated, Any
@@ -11,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import Field
 from pydantic_core import CoreSchema, core_schema
 
-from asperity.settings.model import NeededError, Number, accepted
+from asperity.settings.model import ContradictionError, NeededError, Number, accepted
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Quantity:
     def __call__(self, value: Any, info: core_schema.ValidationInfo) -> float:
         """The value in SI; `NeededError` if it is not accepted."""
         from asperity.core.arguments import LARGEST, SMALLEST  # need NumPy; the help of a command does not
-        from asperity.core.units import to_si
+        from asperity.core.units import misread, to_si
 
         if self.infinite and str(value).lstrip(".") == "inf":
             return math.inf
@@ -43,6 +45,8 @@ class Quantity:
             bare = isinstance(value, Real) and not isinstance(value, bool)
             if bare and not (info.context or {}).get("units"):
                 found = float(value)
+            elif self.dimension != "force" and misread(value, self.dimension):  # 50 mPa, where MPa is meant
+                raise ValueError
             else:
                 found = to_si(value, self.dimension)
         except (ValueError, OverflowError):
@@ -126,3 +130,38 @@ Stress = Annotated[float, STRESS]
 Force = Annotated[float, Quantity("force")]
 LengthOrNumber = Annotated[Number, Field(gt=0), Written("length", "512 um")]
 """A length with its unit, or a number whose unit the setting states; both stay as they are written."""
+
+_TOLERANCE = re.compile(r"(.+?)\s*(?:±|\+/?-)\s*(\d+(?:\.\d+)?)\s*%")
+
+
+def split_tolerances(case: Mapping[str, Any]) -> dict[str, Any]:
+    """The groups of a case with inputs such as ``210 GPa ± 5 %`` split into value and tolerance."""
+    tolerances: dict[str, float] = {}
+
+    def plain(each: Any, key: str) -> Any:
+        if isinstance(each, Mapping):
+            return {name: plain(part, f"{key}.{name}") for name, part in each.items()}
+        if isinstance(each, (list, tuple)):
+            return [plain(part, f"{key}.{number}") for number, part in enumerate(each)]
+        if not (isinstance(each, str) and "±" in each):
+            return each
+        if (found := _TOLERANCE.fullmatch(each.strip())) is None:
+            text = f" = {each}: a tolerance in per cent is needed, such as 210 GPa ± 5 %"
+            raise ContradictionError((key, text))
+        tolerances[key] = float(found[2]) / 100
+        try:
+            return float(found[1])
+        except ValueError:
+            return found[1]
+
+    groups = {
+        name: each if name in ("map", "materials") else plain(each, name) for name, each in case.items()
+    }
+    asked = groups.get("sensitivity") or {}
+    if (
+        tolerances
+        and isinstance(asked, Mapping)
+        and isinstance(given := asked.get("tolerances", {}), Mapping)
+    ):
+        groups["sensitivity"] = {**asked, "tolerances": {**given, **tolerances}}
+    return groups

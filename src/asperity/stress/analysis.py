@@ -1,12 +1,12 @@
 """Analysis of the stress in the whole solid in one stream of planes: peaks, depth profile, covariances.
 
 A plane is computed, reduced and discarded: its fields are searched for peaks, and its von Mises stress gives
-one point of the depth profile and the covariance of Eq. 22 with the reference plane, which has the largest
-von Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept,
-or computed again.
+one point of the depth profile and, where it is asked for, the covariance of Eq. 22 with the reference plane,
+which has the largest von Mises stress. The reference plane is known only when the stream has ended: the
+planes above it are kept, or computed again.
 
 On a mirrored map planes cover the map alone. Where the stress is no mirror image (`PlaneStream.solid`),
-planes, profile and covariances cover the whole cell; peaks are counted on the map alone.
+planes, profile, covariances and peaks cover the whole cell.
 
 The condition of the mean (q = 0) mode (`Solid.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
 of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
@@ -80,8 +80,9 @@ def analyse_stress(
     friction: float = 0.0,
     sliding_direction: str | float = "x",
     observe: Callable[[LinearPlane], None] | None = None,
+    covariances: bool = False,
 ) -> xr.Dataset:
-    """Peaks, depth profile and covariances of the stress under a contact.
+    """Peaks and depth profile of the stress under a contact.
 
     Parameters
     ----------
@@ -103,17 +104,23 @@ def analyse_stress(
     observe : callable, optional
         Called with every plane of the stream, an `asperity.stress.planes.stream.LinearPlane`, from the
         surface downward, for numbers that are not in the result. It must not keep the plane.
+    covariances : bool
+        True for the covariances of the von Mises stress (Eq. 22), from which `asperity.continuum_limit` and
+        `asperity.stress.pool_peaks` find decay lengths. They take a tenth of the time.
 
     Returns
     -------
     dataset
         Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
         and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and
-        largest von Mises stress, and the covariance with the plane of the largest. Along `lag`, the
-        covariance in that plane. The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and
-        ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure reaches the hardness,
-        states the consequence. On a mirrored map under friction the profile and the covariances cover the map
-        and its three images, which all slide the same way, and `observe` gets planes of this cell.
+        largest von Mises stress and, with `covariances`, the covariance with the plane of the largest; along
+        `lag`, the covariance in that plane. The attribute ``effective_modulus`` is E* in the same unit,
+        ``friction`` and ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure
+        reaches the hardness, states the consequence. Of a mirrored map places are on the map, and
+        ``peak_weight`` is the number of peaks that an entry counts for: 1/2 on a mirror line, 1/4 at a
+        corner. Under friction the profile, the covariances and the peaks cover the map and its three images,
+        which all slide the same way, and `observe` gets planes of this cell: ``peak_weight`` is 1/4, and
+        ``peak_on_image`` is true for peaks of an image that seen from the map slides in another direction.
 
     Raises
     ------
@@ -137,7 +144,7 @@ def analyse_stress(
         depths = default_depths(solid)
     settings = tolerance, threads, work, friction, sliding_direction
     stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
-    return _Analysis(stream, (own,), quantities, floor).run(progress, observe)[own]
+    return _Analysis(stream, (own,), quantities, floor, covariances).run(progress, observe)[own]
 
 
 def analyse_lateral_conditions(
@@ -150,7 +157,7 @@ def analyse_lateral_conditions(
     tolerance: float = PLANE_TOLERANCE,
     progress: Progress | None = None,
 ) -> dict[str, xr.Dataset]:
-    """The analysis of `analyse_stress` for several conditions of the mean mode, in one stream of planes.
+    """The analysis of `analyse_stress`, with covariances, for several conditions of the mean mode.
 
     Parameters
     ----------
@@ -170,18 +177,18 @@ def analyse_lateral_conditions(
         If an argument is out of range.
     """
     stream = PlaneStream(contact, depths, poisson, ("von_mises",), tolerance)
-    return _Analysis(stream, laterals, quantities, 0.01).run(progress, None)
+    return _Analysis(stream, laterals, quantities, 0.01, True).run(progress, None)
 
 
 class _Field(NamedTuple):
     """A field that is computed in every plane.
 
-    The uniform parts over the mean pressure are given at the surface and, under a coating, in its base.
+    The uniform parts over the mean pressure are given for each of `Solid.parts`.
     """
 
     name: str
     poisson: float
-    uniform: tuple[float, float]
+    uniform: tuple[float, ...]
 
 
 class _Analysis:
@@ -192,7 +199,12 @@ class _Analysis:
     """
 
     def __init__(
-        self, stream: PlaneStream, laterals: Sequence[str], quantities: Sequence[str], floor: float
+        self,
+        stream: PlaneStream,
+        laterals: Sequence[str],
+        quantities: Sequence[str],
+        floor: float,
+        covariances: bool,
     ) -> None:
         solid, depths = stream.solid, stream.depths
         self._stream, self._laterals = stream, laterals
@@ -211,9 +223,10 @@ class _Analysis:
         self._search: PlaneSearch | None = None
         self._kept = KeptArrays()
         self._mean, self._largest = np.zeros((2, count, depths.size))
-        self._references = References(
-            count, depths.size, solid.grid, stream.dtype, stream.keeps_planes, stream.threads, stream.work
-        )
+        self._references: References | None = None
+        if covariances:
+            kinds_of = stream.dtype, stream.keeps_planes, stream.threads, stream.work
+            self._references = References(count, depths.size, solid.grid, *kinds_of)
         self._points = np.zeros(depths.size, np.int64)
         self._finest: list[LinearPlane] = []  # planes on the grid of the contact, while they may be missing
 
@@ -226,7 +239,7 @@ class _Analysis:
             lateral = layer.lateral
         layer = replace(layer, lateral=lateral)
         return _Field(
-            name, poisson, (uniform_part(layer, poisson, 0.0), uniform_part(layer, poisson, np.inf))
+            name, poisson, tuple(uniform_part(layer, poisson, depth) for depth in (*layer.interfaces, np.inf))
         )
 
     def _is_alike(self, name: str) -> bool:
@@ -238,11 +251,12 @@ class _Analysis:
     ) -> dict[str, xr.Dataset]:
         """Take all planes, and those above the reference planes again that were not kept."""
         for number, plane in enumerate(self._stream.planes(progress, watch=self._watch)):
-            if number == len(self._finest) and not self._stream.keeps_planes:
-                self._finest.append(plane)
             search, size, count = self._search, plane.grid.size, self._von_mises
             assert search is not None
-            self._references.add(number, search.sums[:count], partial(self._fields_of, plane))
+            if self._references is not None:
+                if number == len(self._finest) and not self._stream.keeps_planes:
+                    self._finest.append(plane)
+                self._references.add(number, search.sums[:count], partial(self._fields_of, plane))
             self._points[number] = max(plane.grid.shape)
             self._mean[:, number] = search.sums[:count, :, 0].sum(axis=1) / size
             self._largest[:, number] = search.sums[:count, :, 2].max(axis=1)
@@ -256,7 +270,7 @@ class _Analysis:
         self._finder.finish()
         self._search = None
         del plane, search, searched  # with the basis fields
-        if missing := int(self._references.missing.max()):
+        if self._references is not None and (missing := int(self._references.missing.max())):
             for number, _ in enumerate(self._stream.planes(count=missing, watch=self._watch_again)):
                 self._compare_again(number)
             self._search = None
@@ -267,37 +281,36 @@ class _Analysis:
 
     def _compare_again(self, number: int) -> None:
         assert self._search is not None
+        assert self._references is not None
         self._references.compare(number, self._search.sums, self._references.missing > number)
 
     def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> PlaneFields:
         names, ratios, uniforms = zip(*(self._fields[number] for number in chosen), strict=True)
-        in_base = plane.depth > (plane.solid.layer.interface or np.inf)
-        return plane.fields(names, ratios, [uniform[in_base] for uniform in uniforms])
+        place = np.searchsorted(plane.solid.layer.interfaces, plane.depth)
+        return plane.fields(names, ratios, [uniform[place] for uniform in uniforms])
 
     def _watch(self, plane: LinearPlane) -> Visit:
         """Search and sum the rows of a plane as they are computed."""
-        if self._finest and plane.grid != self._finest[0].grid:
+        references = self._references
+        if references is not None and self._finest and plane.grid != self._finest[0].grid:
             # Planes on the grid of the contact are compared with the references, if these lie on that grid.
             # From then on the references need the memory of coarser grids only.
             finest, self._finest = self._finest, []
-            if self._references.number.max() < len(finest) - 1:
-                for number in range(int(self._references.missing.max())):
+            if references.number.max() < len(finest) - 1:
+                for number in range(int(references.missing.max())):
                     finest[number].refresh(self._watch_again(finest[number]))
                     self._compare_again(number)
-                self._references.settle(plane.basis.values)
+                references.settle(plane.basis.values)
         # The floor is known when the plane is computed; until then a slightly lower one is used.
         floor = max(plane.bound, 0.99 * self._floor * plane.scale)
-        fields, references = (
-            self._fields_of(plane, range(len(self._fields))),
-            self._references.on(plane.grid, plane.basis.values),
-        )
+        fields = self._fields_of(plane, range(len(self._fields)))
         above, candidates = self._finder.plane_above(plane.depth, plane.grid)
         self._search = PlaneSearch(
             fields,
             self._sought,
             floor,
             self._von_mises + 1,
-            references,
+            None if references is None else references.on(plane.grid, plane.basis.values),
             self._kept,
             above if self._stream.keeps_planes else None,
             candidates,
@@ -306,11 +319,10 @@ class _Analysis:
 
     def _watch_again(self, plane: LinearPlane) -> Visit:
         """Sum the rows of a plane that is computed again."""
+        assert self._references is not None
         count = self._von_mises
-        fields, references = (
-            self._fields_of(plane, range(count)),
-            self._references.on(plane.grid, plane.basis.values),
-        )
+        fields = self._fields_of(plane, range(count))
+        references = self._references.on(plane.grid, plane.basis.values)
         self._search = PlaneSearch(fields, np.zeros(count, bool), np.inf, count, references, self._kept)
         return self._search.add_rows
 
@@ -329,34 +341,30 @@ class _Analysis:
 
     def _dataset(self, lateral: str) -> xr.Dataset:
         """Results under one condition of the mean mode."""
-        stream, references, solid = self._stream, self._references, self._stream.solid
+        stream, solid = self._stream, self._stream.solid
         own = [self._fields.index(self._field("von_mises", lateral, ratio)) for ratio in stream.ratios]
-        lag, in_plane = references.in_plane()
         found = self._peaks(lateral)
         every, sizes = Peaks.join(found.values()), [peaks.size for peaks in found.values()]
-        if stream.map_grid.mirrored and not solid.grid.mirrored:
-            spacing, length, on_map = stream.map_grid.spacing, stream.map_grid.length, []
-            for peaks in found.values():
-                places = zip((peaks.y, peaks.x), spacing, length, strict=True)
-                along_y, along_x = ((place + 0.5 * step) % (2 * edge) < edge for place, step, edge in places)
-                on_map.append(peaks.select(np.flatnonzero(along_y & along_x)))
-            every, sizes = Peaks.join(on_map), [peaks.size for peaks in on_map]
         under_contact = every.under_contact(solid.pressure, solid.grid, solid.boundary)
+        y, x, of_images = every.y, every.x, {}
+        if stream.map_grid.mirrored:
+            y, x = stream.map_grid.on_map(y, x)
+            on_image, weight = stream.images(every.y, every.x)
+            of_images = {"peak_on_image": ("peak", on_image), "peak_weight": ("peak", weight)}
         profiles = ("poisson", "plane")
-        return xr.Dataset(
+        dataset = xr.Dataset(
             {
                 "peak_value": ("peak", every.node_value if solid.is_plastic else every.value),
                 "peak_depth": ("peak", every.depth),
-                "peak_y": ("peak", every.y),
-                "peak_x": ("peak", every.x),
+                "peak_y": ("peak", y),
+                "peak_x": ("peak", x),
                 "peak_interior": ("peak", every.interior),
                 "peak_under_contact": ("peak", under_contact),
+                **of_images,
                 "plane_points": ("plane", self._points),
                 "mean_von_mises": (profiles, self._mean[own]),
                 "largest_von_mises": (profiles, self._largest[own]),
-                "covariance_depth": (profiles, references.covariance[own]),
-                "covariance_plane": (("poisson", "lag"), in_plane[own]),
-                "reference_depth": ("poisson", stream.depths[references.number[own]]),
+                "reference_depth": ("poisson", stream.depths[self._largest[own].argmax(axis=1)]),
             },
             coords={
                 "peak_quantity": ("peak", np.repeat([name for name, _ in found], sizes)),
@@ -364,7 +372,6 @@ class _Analysis:
                 "quantity": list(self._quantities),
                 "poisson": stream.ratios,
                 "plane_depth": ("plane", stream.depths),
-                "lag": lag,
             },
             attrs={
                 "effective_modulus": solid.layer.effective_modulus,
@@ -374,3 +381,9 @@ class _Analysis:
                 **({"plastic_contact": PLASTIC_CONTACT} if solid.is_plastic else {}),
             },
         )
+        if self._references is not None:
+            dataset["covariance_depth"] = profiles, self._references.covariance[own]
+            lag, in_plane = self._references.in_plane()
+            dataset = dataset.assign_coords(lag=lag)
+            dataset["covariance_plane"] = ("poisson", "lag"), in_plane[own]
+        return dataset

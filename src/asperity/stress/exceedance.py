@@ -8,9 +8,9 @@ in the plane it is sampled. A volume smaller than a box, as at the onset of yiel
 Error:
 -----
 Near the onset a small error of the stress is a large one of the volume. The volume is therefore measured
-above lower limits, too: its error is its change when the limit falls by the error of the stress, which is
-more than when the limit rises. The error of the stress follows from the stated error of the largest peak, and
-falls with the number of peaks above the limit.
+above lower limits, too: its error is its change when the stress rises by its error, which is more than when
+it falls. The error of the stress follows from the stated error of the largest von Mises stress, and falls
+with the number of peaks above the limit.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.stress.peaks.maxima import derivatives
 from asperity.stress.planes.fields import edges_of, lagrange, lagrange_stencils, neighbour
-from asperity.stress.statistics.extrapolation import resolution
+from asperity.stress.statistics.extrapolation import extreme_error, resolution
 
 SAMPLES = 4
 """Places along each axis of a box at an extreme value at which the depths above the limit are found; half as
@@ -42,10 +42,13 @@ LEAST_NODE = 0.8
 SHARES = 1 - np.array([0.15, 0.04, 0.0])
 """Limits over the one that is asked for."""
 
+LOW_SHARES = 0.5, 0.7
+"""Lower limits over that one, above which nodes are counted: an error of the stress is at most its value."""
+
 
 OF_ALL, OF_ONE, OF_PLASTIC = 0.4, 0.6, 1.2
-"""Error of the stress at all peaks, and at a single one, over the stated error of the largest peak; factor of
-both under a hardness (`benchmarks/volume.py`)."""
+"""Error of the stress at all peaks, and at a single one, over the stated error of the largest stress; factor
+of both under a hardness (`benchmarks/volume.py`)."""
 
 RESOLVED = 0.14
 """`resolution` below which these errors fall with its square."""
@@ -72,7 +75,7 @@ class Exceedance:
 
     def __init__(self, limit: float, periodic: bool) -> None:
         self._limits, self._boundary = limit * SHARES, "periodic" if periodic else "free"
-        self._volumes = np.zeros(SHARES.size)
+        self._volumes, self._low = np.zeros(SHARES.size), np.zeros(len(LOW_SHARES))
         self._depths = np.array([np.inf, -np.inf])
         self._planes: list[_Plane] = []
 
@@ -87,22 +90,27 @@ class Exceedance:
         return (float(self._depths[0]), float(self._depths[1])) if self.volume else None
 
     def error(self, estimates: xr.Dataset, peaks: int) -> float:
-        """Error of the volume over the area, by pixels and planes; NaN where the peaks' error is not known.
+        """Error of the volume over the area, by pixels and planes; NaN where the stress has no estimate.
+
+        If no peak is above the limit, the error is above 0 where the largest stress and its error reach it.
 
         Parameters
         ----------
         estimates : dataset
-            Result of `asperity.continuum_limit` for one Poisson's ratio.
+            Result of `asperity.continuum_limit` for one Poisson's ratio. Its attribute ``reason`` or
+            ``reason_of_stress`` says why there is no estimate.
         peaks : int
             Number of peaks above the limit, whose errors differ in part.
         """
-        of_largest = estimates["largest"].sel(quantity="von_mises", kind="error").item()
-        if estimates.attrs["plastic_area"] > 0:
-            of_largest *= OF_PLASTIC
-        else:
-            of_largest *= min(1.0, (resolution(estimates) / RESOLVED) ** 2)
-        relative = np.hypot(of_largest * np.hypot(OF_ALL, OF_ONE / np.sqrt(max(peaks, 1))), OF_QUADRATIC)
-        return float(np.interp(1 - relative, SHARES, self._volumes)) - self.volume
+        relative = extreme_error(estimates, "von_mises")
+        if peaks:
+            if estimates.attrs["plastic_area"] > 0:
+                relative *= OF_PLASTIC
+            else:
+                relative *= min(1.0, (resolution(estimates) / RESOLVED) ** 2)
+            relative = np.hypot(relative * np.hypot(OF_ALL, OF_ONE / np.sqrt(peaks)), OF_QUADRATIC)
+        volumes = np.append(np.maximum(self._low, self._volumes[0]), self._volumes)
+        return float(np.interp(1 / (1 + relative), (*LOW_SHARES, *SHARES), volumes)) - self.volume
 
     def add(self, depth: float, grid: Grid, values: Array) -> None:
         """Add the next plane downward, (ny, nx), which must not be changed later."""
@@ -119,15 +127,20 @@ class Exceedance:
 
     def _measure(self, above: _Plane | None, here: _Plane, below: _Plane | None) -> None:
         """Add the boxes of a plane; at the ends of the stream the quadratic is linear along the depth."""
-        if not here.values.max() > LEAST_NODE * self._limits[0]:
-            return
-        sides, other, edges = [], above or below, edges_of(self._boundary, here.grid)
+        other, edges = above or below, edges_of(self._boundary, here.grid)
         assert other is not None
+        distances = tuple(abs((plane or other).depth - here.depth) for plane in (above, below))
+        ends = np.array([-distances[0] / 2 if above else 0.0, distances[1] / 2 if below else 0.0])
+        highest = here.values.max()
+        for number, share in enumerate(LOW_SHARES):
+            if highest > (limit := share * self._limits[-1]):
+                self._low[number] += np.ptp(ends) * np.mean(here.values > limit)
+        if not highest > LEAST_NODE * self._limits[0]:
+            return
+        sides = []
         for side in (above or other, below or other):
             pairs = zip(here.grid.shape, side.grid.shape, strict=True)
             sides.append((side.values, tuple(lagrange_stencils(*pair, edges) for pair in pairs)))
-        distances = tuple(abs((plane or other).depth - here.depth) for plane in (above, below))
-        ends = np.array([-distances[0] / 2 if above else 0.0, distances[1] / 2 if below else 0.0])
         along_depth = here.depth, ends, distances, (above is None, below is None)
         planes = here.values, *sides
         _add_boxes(planes, along_depth, edges, self._limits, np.empty((3, 3, 3)), self._volumes, self._depths)

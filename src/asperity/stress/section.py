@@ -213,7 +213,7 @@ def stress_section(
     length = solid.grid.length[across]
     at = number("at", at, f"a position from 0 to {length:g}", lambda value: 0 <= value <= length)
     if depths is None:
-        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+        depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interfaces)
     y, x = ((at, at), None) if along == "x" else (None, (at, at))
     box = stress_box(solid, depths, y, x, fields, poisson, **settings)
     return box.dataset(progress).isel({"y" if along == "x" else "x": 0})

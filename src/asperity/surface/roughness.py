@@ -264,6 +264,10 @@ STRONG_LAY = 0.3
 """Texture aspect ratio below which a lay is strong (ISO 25178-2)."""
 
 
+BEYOND = -1e9
+"""Stands for the autocorrelation beyond half of an edge, where it is not known."""
+
+
 def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, float]:
     """Autocorrelation length Sal, texture aspect ratio Str and direction of the lay of ISO 25178-2.
 
@@ -281,7 +285,7 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     shortest : float
         Shortest length over which the autocorrelation falls to `CORRELATED`; NaN for a flat surface.
     ratio : float
-        The shortest over the longest such length, which is taken as half of the map if it is longer.
+        The shortest over the longest such length.
     direction : float
         Direction of the lay in degrees from x towards y, from 0 to 180, along which the mean square slope is
         smallest after a Gaussian filter that leaves out noise much shorter than `shortest`. The direction of
@@ -289,7 +293,7 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     """
     from scipy.ndimage import gaussian_filter
 
-    (ny, nx), (_, ends) = height.shape, correlated_lengths(height, spacing)
+    (ny, nx), (_, ends) = height.shape, correlated_lengths(height, spacing, beyond=True)
     centred, shortest = height - height.mean(), float(ends.min())
     if np.isnan(shortest):
         return np.nan, np.nan, np.nan
@@ -304,11 +308,13 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     return shortest, shortest / float(ends.max()), float(np.degrees(steepest) + 90) % 180
 
 
-def correlated_lengths(height: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:
+def correlated_lengths(
+    height: Array, spacing: tuple[float, float], beyond: bool = False
+) -> tuple[Array, Array]:
     """Directions in radians from x towards y, and the correlation lengths of the heights along them.
 
-    Over these lengths the autocorrelation falls to `CORRELATED`; it is known up to half of each edge. NaN for
-    a flat surface.
+    Over these lengths the autocorrelation falls to `CORRELATED`; it is known up to half of each edge, where
+    they end, or `beyond` which it is taken to decay exponentially. NaN for a flat surface.
     """
     from scipy.ndimage import map_coordinates
 
@@ -330,10 +336,15 @@ def correlated_lengths(height: Array, spacing: tuple[float, float]) -> tuple[Arr
     y, x = (
         np.outer(part(angle), radius) / step for part, step in zip((np.sin, np.cos), spacing, strict=True)
     )
-    along = map_coordinates(correlation, [y, x + nx // 2], order=1, cval=-1.0) / correlation[0, nx // 2]
+    correlation /= correlation[0, nx // 2]
+    along = map_coordinates(correlation, [y, x + nx // 2], order=1, cval=BEYOND)
     after = np.argmax(along < CORRELATED, axis=1)
     above, below = (along[np.arange(DIRECTIONS), after - step] for step in (1, 0))
-    return angle, (after - (CORRELATED - below) / (above - below)) * step
+    length = (after - (CORRELATED - below) / (above - below)) * step
+    if beyond:
+        farther = np.log(CORRELATED) / np.log(np.clip(above, CORRELATED, 1 - 1e-9))
+        length = np.where(below == BEYOND, np.maximum((after - 1) * step * farther, length), length)
+    return angle, length
 
 
 def finest_tip(height: Array, spacing: tuple[float, float]) -> float:

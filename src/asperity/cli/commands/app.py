@@ -25,6 +25,8 @@ def run(options: argparse.Namespace) -> None:
 
     from asperity.app.worker import Worker
 
+    for name in [name for name in os.environ if name.startswith("BOKEH_")]:
+        del os.environ[name]  # the page sets what it needs
     reader = Worker("map")  # it imports what it needs while this process imports the server
     from asperity.app.server import serve
 
@@ -39,6 +41,7 @@ def run(options: argparse.Namespace) -> None:
             stop_after=None if options.stop_after is None else _seconds(options.stop_after),
             memory=memory if options.memory is None else options.memory * 2**30,
             show=not options.no_browser,
+            host_header=options.host_header,
         )
     except OSError as error:
         sys.exit(fail(f"--port {options.port}: cannot be used ({error.strerror}); another one is needed"))

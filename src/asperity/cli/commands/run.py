@@ -75,8 +75,9 @@ def _compare(options: argparse.Namespace) -> None:
     names = [os.path.normpath(path) for path in options.map]
     comparison = compared(dict(zip(names, map(open_answer, names), strict=True)))
     print(comparison.text())
-    for path in comparison.write(Path(options.out or "comparison")):
-        print(one_line(str(path)))
+    folder = Path(options.out or "comparison")
+    comparison.write(folder)
+    print(f"\n{one_line(str(folder))}")
 
 
 def _contents(

@@ -19,7 +19,7 @@ from asperity.core.version import __version__
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, at
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, checksums_in
-from asperity.engineering.show.sample import Sample
+from asperity.engineering.sample import SampleData
 from asperity.results import dataset
 from asperity.settings.reader import load
 
@@ -126,7 +126,7 @@ def _of_sample(folder: Path) -> Iterator[Check]:
             same = False
             yield Check(f"{folder / name}: not the answer that is pooled in {folder}; run again", False)
     if same:
-        means = Sample.read(folder).frame()
+        means = SampleData.read(folder).frame()
         stored = pd.read_csv(folder / SAMPLE[0], float_precision="round_trip")
         agrees = list(means.columns) == list(stored.columns) and len(means) == len(stored)
         numbers = means.select_dtypes("number").columns

@@ -68,8 +68,8 @@ class Conduction(Question):
         for name, resistivity in sorted(resistivities(stages.asked).items()):  # current before heat
             value, unit = stages.contact.conductance(resistivity), UNITS[name]
             if name == "electrical_conductance" and value > 0:
-                resistance, of = 1 / (value * area), f"of the nominal area of {shown_si(area, 'm^2')}"
-                note = f"{of}, without films"
+                resistance = 1 / (value * area)
+                note = f"on the nominal area of {shown_si(area, 'm^2')}, without films"
                 records.append(Record("electrical contact resistance", resistance, "Ω", TOPIC, note=note))
                 found.append(f"the contact spots resist the current with {shown_si(resistance, 'Ω', 3)}")
             if name == "electrical_conductance" and stages.face.boundary != "free":

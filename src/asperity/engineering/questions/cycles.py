@@ -57,7 +57,7 @@ WORST = {
 LIMIT_FRACTIONS = (0.5, 0.75, 0.9, 1.0)
 """Fractions of the fatigue limit above which the volume is listed."""
 
-NO_CHANGE = "any load, as the stress does not change"
+NO_CHANGE = "unlimited, as the stress does not change"
 """Text in place of an infinite shakedown factor."""
 
 CRACKS = "cracks expected per area"
@@ -242,13 +242,16 @@ class Cycles(Question):
         for variable, (quantity, unit, more) in WORST.items():
             if variable not in cycles:
                 continue
-            value, depth, *place = cycles.attrs[f"worst_{variable}"]
-            at = {"y": math.nan, "x": math.nan} | dict(zip((axis_of(cycles), "x"), place, strict=False))
+            value, depth, *place = map(float, cycles.attrs[f"worst_{variable}"])
+            at: dict[str, float] = {"y": math.nan, "x": math.nan}
+            at |= dict(zip((axis_of(cycles), "x"), place, strict=False))
             position = Position(depth, *map(float, stages.face.grid.on_map(**at)))
-            words = NO_CHANGE if variable.startswith("shakedown") and value >= LARGEST_FACTOR else ""
+            if variable.startswith("shakedown") and value >= LARGEST_FACTOR:
+                yield Record(quantity, value, unit, words=NO_CHANGE, **of, **more)
+                continue
             error = float(np.hypot(np.nan_to_num(stages.bodies[body].grid_error(variable)), few)) * abs(value)
-            record = Record(quantity, value, unit, position=position, words=words, varies=True, **of, **more)
-            yield record if words else record.with_error(DISCRETISATION, error)
+            record = Record(quantity, value, unit, position=position, varies=True, **of, **more)
+            yield record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
             return
         for share in LIMIT_FRACTIONS:
@@ -336,7 +339,7 @@ def _verdict(records: list[Record]) -> str:
         low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
         between = f"{low:.2g} to {high:.2g} times the load"
         if high >= LARGEST_FACTOR:
-            between = f"a load that is not known, at least {low:.2g} times the load"
+            between = f"{low:.2g} times the load"
         if low >= 1:
             shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
         elif high < 1:

@@ -53,9 +53,9 @@ class Film(Question):
 
     ASKS = "Does a lubricant film carry a part?"
 
-    load_share: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7)
+    load_share: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7, varied=True)
     """Fraction of the load that the film carries; the asperities carry the rest."""
-    lambda_ratio: Number | None = optional("load_share is given", ge=0, le=2, example=1.0)
+    lambda_ratio: Number | None = optional("load_share is given", ge=0, le=2, example=1.0, varied=True)
     """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
     share follows by `correlation`."""
     correlation: Literal["arana", "balan"] = setting("arana")

@@ -99,14 +99,14 @@ class Leak(Question):
         if (width if flow is None else flow.flow_rate) == 0:
             verdict = f"sealed along {self.direction}: the contact closes the gap"
             if "load_curve" not in stages.asked.questions:
-                note = "a load_curve from smaller loads finds the load that seals"
+                note = "while a load_curve from smaller loads finds the load that seals"
         if flow is not None and flow.flow_rate == 0:
             words = "0, sealed: the contact closes the gap"
             records.append(Record(name, 0.0, "m^3/s", TOPIC, words=words, note=note))
         elif flow is not None and on_half is not None:
             leakage = Record(name, flow.flow_rate, "m^3/s", TOPIC, bounds=POSITIVE)
             leakage = leakage.with_error(DISCRETISATION, abs(flow.flow_rate - on_half.flow_rate))
-            note = "of the flow between planes at the mean gap"
+            note = "relative to the flow between planes at the mean gap"
             records += [leakage, Record("pressure flow factor", flow.flow_factor, topic=TOPIC, note=note)]
             verdict = f"leaks {leakage.best_text()} along {self.direction}, with the discretisation error"
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
@@ -281,7 +281,8 @@ def _maps_of_flow(face: TreatedMap, film: xr.Dataset) -> Any:
     """Maps of the flux of the film over its mean, and of its pressure; black where the gap is closed."""
     from matplotlib.colors import LogNorm
 
-    pressure, flux = film["film_pressure"].values, np.hypot(film["film_flux_y"], film["film_flux_x"]).values
+    pressure, flux_y, flux_x = (film[f"film_{name}"].values for name in ("pressure", "flux_y", "flux_x"))
+    flux = np.hypot(flux_y, flux_x)
     factor, symbol = scaled_unit(float(np.nanmax(pressure)), "Pa")
     panels: list[tuple[str, Any, dict[str, Any]]] = [
         ("flux over the mean flux", flux, {"norm": LogNorm(LEAST_FLUX, flux.max(), clip=True)}),

@@ -47,7 +47,7 @@ class RunningIn(Question):
 
     loads: Whole = setting(1, ge=1, le=20, example=1)
     """Number of loads that flatten the map before the answer."""
-    hardness: Pressure | None = optional("the smaller hardness of the bodies", example="7 GPa")
+    hardness: Pressure | None = optional("the smaller hardness of the bodies", example="7 GPa", varied=True)
     """Hardness at which the first loads flatten the map."""
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:

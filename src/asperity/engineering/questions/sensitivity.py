@@ -7,7 +7,6 @@ times this change. Inputs are taken as independent.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,8 @@ from asperity.engineering.answer_data import tile_names
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import Record
 from asperity.engineering.scene import Scene
-from asperity.settings.model import ContradictionError, Number, Settings
+from asperity.settings.body import OF_LAYER
+from asperity.settings.model import Number, Settings, value_at, with_value
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -27,8 +27,6 @@ TOPIC = "change for one per cent more of an input"
 
 STEP = 0.01
 """Relative change of an input."""
-
-_TOLERANCE = re.compile(r"(.+?)\s*(?:±|\+/?-)\s*(\d+(?:\.\d+)?)\s*%")
 
 
 class Sensitivity(Question):
@@ -86,52 +84,29 @@ def inputs_of(case: Scene) -> list[str]:
     """Dotted keys of the inputs that a case has: its load, and settings of bodies and questions to vary."""
     found = {f"load.{case.load.kind}": case.load.value}
     for name, group in {**case.groups_of_bodies, **case.questions}.items():
-        found |= _varied_in(group, f"{name}.")
+        found |= _varied_in(group, name)
     return [key for key, value in found.items() if 0 < value < math.inf]
 
 
-def _varied_in(group: Settings, prefix: str) -> dict[str, float]:
-    """Dotted keys and values of the settings of a group that are declared as `varied`."""
+def _varied_in(group: Settings, key: str) -> dict[str, float]:
+    """Dotted keys and values of the settings of a group, and of groups in it, declared as `varied`."""
     found: dict[str, float] = {}
     for name, field in type(group).model_fields.items():
-        value = getattr(group, name)
-        if isinstance(value, Settings):
-            found |= _varied_in(value, f"{prefix}{name}.")
+        value, own = getattr(group, name), f"{key}.{name}"
+        if isinstance(value, tuple):
+            for number, each in enumerate(value):
+                found |= _varied_in(each, f"{own}.{number}") if isinstance(each, Settings) else {}
         elif value is not None and isinstance(extra := field.json_schema_extra, dict) and extra.get("varied"):
-            found[f"{prefix}{name}"] = value
+            found[own] = value
+    if getattr(group, "base", None) is not None:  # the body has the constants of its layer
+        return {own: value for own, value in found.items() if own.removeprefix(f"{key}.") not in OF_LAYER}
     return found
 
 
-def varied(settings: Any, key: str) -> Any:
-    """The settings with one per cent more of an input."""
-    name, _, rest = key.partition(".")
-    value = getattr(settings, name)
-    changes = {name: varied(value, rest) if rest else value * (1 + STEP)}
-    if name == "fatigue_torsion":  # the ratio of the limits stays
-        changes["fatigue_bending"] = settings.fatigue_bending * (1 + STEP)
-    return settings.replaced(**changes)
-
-
-def split_tolerances(value: Mapping[str, Any]) -> dict[str, Any]:
-    """The groups of a case with inputs such as ``210 GPa ± 5 %`` split into value and tolerance."""
-    tolerances: dict[str, float] = {}
-
-    def plain(each: Any, key: str) -> Any:
-        if isinstance(each, Mapping):
-            return {name: plain(part, f"{key}.{name}" if key else str(name)) for name, part in each.items()}
-        if not (isinstance(each, str) and "±" in each):
-            return each
-        if (found := _TOLERANCE.fullmatch(each.strip())) is None:
-            text = f" = {each}: a tolerance in per cent is needed, such as 210 GPa ± 5 %"
-            raise ContradictionError((key, text))
-        tolerances[key] = float(found[2]) / 100
-        try:
-            return float(found[1])
-        except ValueError:
-            return found[1]
-
-    groups = plain(value, "")
-    if tolerances:
-        asked = groups.get("sensitivity") or {}
-        groups["sensitivity"] = {**asked, "tolerances": {**asked.get("tolerances", {}), **tolerances}}
-    return dict(groups)
+def varied(case: Any, key: str) -> Any:
+    """The case with one per cent more of an input."""
+    changed = with_value(case, key, value_at(case, key) * (1 + STEP))
+    if key.endswith("fatigue_torsion"):  # the ratio of the limits stays
+        other = f"{key.partition('.')[0]}.fatigue_bending"
+        changed = with_value(changed, other, value_at(case, other) * (1 + STEP))
+    return changed

@@ -31,7 +31,7 @@ def _direction(value: Any) -> str | float:
     """Direction x or y, or an angle in degrees."""
     if value in ("x", "y"):
         return str(value)
-    with suppress(TypeError, ValueError):
+    with suppress(TypeError, ValueError, OverflowError):
         if not isinstance(value, bool) and math.isfinite(angle := float(value)):
             return angle
     raise NeededError("x, y or an angle in degrees from x towards y")
@@ -51,7 +51,7 @@ class Sliding(Question):
     friction.
     """
 
-    friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1)
+    friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1, varied=True)
     """Coefficient of friction in gross sliding. It enters the stress; the pressure is computed without
     friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
     direction: Direction | None = optional(
@@ -76,8 +76,8 @@ class Sliding(Question):
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():
-            if self.friction and body.layer is not None and body.layer.bottom == "frictionless":
-                needed = f"0 is needed with {name}.layer.bottom = frictionless, which bears no shear"
+            if self.friction and body.base == "frictionless":
+                needed = f"0 is needed with {name}.base = frictionless, which bears no shear"
                 yield "sliding.friction", f" = {self.friction:g}: {needed}"
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:

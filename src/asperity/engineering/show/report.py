@@ -20,7 +20,6 @@ from asperity.engineering.scene import Scene
 from asperity.engineering.show.pictures import lead_of, pictures, png_of
 from asperity.engineering.show.tables import for_reader
 from asperity.results.atomic import write_text
-from asperity.settings.materials import material
 
 TILES = 4
 """Most numbers at the top."""
@@ -124,12 +123,11 @@ def tiles_of(case: Scene, records: Sequence[Record]) -> list[Tile]:
 
 
 def constants_of_table(case: Scene) -> list[str]:
-    """Constants of a case that come from the table of materials, a line for each body."""
+    """Constants of a case that come from materials, a line for each body and layer."""
     lines = []
     for name, body in case.groups_of_bodies.items():
-        for part, group in ((name, body), (f"{name}.coating", body.coating)):
-            if group is not None and group.of_table and group.material is not None:
-                constants = [(each, material(group.material).constants[each]) for each in group.of_table]
-                values = [f"{each} {constant.value} ({constant.source})" for each, constant in constants]
+        for part, group in ((name, body), *((f"{name}, layer", layer) for layer in body.layers)):
+            if constants := group.from_material:
+                values = [f"{each} {found.value} ({found.source})" for each, found in constants.items()]
                 lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
     return lines

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +13,10 @@ from markupsafe import Markup
 from asperity.core.markup import html_table, rendered, table
 from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import (
-    REPEATS,
-    AnswerData,
-    by_topic,
-    case_in_words,
-    without_repeats,
-)
-from asperity.engineering.answer_files import read_data
+from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
 from asperity.engineering.case_file import pool_text
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, names_in, replacing
-from asperity.engineering.sample import ONE_MAP, SampleData, check_alike, named
+from asperity.engineering.sample import ONE_MAP, SampleData
 from asperity.engineering.show.pictures import compared_pictures, png_of
 from asperity.engineering.show.report import Drawn, tiles_of
 from asperity.results.atomic import write_text
@@ -43,77 +35,17 @@ MEANS = (
 )
 
 
-class Sample(SampleData):
-    """Answers of several maps of one surface: ``print`` shows their means, `frame` returns them as a table.
-
-    Attributes as of `SampleData`: ``answers``, ``records``, ``verdict``, ``warnings``.
-    """
-
-    @classmethod
-    def read(cls, folder: Path) -> Sample:
-        """The sample in a folder, of the answers in the folders of its maps."""
-        names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
-        return pooled({name: read_data(folder / name, AnswerData) for name in names})
-
-    def text(self) -> str:
-        """The verdict, the means and the warnings as a block of text."""
-        lines = [self.title, f"maps: {', '.join(self.names)}", "", *self.verdict, *predicted(self)]
-        for heading, rows in _numbers(self).items():
-            wide = [max(map(len, rows[column])) for column in rows]
-            lines += ["", heading]
-            for row in rows.itertuples(index=False):
-                cells = (f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True))
-                lines.append(f"  {'  '.join(cells)}".rstrip())
-        lines += [line for each in self.warnings for line in ("", f"warning: {each}")]
-        return "\n".join(lines)
-
-    __str__ = text
-
-    def _repr_html_(self) -> str:
-        rows = [(each.quantity, each.best_text()) for each in self.tiles]
-        return table(self.title, [*(("", text) for text in self.verdict), *rows])
-
-    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write tables, page and case file into the parent folder of the answers of the maps.
-
-        Raises
-        ------
-        ValueError
-            If the answer of a map is not in the folder of its name there.
-        """
-        folder, found = Path(folder), tables(self)
-        if missing := [name for name in self.names if not (folder / name / MANIFEST).is_file()]:
-            raise ValueError(f"{folder / missing[0]}: the answer of each map is needed there; write it first")
-        with locked(folder), replacing(folder, kept=set()) as unfinished:
-            for name, each in found.items():
-                write_table(each, f"answer_{name}", unfinished / f"{name}.csv")
-            write_workbook(found, unfinished / "sample.xlsx")
-            write_text(unfinished / "sample.html", page(self, folder))
-            write_text(unfinished / CASE_FILE, _case_text(self, folder))
-            maps = {name: sha256_of(folder / name / MANIFEST) for name in self.names}
-            write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
-        return [folder / name for name in sorted(names_in(folder))]
-
-
-def pooled(answers: Mapping[str, AnswerData] | Sequence[AnswerData]) -> Sample:
-    """The sample of the answers of maps of one surface, in one case; see `asperity.pool`.
-
-    Raises
-    ------
-    ValueError
-        If there is no answer, or maps, bodies or loads differ.
-    """
-    if not answers:
-        raise ValueError("answers: at least one is needed")
-    if not isinstance(answers, Mapping):
-        answers = named(answers)
-    check_alike({name: answer.face for name, answer in answers.items()})
-    cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
-    first, *_ = cases
-    for name, case in cases.items():
-        if case != cases[first]:
-            raise ValueError(f"answers: {name} is of {case}, {first} of {cases[first]}; one case is needed")
-    return Sample(answers)
+def text(sample: SampleData) -> str:
+    """The verdict, the means and the warnings as a block of text."""
+    lines = [sample.title, f"maps: {', '.join(sample.names)}", "", *sample.verdict, *predicted(sample)]
+    for heading, rows in _numbers(sample).items():
+        wide = [max(map(len, rows[column])) for column in rows]
+        lines += ["", heading]
+        for row in rows.itertuples(index=False):
+            cells = (f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True))
+            lines.append(f"  {'  '.join(cells)}".rstrip())
+    lines += [line for each in sample.warnings for line in ("", f"warning: {each}")]
+    return "\n".join(lines)
 
 
 def page(sample: SampleData, folder: Path | None = None) -> str:
@@ -143,6 +75,28 @@ def tables(sample: SampleData) -> dict[str, pd.DataFrame]:
     found = {"sample": sample.frame(), "peaks_per_area": sample.peaks_per_area()}
     area = _area(sample)
     return found if area is None else found | {"maximum": sample.maximum(area)}
+
+
+def preview(sample: SampleData) -> str:
+    """The verdict and the numbers that decide, as a notebook shows them."""
+    rows = [(each.quantity, each.best_text()) for each in sample.tiles]
+    return table(sample.title, [*(("", each) for each in sample.verdict), *rows])
+
+
+def write_sample(sample: SampleData, folder: Path) -> list[Path]:
+    """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
+    found = tables(sample)
+    if missing := [name for name in sample.names if not (folder / name / MANIFEST).is_file()]:
+        raise ValueError(f"{folder / missing[0]}: the answer of each map is needed there; write it first")
+    with locked(folder), replacing(folder, kept=set()) as unfinished:
+        for name, each in found.items():
+            write_table(each, f"answer_{name}", unfinished / f"{name}.csv")
+        write_workbook(found, unfinished / "sample.xlsx")
+        write_text(unfinished / "sample.html", page(sample, folder))
+        write_text(unfinished / CASE_FILE, _case_text(sample, folder))
+        maps = {name: sha256_of(folder / name / MANIFEST) for name in sample.names}
+        write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
+    return [folder / name for name in sorted(names_in(folder))]
 
 
 def predicted(sample: SampleData) -> Iterator[str]:

@@ -70,7 +70,8 @@ def select_peaks(
     -------
     dataset
         Variables along `peak` alone: ``peak_value``, ``peak_depth``, ``peak_y``, ``peak_x``,
-        ``peak_interior``, ``peak_under_contact``; with the coordinates ``quantity`` and ``poisson``.
+        ``peak_interior``, ``peak_under_contact``; of a mirrored map also ``peak_on_image`` and
+        ``peak_weight``; with the coordinates ``quantity`` and ``poisson``.
 
     Raises
     ------
@@ -108,6 +109,18 @@ def select_peaks(
     found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS).drop_attrs(deep=False)
     coordinates = {"quantity": quantity, "poisson": ratio}
     return found.assign_coords({name: ((), value, stress[name].attrs) for name, value in coordinates.items()})
+
+
+def in_cell(found: xr.Dataset) -> tuple[xr.Dataset, int]:
+    """Selected peaks as often as a period of the stress holds them, and the number of maps in it.
+
+    It is the cell of four maps of a mirrored one, otherwise one map. Percentiles of the peaks are those of
+    the period; their number on the map is the number in the period over the number of maps.
+    """
+    if "peak_weight" not in found:
+        return found, 1
+    copies = np.rint(4 * found["peak_weight"].values).astype(int)
+    return found.isel(peak=np.repeat(np.arange(copies.size), copies)), 4
 
 
 def is_selected(stress: xr.Dataset, selection: str) -> Array:
@@ -177,13 +190,14 @@ def peak_numbers(
     quantile = np.full((*shape, levels.size), np.nan)
     for q, p in np.ndindex(shape):
         found = select_peaks(stress, quantities[q], float(ratios[p]), selection_for(quantities[q]))
+        found, maps = in_cell(found)
         size, depths = np.abs(found["peak_value"].values), found["peak_depth"].values
-        number[q, p] = size.size
+        number[q, p] = size.size / maps
         if not size.size:
             continue
         depth[q, p] = depths.mean()
         depth_highest[q, p] = depths[size >= np.quantile(size, 1 - HIGHEST_SHARE)].mean()
-        all_over_found = 1.0 if all_peaks is None else float(all_peaks[q, p]) / size.size
+        all_over_found = 1.0 if all_peaks is None else float(all_peaks[q, p]) / number[q, p]
         quantile[q, p] = np.quantile(size, np.clip(1 - (1 - levels) * all_over_found, 0, 1))
         mean[q, p], deviation[q, p] = size.mean(), size.std()
     kinds = ("quantity", "poisson")

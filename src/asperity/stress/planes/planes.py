@@ -161,7 +161,7 @@ def depth_grid(
     height: float | None = None,
     spacing: float = 0.5,
     growth: float = 0.125,
-    interface: float | None = None,
+    interface: float | Sequence[float] | None = None,
 ) -> Array:
     """Depths of planes from the surface to the bottom, close near the surface and farther apart below.
 
@@ -179,9 +179,9 @@ def depth_grid(
         Distance between the planes nearest to the surface, in spacings of the grid.
     growth : float
         Largest distance between planes, relative to their depth.
-    interface : float, optional
-        Depth of the interface under a coating, `Solid.interface`: planes lie on both its faces, the lower one
-        at the next larger number, and in the coating are at least `COATING_PLANES`.
+    interface : float or sequence of float, optional
+        Depths of the interfaces between layers, `Solid.interfaces`: planes lie on both faces of each, the
+        lower one at the next larger number, and in each layer are at least `COATING_PLANES`.
 
     Returns
     -------
@@ -220,20 +220,23 @@ def depth_grid(
     if len(depths) > 2 and bottom - depths[-2] < 0.5 * (depths[-2] - depths[-3]):
         del depths[-2]
     found = np.array(depths)
-    if interface is not None:
-        face = number("interface", interface, "a positive finite length", lambda value: value > 0)
-        near = 1 + 0.5 * growth
-        inside, outside = found[found < face / near], found[found > face * near]
+    start, near = 0.0, 1 + 0.5 * growth
+    for given in () if interface is None else np.ravel(interface).tolist():
+        face = number("interface", given, f"a depth above {start:g}", start.__lt__)
+        inside = found[(found >= start) & (found < face / near)]
         if inside.size < COATING_PLANES:
-            inside = np.linspace(0, face, COATING_PLANES, endpoint=False)
-        found = np.concatenate([inside, [face, np.nextafter(face, np.inf)], outside])
+            inside = np.linspace(start, face, COATING_PLANES, endpoint=False)
+        outside = (found > face * near) | (found == height)
+        below = float(np.nextafter(face, np.inf))
+        found = np.concatenate([found[found < start], inside, [face, below], found[outside]])
+        start = below
     require_finite("depth_grid", {"depths": found})
     return found
 
 
 def default_depths(solid: LoadedSolid) -> Array:
     """Depths of `depth_grid` for a solid, and below them depths down to `LoadedSolid.deepest`."""
-    depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interface)
+    depths = depth_grid(solid.grid, solid.layer.extent, interface=solid.layer.interfaces)
     if solid.deepest <= depths[-1]:
         return depths
     count = int(np.log(solid.deepest / depths[-1]) / np.log1p(DEEP_GROWTH)) + 2

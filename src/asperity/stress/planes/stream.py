@@ -74,6 +74,9 @@ MAX_RATIOS = 1000
 MAX_DEPTH = 1e30
 """Largest depth over the longer period. Modes vanish below a depth of 120; nothing overflows."""
 
+ON_LINE = 1e-6
+"""Distance from a mirror line, over the spacing, up to which a place is on the line."""
+
 MAX_FRICTION = 1000.0
 """Largest coefficient of friction: more than any pair of solids has, and squares of stresses stay finite."""
 
@@ -223,6 +226,23 @@ class PlaneStream:
         single = fits and self._tolerance >= SINGLE_PRECISION_TOLERANCE and self.solid.boundary == "periodic"
         self.dtype = np.dtype("float32" if single else "float64")
 
+    def images(self, y: Array, x: Array) -> tuple[Array, Array]:
+        """Of places in the planes of a mirrored map: whether they lie on an image that slides in another
+        direction than the map, and their number for each map: 1/2 on a mirror line, 1/4 at a corner.
+        """
+        moves = direction_cosines(self.sliding_direction)[::-1]
+        on_image, weight = np.zeros(y.shape, bool), np.ones(y.shape)
+        steps = zip((y, x), moves, self.map_grid.length, self.map_grid.spacing, strict=True)
+        for place, moved, edge, step in steps:
+            from_line = (place + step / 2) % (2 * edge)
+            if self.solid.grid.mirrored:
+                on_line = np.minimum(from_line, np.abs(edge - from_line)) < ON_LINE * step
+                weight = np.where(on_line, weight / 2, weight)
+            else:  # a cell of four maps
+                on_image |= (from_line >= edge) & (moved != 0)
+                weight = weight / 2
+        return on_image, weight
+
     @property
     def keeps_planes(self) -> bool:
         """True if the basis fields of two planes are kept side by side at all depths."""
@@ -253,8 +273,9 @@ class PlaneStream:
         for index, (depth, own) in enumerate(zip(depths, plan, strict=True)):
             shape = len(basis_fields), own.grid.shape[0], source.row_length(own.grid)
             values = memory.array(index, shape)
-            if (layer := self.solid.layer).base is not None and depth > layer.height:
-                basis_fields = [field._replace(slope=layer.base.poisson) for field in basis_fields]
+            if (layer := self.solid.layer).base is not None:
+                slope = layer.part_at(depth).poisson
+                basis_fields = [field._replace(slope=slope) for field in basis_fields]
             compute = partial(source.compute, depth, own, basis_fields, values)
             basis = Basis(values, own.grid.shape[1], indices, source.dtype.type(source.mean_pressure))
             plane = LinearPlane(
@@ -363,10 +384,10 @@ def shear_traction(friction: Any, direction: Any, layer: Solid) -> tuple[float, 
     accepted = f"a number from 0 to {MAX_FRICTION:g}"
     friction = number("friction", friction, accepted, lambda size: 0 <= size <= MAX_FRICTION)
     cosine, sine = direction_cosines(direction)
-    if friction and layer.height is not None and layer.bottom != "bonded":
+    bottom = layer.parts[-1].bottom
+    if friction and layer.extent is not None and bottom != "bonded":
         raise ValueError(
-            f"friction = {friction:g}: 0 is needed in a layer with a {layer.bottom} bottom, which bears no "
-            "shear"
+            f"friction = {friction:g}: 0 is needed in a layer with a {bottom} bottom, which bears no shear"
         )
     return friction * cosine, friction * sine
 

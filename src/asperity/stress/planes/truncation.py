@@ -23,8 +23,8 @@ import numpy as np
 
 from asperity.core.sizes import good_size
 from asperity.core.types import Array
-from asperity.elasticity.kernels import MAX_SCALED_DEPTH
 from asperity.elasticity.solid import Solid
+from asperity.elasticity.stack import MAX_SCALED_DEPTH
 from asperity.fourier.grid import Grid
 
 ENVELOPE_MARGIN = 0.01
@@ -167,8 +167,8 @@ def envelope_of(layer: Solid, poisson: float, friction: float, depth: float) -> 
 
     In a half-space it is the same at every depth, and holds for all ratios ≥ `poisson`. In a layer it is the
     largest ratio of the bound of a mode, from its kernels, to the bound of the half-space without K, at
-    wavenumbers so close that it changes by less than `ENVELOPE_MARGIN` between them; in a coated half-space
-    of all that are not zero at the depth.
+    wavenumbers so close that it changes by less than `ENVELOPE_MARGIN` between them; in a layered solid of
+    all that are not zero at the depth.
     """
     lateral = 1 - 2 * poisson
     of_pressure, of_traction = max(np.sqrt(3.0), lateral), max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
@@ -177,12 +177,13 @@ def envelope_of(layer: Solid, poisson: float, friction: float, depth: float) -> 
         return half_space
     # Below these the kernels have their limits for thin layers, above them their values in the half-space.
     wavenumber, ratio = np.geomspace(1e-4, 40.0, 500) / layer.height, layer.poisson
-    if (base := layer.base) is not None:
-        # Stiff or soft coatings have their limits at longer waves, the base at shorter ones.
-        lowest = 1e-4 * min(layer.young / base.young, base.young / layer.young)
+    if layer.base is not None:
+        # Stiff or soft layers have their limits at longer waves, what lies below at shorter ones.
+        young = [part.young for part in layer.parts]
+        lowest = 1e-4 * min(young) / max(young)
         count = int(90 * np.log10(MAX_SCALED_DEPTH / lowest))
-        wavenumber = np.geomspace(lowest, MAX_SCALED_DEPTH, count) / max(depth, layer.height)
-        ratio = ratio if depth <= layer.height else base.poisson
+        wavenumber = np.geomspace(lowest, MAX_SCALED_DEPTH, count) / max(depth, layer.interfaces[-1])
+        ratio = layer.part_at(depth).poisson
     z, along, shear = layer.kernels(wavenumber, depth)[:3]
     bound = _mode_bound(z, along, ratio * (z + along), shear)
     if friction:

@@ -395,8 +395,12 @@ def decay_lengths(profiles: xr.Dataset, prefix: str = "") -> tuple[Array, Array]
     Returns
     -------
     along_depth, in_plane : (ratios,) arrays
-        NaN under a uniform stress, which has no variance, and where the covariance does not fall to half.
+        NaN under a uniform stress, which has no variance, where the covariance does not fall to half, and in
+        an analysis without covariances.
     """
+    if f"{prefix}covariance_plane" not in profiles:
+        unknown = np.full(profiles.sizes["poisson"], np.nan)
+        return unknown, unknown
     depth, lag = profiles["plane_depth"].values, profiles["lag"].values
     names = f"{prefix}covariance_depth", f"{prefix}covariance_plane", "reference_depth"
     lengths = []

@@ -22,6 +22,12 @@ shares. With hundreds of peaks the error of their sizes is a multiple of the sha
 missed (`OF_MISSED`, `benchmarks/statements.py`). Half of the nodes cannot represent waves shorter than four
 nodes; the corrections of a surface with such waves have larger errors.
 
+Extreme values of the fields are not corrected. Their errors grow with the change from half of the nodes to
+all, and with the correction of the area, which says how well patches are resolved (`OF_RESOLUTION`). On a
+surface with creases extreme stresses grow with every refinement and have no estimate. Such a surface has
+roughness up to the limit of the grid in all directions (`BEYOND_BAND`), while waves that are not shorter than
+two spacings leave the diagonals of the grid empty.
+
 These shares hold for isotropic Gaussian surfaces. The errors of others are larger: along a lay neighbouring
 nodes err alike, plateaus and sharp crests have edges that the grid does not resolve. Their shares of the
 change are larger, and two measures of the grid are added (`OF_DEPARTURE`), both in proportion to the
@@ -33,7 +39,7 @@ A number whose error would be larger than `LARGEST_ERROR` has no estimate.
 Under a hardness the errors are larger, and there is no estimate of depths and decay lengths.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,6 +84,19 @@ SHARE_OF_CHANGE = {
 """Number → relative error that remains, over the largest change of the numbers of its kind from half of the
 nodes to all; for depths the error of the sizes is added."""
 
+OF_RESOLUTION = {"von_mises": 0.6, "largest_shear": 0.7, "principal_3": 1.3, "hydrostatic": 1.3}
+"""Field → b of the relative error a C + b c^1.5 of its extreme value: a is `OF_EXTREME`, C the largest change
+of all sizes from half of the nodes to all, and c the `resolution`. Of the percentiles of the peaks b is
+`OF_RESOLUTION_OF_PEAKS`, and of other fields 1.3. Quantile regressions of 95 % on 90 band-limited surfaces of
+seven kinds (`benchmarks/answers.py`, other surfaces)."""
+
+OF_EXTREME, OF_RESOLUTION_OF_PEAKS = 0.25, 0.5
+
+OF_TENSION = 1.7, 0.75, 3.5
+"""a, b, f of the relative error a c^b + f d s of the largest tension, with departure d and s as in
+`OF_DEPARTURE`: its peaks at the edges of the contacts change by a fifth at eight nodes on the shortest wave.
+"""
+
 OF_PRESSURE = {"p90": 0.32, "p99": 0.22, "largest": 0.27}
 """`SHARE_OF_CHANGE` for the peaks of the pressure."""
 
@@ -92,9 +111,13 @@ OF_AREA = 0.43, 0.043
 """a, b of the relative error of the area: a |A/A_half − 1| + b |A/A₀ − 1|. A is its estimate from all nodes,
 A_half from half of them, and A₀ the area of the nodes in contact."""
 
-OF_GRADIENT = 0.38, 0.5, 4.5, 0.012
+OF_GRADIENT = 0.38, 0.5, 7.0, 0.012
 """a, b, c, d of the relative error of the gradient: (a + b A² + c l (1 − A)²) |g/g₀ − 1| + d |A/A₀ − 1|.
 g and A are the estimates of gradient and area, g₀ and A₀ their values on the nodes; l as in `LOST_DEPTH`."""
+
+OF_LARGE_CORRECTION = 24.0, 0.15
+"""a, x₀ of an addition a (x − x₀)² to this error where the correction x = |g/g₀ − 1| is above x₀, as on four
+nodes of surfaces whose waves are nearly all of one length."""
 
 OF_PROPORTIONALITY = 0.9
 """Relative error of κ_r over √(error of the area² + error of the gradient²)."""
@@ -113,7 +136,11 @@ OF_PLASTIC_AREA, OF_PLASTIC_GRADIENT = 2.5, 1.0
 """Under a hardness: factor of the relative error of the area, and least relative error of the gradient over
 |A/A₀ − 1|."""
 
-OF_PLASTIC_SIZE = {"p90": 0.14, "p99": 0.12, "largest": 0.13, "largest_von_mises": 0.13}
+OF_PLASTIC_SIZE = {
+    "p90": 0.14,
+    "p99": 0.12,
+    **dict.fromkeys(("largest", "extreme", "largest_von_mises"), 0.13),
+}
 """Under a hardness: c of the least relative error of stresses, c (|A/A₀ − 1|/(1 − A))^(1/4). The pressure
 falls from the hardness to zero over less than a pixel, and the stress is largest below that edge. From 60
 random surfaces (`benchmarks/answers.py`)."""
@@ -126,7 +153,7 @@ are below 0.08 and 0.14."""
 OF_DEPARTURE = {
     "area_fraction": (0.7, 0.8, 0.0),
     "gradient_rms_contact": (2.7, 0.1, 0.2),
-    **dict.fromkeys((*PERCENTILES, "largest_von_mises"), (0.0, 0.5, 0.5)),
+    **dict.fromkeys((*PERCENTILES, "extreme", "largest_von_mises"), (0.0, 0.5, 0.5)),
     **dict.fromkeys(DEPTHS, (0.5, 5.0, 2.3)),
     "decay_length_depth": (1.1, 0.0, 0.5),
     "decay_length_plane": (1.3, 0.0, 1.1),
@@ -138,6 +165,14 @@ deep valleys and bands of waves."""
 
 OF_DEPARTURE_OF_PRESSURE = 0.5, 0.5, 0.55
 """`OF_DEPARTURE` for the peaks of the pressure."""
+
+BEYOND_BAND = 0.04
+"""``beyond_band`` of `_of_surface` above which extreme stresses have no estimate. On 480 surfaces it was at
+most 0.02 on band-limited ones, also with two nodes on the shortest wave, 0.08 to 0.8 with creases and
+grooves, and 0.02 to 0.1 where flat parts are cut out of a smooth surface."""
+
+OF_BEYOND_BAND = {"gradient_rms_contact": 5.0, **dict.fromkeys((*PERCENTILES, "extreme"), 8.0)}
+"""Number → factor of ``beyond_band`` in an addition to its relative error."""
 
 LARGEST_ERROR = 1.0
 """Relative error above which there is no estimate."""
@@ -153,7 +188,7 @@ WIDTH = 0.75
 
 OUTPUTS = (
     *("area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
-    *(*DEPTHS, *DECAYS),
+    *("extreme", *DEPTHS, *DECAYS),
 )
 """Numbers of `asperity.continuum_limit`."""
 
@@ -176,6 +211,8 @@ class OnGrid(NamedTuple):
         True if the pressure reaches a hardness.
     height : (ny, nx) array, optional
         Without it the surface is taken as an isotropic Gaussian one.
+    extremes : dict, optional
+        Field of the stress → its extreme value, as of `asperity.stress.extremes`.
     """
 
     pressure: Array
@@ -185,6 +222,7 @@ class OnGrid(NamedTuple):
     stress: xr.Dataset | None = None
     is_plastic: bool = False
     height: Array | None = None
+    extremes: Mapping[str, float] | None = None
 
 
 def reason_against(pressure: Array, height: Array, plastic_area: float = 0.0, mirrored: bool = False) -> str:
@@ -212,6 +250,11 @@ def reason_against_stress(found: xr.Dataset, error: xr.Dataset) -> str:
     """Reason why peaks allow no estimate, from their numbers and errors; empty if they do."""
     if found["along_lines"] <= STRAIGHT:
         return "the ridges are straight, and the peaks along them are rounding errors"
+    if found["beyond_band"] > BEYOND_BAND:
+        return (
+            "the roughness reaches the limit of the grid in all directions (creases, steps or noise), and "
+            "extreme stresses grow with every refinement"
+        )
     if not error["largest_von_mises"].notnull().any():
         return "the grid does not resolve the edges of the heights in contact"
     return ""
@@ -232,6 +275,16 @@ def resolution(estimates: xr.Dataset) -> float:
     """Relative correction of the area over the share out of contact: small where patches are resolved."""
     found, best = (float(estimates["area_fraction"].sel(kind=kind)) for kind in ("on_grid", "estimate"))
     return float(abs(found / best - 1) / max(1 - best, 0.01))
+
+
+def extreme_error(estimates: xr.Dataset, field: str) -> float:
+    """Relative error of the extreme value of a field; NaN where it has no estimate.
+
+    Of a result without ``extreme`` it is the error of the largest von Mises peak.
+    """
+    if "extreme" in estimates:
+        return float(estimates["extreme"].sel(field=field, kind="error"))
+    return float(estimates["largest"].sel(quantity="von_mises", kind="error").squeeze())
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
@@ -290,8 +343,8 @@ def extrapolated_numbers(
     best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
     if fine.stress is not None:
         best |= _quantiles(peak_numbers(fine.stress, levels, best["peak_count"])).data_vars
-        if found["along_lines"] <= STRAIGHT:
-            for name in (*PERCENTILES, "peak_quantile", "largest_von_mises", *DEPTHS):
+        if found["along_lines"] <= STRAIGHT or found["beyond_band"] > BEYOND_BAND:
+            for name in {*PERCENTILES, "extreme", "peak_quantile", "largest_von_mises", *DEPTHS} & {*best}:
                 best[name] = best[name] * np.nan
     error: dict[Any, Any] = {}
     of_area, of_gradient = (
@@ -302,13 +355,17 @@ def extrapolated_numbers(
     area = best["area_fraction"]
     share = OF_GRADIENT[0] + OF_GRADIENT[1] * area**2 + OF_GRADIENT[2] * lost * (1 - area) ** 2
     error["gradient_rms_contact"] = share * of_gradient + OF_GRADIENT[3] * of_area
+    factor, least = OF_LARGE_CORRECTION
+    error["gradient_rms_contact"] += factor * np.maximum(of_gradient - least, 0) ** 2
     if fine.is_plastic:
         error["area_fraction"] *= OF_PLASTIC_AREA
         error["gradient_rms_contact"] = np.maximum(
             error["gradient_rms_contact"], OF_PLASTIC_GRADIENT * of_area
         )
     if fine.stress is not None:
-        error |= _errors_of_stress(found, other, lost)
+        out_of_contact = np.maximum(1 - area, 0.01)
+        corrected = float(abs(found["area_fraction"] / area - 1) / out_of_contact)
+        error |= _errors_of_stress(found, other, lost, corrected)
     error |= _of_departure(error, found)
     both = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
     error["proportionality"] = OF_PROPORTIONALITY * both
@@ -320,6 +377,8 @@ def extrapolated_numbers(
         error["peak_deviation"] = WIDTH * missed
         if fine.is_plastic:
             for name, least in OF_PLASTIC_SIZE.items():
+                if name not in error:
+                    continue
                 error[name] = np.maximum(error[name], least * (of_area / (1 - area)) ** 0.25)
                 if name in PERCENTILES:  # pressures at the hardness are the same on every grid
                     error[name] = error[name].where(found[name] != other[name], 0.0)
@@ -354,10 +413,11 @@ def _of_departure(error: dict[Any, Any], found: xr.Dataset) -> dict[Any, Any]:
         if name in OF_PRESSURE:
             of_pressure = error[name] + added(OF_DEPARTURE_OF_PRESSURE, error[name])
             raised[name] = xr.where(found["quantity"] == "pressure", of_pressure, raised[name])
+        raised[name] = raised[name] + OF_BEYOND_BAND.get(name, 0.0) * found["beyond_band"]
     return raised
 
 
-def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> dict[Any, Any]:
+def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float, resolution: float) -> dict[Any, Any]:
     """Relative errors of sizes, depths and decay lengths; NaN where the other grid has no such number."""
     changes = {name: abs(found[name] / other[name] - 1) for name in SHARE_OF_CHANGE}
     changes = {name: change.where(np.isfinite(change)) for name, change in changes.items()}
@@ -376,7 +436,18 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> dict
         error[name] = (share * of_kind[name]).where(changes[name].notnull())
         if name in OF_PRESSURE:
             error[name] *= xr.where(is_pressure, OF_PRESSURE[name] / share, 1.0)
+            error[name] += OF_RESOLUTION_OF_PEAKS * resolution**1.5
     error["mean_depth"] *= 1 + LOST_DEPTH * lost
+    if "extreme" in found:
+        names = found["field"].values.tolist()
+        change = abs(found["extreme"] / other["extreme"] - 1).where(found["field"] != "principal_1")
+        of_largest = OF_EXTREME * max(float(change.max()), float(common.fillna(0)))
+        error["extreme"] = xr.zeros_like(found["extreme"])
+        error["extreme"][:] = [of_largest + OF_RESOLUTION.get(name, 1.3) * resolution**1.5 for name in names]
+        if "principal_1" in names:
+            factor, power, of_straight = OF_TENSION
+            along = float(found["departure"] * found["straight_boundary"])
+            error["extreme"].loc["principal_1"] = factor * resolution**power + of_straight * along
     return error
 
 
@@ -416,23 +487,31 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
     numbers["largest_von_mises"] = results.stress["largest_von_mises"].max("plane")
     numbers["decay_length_depth"] = "poisson", along_depth
     numbers["decay_length_plane"] = "poisson", in_plane
+    if results.extremes is not None:
+        sizes = np.abs([*results.extremes.values()])
+        numbers["extreme"] = xr.DataArray(sizes, {"field": [*results.extremes]})
     of_peaks = peak_numbers(results.stress, levels)
     return numbers.merge(of_peaks).merge(_quantiles(of_peaks))
 
 
 def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
-    """Departure from an isotropic Gaussian surface, 0 to 1, and waves that half of the nodes do not resolve.
+    """Departure from an isotropic Gaussian surface, 0 to 1, and waves that the grids do not resolve.
 
     ``unresolved`` is the root of u/(1 + u), where u is the share of the squared gradient over the contact in
-    waves that half of the nodes along both edges do not hold.
+    waves that half of the nodes along both edges do not hold. ``beyond_band`` is the share of the squared
+    curvature in modes shorter than two spacings, which a grid holds along its diagonals alone.
     """
     if results.height is None:
-        return {"departure": 0.0, "unresolved": 0.0}
+        return {"departure": 0.0, "unresolved": 0.0, "beyond_band": 0.0}
     grid, height = results.grid, results.height / max(np.ptp(results.height), 1e-300)
     # On a mirrored map, as many modes as half of the nodes of the whole cell hold.
     halves = [max((n + 1) // 2, 2) if grid.mirrored else max(n // 2, 4) for n in grid.shape]
     fourier, half = Fourier(grid), Grid((halves[0], halves[1]), grid.length, grid.mirrored)
     modes = fourier.forward(height)
+    # Of the squared curvature, the share in modes shorter than the waves that fit in all directions.
+    power, step_y, step_x = np.abs(modes) ** 2 * grid.wavenumber() ** 4, *grid.spacing
+    beyond = np.hypot(step_y * grid.qy[:, None], step_x * grid.qx) > np.pi * (1 + 1e-9)
+    beyond_band = grid.sum_over_modes(power * beyond) / max(grid.sum_over_modes(power), 1e-300)
     along_y, along_x = gradient(modes, fourier)
     both, squared = 2 * np.mean(along_y * along_x), along_y**2 + along_x**2
     if grid.mirrored:  # the images have the other sign
@@ -450,6 +529,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     return {
         "departure": float(np.clip(max(departures), 0, 1)),
         "unresolved": float(np.sqrt(share / (1 + share))),
+        "beyond_band": beyond_band,
     }
 
 

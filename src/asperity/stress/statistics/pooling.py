@@ -87,8 +87,9 @@ def pool_peaks(
     -------
     dataset
         Along `bin` and `depth_bin`: densities of the peaks of all seeds, and counts. Along `percent`:
-        percentiles, NaN if no peak lies above them. Along `plane` and `lag`: covariances of Eq. 22 and depth
-        profiles, means over seeds, with the lengths over which the covariances fall to half. ``…_low`` and
+        percentiles, NaN if no peak lies above them. Along `plane` and `lag`: depth profiles and, if the
+        analyses have them, covariances of Eq. 22, means over seeds, with the lengths over which these fall to
+        half, else NaN. ``…_low`` and
         ``…_high`` bound a band.
 
     Raises
@@ -133,9 +134,9 @@ def pool_peaks(
             "quantity": first["quantity"].values,
             "poisson": first["poisson"].values,
             "percent": list(PERCENTS),
-            "lag": first["lag"].values,
             "depth_edge": depth_edges,
-        },
+        }
+        | ({"lag": first["lag"].values} if "lag" in first else {}),
         attrs={"bootstrap_resamples": resamples, "bootstrap_confidence": confidence},
     )
     lengths = decay_lengths(pooled, "scaled_")
@@ -153,7 +154,7 @@ def _checked(stresses: Sequence[xr.Dataset], gradients: Sequence[float]) -> tupl
     if not (np.all(np.isfinite(scale)) and np.all(scale > 0)):
         raise ValueError(f"gradients = {gradients!r}: positive finite numbers are needed")
     for name in ("quantity", "poisson", "plane_depth", "lag"):
-        if any(not np.array_equal(stress[name].values, stresses[0][name].values) for stress in stresses):
+        if any(not np.array_equal(stress.get(name, ()), stresses[0].get(name, ())) for stress in stresses):
             raise ValueError(f"stresses: all must have the same {name}")
     peaks_of = [stress["peak_value"].values for stress in stresses]
     for one, other in combinations(range(len(stresses)), 2):
@@ -255,7 +256,7 @@ def _pooled_peaks(
 def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bootstrap) -> dict[str, tuple]:
     """Covariances and depth profiles, means over seeds."""
     result: dict[str, tuple] = {}
-    for name, power in _PROFILES.items():
+    for name, power in ((name, power) for name, power in _PROFILES.items() if name in stresses[0]):
         each = np.stack([s[name].values / g**power for s, g in zip(stresses, scale, strict=True)])
         result |= with_bounds(f"scaled_{name}", stresses[0][name].dims, bootstrap.banded(mean, each))
     reference = np.stack([stress["reference_depth"].values for stress in stresses])

@@ -23,7 +23,7 @@ import yaml
 
 from asperity.core.arguments import choice
 from asperity.core.errors import InputError, PlanError, shown
-from asperity.settings.accuracy import PRESETS, AccuracySettings, accuracy_of, overlay
+from asperity.settings.accuracy import PRESETS, AccuracySettings, accuracy_of
 from asperity.settings.check import check
 from asperity.settings.configuration import Configuration
 from asperity.settings.model import described
@@ -393,7 +393,7 @@ def report(
     outputs: Sequence[str],
     one_surface: bool = False,
 ) -> str:
-    """Text of a proposal: its cost, its error bounds by source, and the configuration keys that set it.
+    """Text of a proposal: its cost, its error bounds by source, and the keys that set its grids and seeds.
 
     Parameters
     ----------
@@ -416,7 +416,12 @@ def report(
     bounds = proposal.of(outputs)
     bounds = bounds.drop(columns="seeds") if one_surface else bounds
     bounds["together"] = bounds.sum(axis=1)
-    keys = overlay(accuracy, points)
+    keys: dict[str, Any] = {
+        "seeds": list(range(1, accuracy.seeds + 1)),
+        "surfaces": {name: {"points": number} for name, number in points.items()},
+    }
+    if accuracy.depth_spacing != PRESETS["paper"].depth_spacing:
+        keys["stress"] = {"depth_spacing": accuracy.depth_spacing}
     warnings = {
         name: f"# {name} = {getattr(contact, name):g} is outside what was measured, {low:g} to {high:g}"
         for contact in contacts.values()

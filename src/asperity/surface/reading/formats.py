@@ -219,11 +219,11 @@ def choose_channel(
         is_other = channel.kind != "height" or not WORDS["others"].isdisjoint(words)
         ranks.append(0 if is_other or (is_picture and not is_height) else 1 + is_height)
     best = [number for number, rank in enumerate(ranks) if rank == max(ranks)]
-    named = best
     if values is not None and max(ranks) == 1 < len(channels):
         best = [number for number in best if np.unique(values(number)).size > FEW_VALUES]
     if max(ranks) == 0 or not best:
-        return named[0], f"channel: by name or unit none of {_listed(names, named)} holds heights; set it"
+        known = _listed(names, range(len(names)))
+        return ranks.index(max(ranks)), f"channel: by name or unit none of {known} holds heights; set it"
     same = {tuple(word for word in words_of(names[number]) if word not in _DIRECTIONS) for number in best}
     forward = [number for number in best if _BACK.isdisjoint(words_of(names[number]))]
     if len(best) > 1 and not (len(same) == 1 and len(forward) == 1):

@@ -21,9 +21,11 @@ _HEIGHT_UNIT = re.compile(
 )
 """Words and a unit in brackets without a value behind it, or at the end of a line without a number."""
 
-_OF_HEIGHTS = {"value", "values", "data", "daten", *WORDS["heights"]}
-_NOT_OF_HEIGHTS = {"xy", "lateral", "scan", "pixel", "pixels", *WORDS["others"], *WORDS["pictures"]}
-_UNITS = {"unit", "units", "einheit"}
+_OF_HEIGHTS = {"value", "values", "data", "daten", *WORDS["heights"]} - {"surface"}
+_NOT_OF_HEIGHTS = {
+    *("width", "breite", "xy", "lateral", "scan", "sample", "stage", "position", "pixel"),
+    *WORDS["others"] | WORDS["pictures"],
+}
 
 _PIXEL = re.compile(
     rf"(?P<what>[^\d\[(:=;,]+)[\s:=;,]*(?:[\[(]\s*(?P<before>{_UNIT})\s*[\])])?[\s:=;,]*"
@@ -76,10 +78,11 @@ def height_unit(header: Sequence[str], has_pixel: bool = False) -> str | None:
     """
     units = set()
     for line in header:
-        for found in _HEIGHT_UNIT.finditer(line):
-            words = {*words_of(found["name"] or found["before"] or "")}
-            is_bare = (has_pixel and len(words) == 1) or ("image" in words and not words.isdisjoint(_UNITS))
-            if (is_bare or not words.isdisjoint(_OF_HEIGHTS)) and words.isdisjoint(_NOT_OF_HEIGHTS):
+        words = {*words_of(line)}
+        for found in _HEIGHT_UNIT.finditer(line) if words.isdisjoint(_NOT_OF_HEIGHTS) else ():
+            own = {*words_of(found["name"] or found["before"] or "")}
+            is_bare = {"image", "units"} <= own or (has_pixel and len(own) == 1)
+            if is_bare or ("image" not in own and not own.isdisjoint(_OF_HEIGHTS)):
                 units.add(found["unit"] or found["after"])
     return units.pop() if len(units) == 1 else None
 

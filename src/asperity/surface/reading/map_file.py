@@ -305,6 +305,7 @@ def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileConten
         if is_asked_for:
             raise
         return None
+    pixel = stated_pixel(table.header)
     if any(map(MATRIX_HEADER.search, lines[: len(table.header)])):
         heading, rows = lines[: len(table.header)], lines[len(table.header) :]
         void, half = _VOID.search("\n".join(heading)), len(rows) // 2
@@ -318,13 +319,11 @@ def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileConten
     elif not is_asked_for:
         return None
     else:
-        pixel = stated_pixel(table.header)
-        height, unit = table.heights(pixel is not None), height_unit(table.header, pixel is not None)
-        content = FileContent(height, unit=unit, orientation=None)
-        if pixel:
-            (y, x), length_unit = pixel
-            length = height.shape[0] * y, height.shape[1] * x
-            content = content._replace(length=length, length_unit=length_unit, orientation=PEAKS_UP)
+        unit = height_unit(table.header, pixel is not None)
+        content = FileContent(table.heights(pixel is not None), unit=unit, orientation=None)
+    if pixel and content.length is None:
+        length = content.height.shape[0] * pixel[0][0], content.height.shape[1] * pixel[0][1]
+        content = content._replace(length=length, length_unit=pixel[1], orientation=PEAKS_UP)
     if content.length is None and len(bare) == 2:
         return content._replace(length=(bare["y"], bare["x"]), length_unit=None)
     return content

@@ -68,9 +68,10 @@ _MISSING = re.compile(
 LARGEST_NUMBER = 1e38
 """Programs mark points without data by the largest numbers of single precision, 1.7e38 and 3.4e38."""
 
-STEPS_TO_TELL, ROUGH = 7, 0.1
-"""A first row or column of so many steps that rises or falls throughout holds positions where this share of
-the steps beside it goes the other way, or where its own steps are equal and those beside it are not."""
+STEPS_TO_TELL, ROUGH, ALIKE = 7, 0.3, 0.8
+"""A first row or column of so many steps that rises or falls throughout holds positions if its steps are
+equal as printed and those beside it are not, or if at least this share of the steps of the other lines rises
+and falls and it is not correlated with the next one by this factor, as a line of a smooth surface."""
 
 _EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(,\d{3}){2,})")
@@ -171,7 +172,7 @@ class NumberTable:
             names = dialect.fields(written[number - 1]) if number and rows[number - 1] is None else ()
             if (row := rows[number]) and len(names) == len(row):  # a line of names above one of values
                 self.header += [f"{name.strip()} {value:g}" for name, value in zip(names, row, strict=True)]
-                rows[number] = []
+                rows[number], self.header[number - 1] = [], ""
             elif row and (math.prod(row) == len(whole) or sorted(row) == sorted((len(whole), columns))):
                 rows[number] = []  # numbers of points, or of rows and columns
         self._how_read = ", read with decimal commas," if dialect.mark == "," else ""
@@ -189,7 +190,7 @@ class NumberTable:
             elif row is None:
                 wrong = [word for word in line.split() if not _row(word)[1]]
                 places = np.array(_row(line.partition(" ")[2])[1] or [])
-                if not is_inside and places.size == columns - 1 and _has_equal_steps(places):
+                if not is_inside and places.size == columns - 1 and np.all(np.diff(places) > 0):
                     raise ValueError(
                         f"line {number + 1}: it holds positions; delete them, in the first column too"
                     )
@@ -230,7 +231,7 @@ class NumberTable:
         if may_be_numbered and heights[0, 0] in (0, 1) and np.all(np.diff(heights[:, 0]) == 1):
             heights = heights[:, 1:]
         for name, values in (("row", heights), ("column", heights.T)):
-            if _are_positions(values[0], values[1]):
+            if any(_are_positions(values[:, corner:]) for corner in (0, 1)):
                 raise ValueError(
                     f"its first {name}{self._how_read} holds numbers or positions of points; delete it"
                 )
@@ -307,17 +308,20 @@ def _has_equal_steps(values: Array) -> bool:
     return steps.size > 2 and steps[0] != 0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0)
 
 
-def _are_positions(first: Array, second: Array) -> bool:
-    """True if a first row or column has the steps of positions, as printed, and the one beside it has not."""
-    steps, beside = np.diff(first), np.diff(second)
+def _are_positions(lines: Array) -> bool:
+    """True if the first of some lines has the steps of positions, as printed, and the others have not."""
+    first, second = lines[:2]
+    steps = np.diff(first)
     if _has_equal_steps(first):
         return not _has_equal_steps(second)
-    rise = np.sign(steps[0]) if steps.size >= STEPS_TO_TELL else 0.0
-    if not rise or not np.all(steps * rise > 0):
+    if steps.size < STEPS_TO_TELL or not (np.all(steps > 0) or np.all(steps < 0)):
         return False
-    far, tolerance = _unevenness(first), max(GRID_TOLERANCE * abs(steps.mean()), _rounding(first))
-    is_even = far <= tolerance and not _unevenness(second) <= 3 * tolerance
-    return is_even or bool(np.mean(beside * rise < 0) >= ROUGH)
+    tolerance = max(GRID_TOLERANCE * abs(steps.mean()), _rounding(first))
+    falling = np.mean(np.diff(lines[1:]) < 0, axis=1)
+    is_rough = np.median(np.minimum(falling, 1 - falling)) >= ROUGH
+    known = np.isfinite(second)
+    is_alike = is_rough and np.corrcoef(first[known], second[known])[0, 1] > ALIKE
+    return bool((is_rough and not is_alike) or _unevenness(first) <= tolerance < _unevenness(second) / 3)
 
 
 def _unevenness(line: Array) -> float:
