@@ -166,7 +166,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
 
 
 def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
-    """The sample, as an object of a kind, of the answers of maps of one surface, in one case; see `asperity.pool`.
+    """The sample, as an object of a kind, of the answers of maps of one surface, in one case.
 
     Raises
     ------
