@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -250,10 +250,8 @@ def computed(
     cores : int, optional
         Most processes; by default all cores.
     """
-    with ExitStack() as stack:
-        folders = [job.folder for job in arrangement.jobs]
-        for folder in dict.fromkeys([*([arrangement.folder] if arrangement.folder else []), *folders]):
-            stack.enter_context(locked(folder))
+    first = arrangement.jobs[0].folder
+    with locked(first if len(arrangement.jobs) == 1 else arrangement.folder or first):
         kept = {
             job.name
             for job in arrangement.jobs
