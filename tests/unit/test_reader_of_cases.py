@@ -120,7 +120,7 @@ def test_page_refuses_what_run_refuses(tmp_path):
 
 
 def test_names_are_relative_to_the_case_file(tmp_path, monkeypatch):
-    """The name of the folder looks like a pattern; another map of the same name lies in the working folder."""
+    """The folder has the name of a pattern; another map of the same name lies in the working folder."""
     folder = tmp_path / "run[1]"
     folder.mkdir()
     for path in (folder / "s_1.txt", folder / "s_2.txt", tmp_path / "lapped.txt", folder / "lapped.txt"):

@@ -122,7 +122,7 @@ def case_of_answer(folder: Path) -> dict[str, Any]:
 
 
 def matches(name: str, folder: Path) -> str | list[str]:
-    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order; one name if less than two do."""
+    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order, or one name."""
     if glob.has_magic(name) and not (folder / name).exists():
         found = [str(folder / each) for each in sorted(glob.glob(name, root_dir=folder))]
         return found if len(found) > 1 else (found or [str(folder / name)])[0]

@@ -54,8 +54,8 @@ class OneLoad(Settings):
             words = f"exactly one of them is needed, {' and '.join(given) or 'none'} given"
             yield ", ".join(UNITS), f": {words}"
         if self.radius_x is None:
-            in_hertz_contact = ("hertz_pressure", "radius_y", "at")
-            yield from ((name, ": needs radius_x") for name in in_hertz_contact if name in self.model_fields_set)
+            wrong = self.model_fields_set & {"hertz_pressure", "radius_y", "at"}
+            yield from ((name, ": needs radius_x") for name in sorted(wrong))
 
     @property
     def kind(self) -> str:
