@@ -369,12 +369,9 @@ def entry_of(root: type[BaseModel], key: str) -> Entry:
     """Description of one setting, by its dotted key; ``NAME`` stands for a name that the user chooses."""
     *groups, name = key.split(".")
     try:
-        group = _class_of(root, groups)
-        kinds = (group, *getattr(group, "__subclasses__", list)())  # of a load
-        one = next((each for each in kinds if name in getattr(each, "model_fields", ())), group)
-        entry = described(one)  # without the other groups, whose description takes time
+        entry = described(_class_of(root, groups))  # without the other groups, whose description takes time
         return entry["additionalProperties"] if name == "NAME" else entry["properties"][name]
-    except (AttributeError, KeyError):  # below a list, or a group of one of several classes
+    except (AttributeError, KeyError):  # below a list
         entry = described(root)
         for part in key.split("."):
             entry = inside(entry, part) or {}
