@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact import Contact
-from asperity.core.arguments import require_finite
+from asperity.core.arguments import own_errors, require_finite
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
@@ -28,6 +28,7 @@ SEPARATE_SHARE = 0.4
 by less than a tenth over the map."""
 
 
+@own_errors
 def run(
     map: Any, body: Any = None, counter_body: Any = None, *, progress: Progress | None = None, **groups: Any
 ) -> Answer:

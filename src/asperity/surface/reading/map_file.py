@@ -22,6 +22,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from asperity.core.arguments import own_errors
 from asperity.core.packages import require
 from asperity.core.types import Array, FilePath
 from asperity.settings.map import MapOptions
@@ -68,6 +69,7 @@ DECLARED = "set format to profile to take it as a map with the same heights for 
 UNREADABLE = "not a height map that can be read"
 
 
+@own_errors
 def read_map(path: FilePath | Any, options: MapOptions | None = None, **given: Any) -> HeightMap:
     """Read a height map.
 
