@@ -156,6 +156,8 @@ def open_shared_map(path: FilePath, options: MapOptions, shared: Set[str]) -> Ma
 
 def path_problem(path: FilePath) -> str:
     """Reason why a path does not lead to a file with a map, empty if it may."""
+    if re.search("[\ud800-\udfff]", os.fspath(path)):  # reports and results name it
+        return "its name is not UTF-8; rename it"
     if not os.path.exists(path):  # also of names that are too long, or with a null character
         return "no such file"
     if os.path.isdir(path):
