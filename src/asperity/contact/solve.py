@@ -410,6 +410,11 @@ def _state_of(
                     f"{largest / problem.hardness:.4g} times the hardness"
                 )
             return full
+    if control.kind == "approach" and problem.response.repeats and problem.response.uniform_compliance:
+        # Beyond full contact a stiff solid bears a mean pressure far larger than all differences.
+        full = problem.full_contact(control.value)
+        if full.pressure.min() > 0 and full.pressure.max() < problem.hardness:
+            return full
     start = None if initial is None else problem.near_start(control, initial)
     return METHODS[method](problem, control, rtol, progress, start)
 
