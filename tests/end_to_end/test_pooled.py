@@ -23,7 +23,7 @@ COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--mean-pressure", "400 MPa", "-
 def without_pictures():
     """They take most of the time, and `test_run_command` draws them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
+        patch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
         yield
 
 
