@@ -181,6 +181,7 @@ def newest_answer(app):
 def page(chromium, app, tmp_path_factory):
     found = Page(chromium, tmp_path_factory.mktemp("pictures"))
     found.open(app.address)
+    app.next_address()
     return found
 
 
@@ -197,8 +198,12 @@ def test_from_a_dropped_map_to_the_largest_stress(page, app):
     assert "What happens here" in page.run("return document.querySelector('.empty-only').innerText")
     page.drop(MAP.read_bytes(), "ground <img src=x onerror=alert(1)>.x3p")
     page.until("document.getElementById('info').textContent.includes('96 x 128')")
+    page.until("document.getElementById('ready').textContent.includes('the material of the body')")
     page.type("body.material", "100Cr6")
     page.type("load.mean_pressure", "50 MPa")
+    page.until("document.querySelectorAll('#ready li').length === 1")
+    assert "the kind of the counter body" in page.text("ready")
+    page.click("[data-key='choose.counter_body'][value='flat']")
     page.answer()
     page.click("#peaks input")
     page.until("document.querySelector('#peaks tr.marked')")
@@ -267,8 +272,8 @@ def test_a_map_without_a_unit_asks_for_it_at_the_field(example, tmp_path):
     path = tmp_path / "<img src=x onerror=alert(1)>.npy"
     np.save(path, np.random.default_rng(1).normal(size=(48, 32)))
     example.type("map.file", str(path))
-    example.until("document.getElementById('ready').textContent.includes('--unit')")
-    assert "--physical-size" in example.text("ready")
+    example.until("document.getElementById('ready').textContent.includes('map, unit')")
+    assert "map, physical size" in example.text("ready")
     example.type("map.unit", "nm")
     example.type("map.physical_size", "48 um, 32 um")
     example.until("!document.getElementById('start').disabled")
@@ -283,10 +288,13 @@ def test_stop_and_kill_keep_the_inputs(example, app):
     workers = psutil.Process(app.process.pid).children
     for end, words in (("stop", "Stopped."), ("kill", "was killed")):
         known = {each.pid for each in workers()}
+        example.until("!document.getElementById('start').disabled")
+        example.run("document.getElementById('start').focus()")
         example.start()
         example.until("document.body.dataset.running === 'true'")
         (started,) = [each for each in workers() if each.pid not in known]
         example.until("document.getElementById('progress').value > 0")
+        assert example.run("return document.activeElement.id") == "start"
         if end == "stop":
             example.click("#stop")
         else:
@@ -353,7 +361,7 @@ def test_a_peak_clicked_in_a_picture_is_marked_everywhere(page, picture, column,
 def test_everything_by_the_keyboard_alone(page, app):
     from selenium.webdriver.common.keys import Keys
 
-    page.open(app.address)
+    page.open(app.page)
     page.tab_to("[data-do=example]")
     page.keys(Keys.ENTER)
     page.until("document.getElementById('body.material').value === '100Cr6'")
@@ -415,13 +423,13 @@ def test_download_and_open_later(page):
 def test_tabs_and_reload_show_the_same_work(example, app):
     first = example.chromium.current_window_handle
     example.chromium.switch_to.new_window("tab")
-    example.open(app.address)
+    example.open(app.page)
     example.until("document.getElementById('body.material').value === '100Cr6'")
     example.until("document.querySelector('article.answer')")
     example.type("load.mean_pressure", "60 MPa")
     example.chromium.switch_to.window(first)
     example.until("document.getElementById('load.mean_pressure').value === '60 MPa'")
-    example.open(app.address)
+    example.open(app.page)
     example.until("document.getElementById('load.mean_pressure').value === '60 MPa'")
     example.until("document.querySelector('article.answer')")
 

@@ -7,11 +7,16 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from importlib.resources import files
+from pathlib import Path
+from urllib.parse import quote
 
 import psutil
 import pytest
 from running_app import App
+
+from asperity.core.system import process_name
 
 MAP = files("asperity.engineering") / "maps" / "ground_1.x3p"
 
@@ -24,25 +29,19 @@ UPGRADE = {
 
 
 def ask(app, path="", method="GET", body=None, **headers):
-    """Status, headers and content of the reply to one request; the path is below the path of the token."""
+    """Status, headers and content of the reply to one request with the cookie; the path is below the page."""
+    headers = {"Cookie": app.cookie} | {name.replace("_", "-"): value for name, value in headers.items()}
     connection = http.client.HTTPConnection("127.0.0.1", app.port, timeout=20)
-    token = app.address.rsplit("/", 2)[1]
-    headers = {name.replace("_", "-"): value for name, value in headers.items()}
-    connection.request(method, path if path.startswith("//") else f"/{token}/{path}", body, headers)
+    connection.request(method, path if path.startswith("//") else app.path + path, body, headers)
     reply = connection.getresponse()
     content = b"" if reply.status == 101 else reply.read()
     connection.close()
     return reply.status, reply.headers, content
 
 
-def upload(app, name, content, key="map.file", **headers):
+def upload(app, name, content, **headers):
     """Upload a file as the page does."""
-    body = (
-        f'--x\r\nContent-Disposition: form-data; name="map"; filename="{name}"\r\n\r\n'.encode()
-        + content
-        + b"\r\n--x--\r\n"
-    )
-    return ask(app, f"upload/{key}", "POST", body, Content_Type="multipart/form-data; boundary=x", **headers)
+    return ask(app, f"upload?name={quote(name)}", "PUT", content, **headers)
 
 
 def test_only_this_computer_is_listened_to(app):
@@ -59,10 +58,16 @@ def test_token_host_and_origin_are_needed(app):
     status, headers, _ = ask(app)
     assert status == 200
     assert "default-src 'self'" in headers["Content-Security-Policy"]
+    for other in ("", "asperity=wrong"):
+        status, _, content = ask(app, Cookie=other)
+        assert (status, b"can be opened once" in content) == (403, True)
+        assert ask(app, "events", Cookie=other, **UPGRADE)[0] == 403
+        assert upload(app, "a.npy", b"1", Cookie=other)[0] == 403
     assert ask(app, "//")[0] == 404
     assert ask(app, "//events", **UPGRADE)[0] == 404
     assert ask(app, "//static/js/bokeh.min.js")[0] == 404
-    assert ask(app, Host="evil.example")[0] == 403  # as after DNS rebinding
+    status, _, content = ask(app, Host="evil.example")  # as after DNS rebinding
+    assert (status, b"--host-header 'evil.example'" in content) == (403, True)
     for path, more in (("", {}), ("events", UPGRADE), ("ws", UPGRADE), ("answer/0/all.zip", {})):
         assert ask(app, path, Origin="http://evil.example", **more)[0] == 403
     assert upload(app, "a.npy", b"1", Origin="http://evil.example")[0] == 403
@@ -85,21 +90,19 @@ def test_no_other_file_is_served(app, path):
 
 
 def test_an_uploaded_file_stays_in_its_folder(app):
-    assert upload(app, "../../../evil<b>.npy", b"not a map")[0] == 200
-    assert [path.name for path in app.folder.rglob("evil*")] == ["evil_b_.npy"]
-    assert not list(app.folder.glob("evil*"))
-    # A key that is no setting is ignored.
-    assert upload(app, "a.npy", b"1", key="out")[0] == 200
+    status, _, path = upload(app, "../../../evil<b>.npy", b"not a map")
+    assert (status, Path(path.decode()).read_bytes()) == (200, b"not a map")
+    assert list(app.folder.rglob("evil*")) == [Path(path.decode())]
+    assert Path(path.decode()).parents[1] == app.folder / "answers" / "maps"
 
 
 def test_a_large_upload_is_refused(app):
     from asperity.app.server import LARGEST_UPLOAD
 
     with socket.create_connection(("127.0.0.1", app.port), timeout=20) as connection:
-        token = app.address.rsplit("/", 2)[1]
         head = (
-            f"POST /{token}/upload/map.file HTTP/1.1\r\nHost: 127.0.0.1:{app.port}\r\n"
-            f"Content-Type: multipart/form-data; boundary=x\r\nContent-Length: {2 * LARGEST_UPLOAD}\r\n\r\n"
+            f"PUT {app.path}upload?name=a HTTP/1.1\r\nHost: 127.0.0.1:{app.port}\r\n"
+            f"Cookie: {app.cookie}\r\nContent-Length: {2 * LARGEST_UPLOAD}\r\n\r\n"
         )
         connection.sendall(head.encode())
         assert b" 400 " in connection.recv(100)
@@ -143,6 +146,87 @@ def test_no_process_is_left_when_the_server_is_killed(tmp_path):
     _, alive = psutil.wait_procs(children, timeout=20)
     assert not [each for each in alive if each.status() != psutil.STATUS_ZOMBIE]
     app.process.stdout.close()
+
+
+def test_an_address_is_opened_once(tmp_path):
+    app = App(tmp_path)
+    first = app.path + app.address.rpartition("/")[2]
+    assert ask(app)[0] == 200
+    assert ask(app, f"/{first}", Cookie="")[0] == 403
+    second = app.path + app.address.rpartition("/")[2]
+    assert ask(app, f"/{second}", Cookie="")[0] == 302
+    app.close()
+
+
+def test_the_browser_gets_no_secret_as_an_argument(tmp_path):
+    """The browser is started with a file that the user alone can read, and which holds the address."""
+    (tmp_path / "browser").write_text(f'#!/bin/sh\nprintf "%s" "$*" > {tmp_path}/arguments\n')
+    (tmp_path / "browser").chmod(0o755)
+    command = [sys.executable, "-m", "asperity", "app"]
+    given = os.environ | {"BROWSER": f"{tmp_path}/browser %s"}
+    process = subprocess.Popen(command, env=given, stdout=subprocess.PIPE, text=True)
+    address = process.stdout.readline()
+    end = time.monotonic() + 20
+    while not ((tmp_path / "arguments").exists() and (tmp_path / "arguments").read_text()):
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    argument = (tmp_path / "arguments").read_text()
+    file = Path(argument.removeprefix("file://"))
+    assert address.split("/")[3] not in argument
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert address.rpartition("once-")[0] in file.read_text()
+    process.send_signal(signal.SIGINT)
+    process.wait(20)
+    process.stdout.close()
+    assert not file.parent.exists()
+
+
+def test_a_further_host_is_answered_if_it_is_named(tmp_path):
+    app = App(tmp_path, "--host-header", "localhost:9999")
+    assert ask(app, Host="localhost:9999", Origin="https://localhost:9999")[0] == 200
+    assert ask(app, "events", Host="localhost:9999", Origin="http://localhost:9999", **UPGRADE)[0] == 101
+    assert ask(app, Host="localhost:9998")[0] == 403
+    app.close()
+
+
+def test_variables_of_bokeh_do_not_reach_the_page(tmp_path):
+    app = App(tmp_path, BOKEH_SIGN_SESSIONS="yes", BOKEH_LOG_LEVEL="nonsense", BOKEH_RESOURCES="cdn")
+    status, _, content = ask(app)
+    assert status == 200
+    assert b"cdn.bokeh.org" not in content
+    app.close()
+
+
+def test_what_a_killed_server_left_is_removed_at_the_next_start(tmp_path):
+    app = App(tmp_path, TMPDIR=str(tmp_path))
+    assert upload(app, "a.npy", b"1")[0] == 200
+    app.process.kill()
+    app.process.wait(20)
+    app.process.stdout.close()
+    (tmp_path / "asperity-app-of-someone").mkdir()
+    (left,) = [path.parents[2] for path in tmp_path.rglob("a.npy")]
+    other = App(tmp_path, TMPDIR=str(tmp_path))
+    assert not left.exists()
+    assert (tmp_path / "asperity-app-of-someone").exists()
+    other.close()
+    assert [path.name for path in tmp_path.glob("asperity-app-*")] == ["asperity-app-of-someone"]
+
+
+def test_only_what_an_ended_computation_made_is_removed(tmp_path):
+    from asperity.app.session import remove_made
+    from asperity.engineering.folder import MANIFEST
+    from asperity.results.atomic import LOCK
+
+    folder = tmp_path / "answer_1"
+    for place in (folder, folder / "a", folder / "b"):
+        place.mkdir()
+        (place / "answer.csv").write_text("")
+        (place / MANIFEST).write_text(json.dumps({"answer.csv": ""}))
+        (place / LOCK.format(f"{process_name().rpartition('.')[0]}.1.abcd")).touch()  # of an earlier process
+        (place / ".unfinished-x").mkdir()
+    (folder / "b" / "notes.txt").write_text("mine")
+    remove_made(folder)
+    assert [path.relative_to(folder).as_posix() for path in folder.rglob("*")] == ["b", "b/notes.txt"]
 
 
 def test_it_ends_by_itself_without_a_connection(tmp_path):

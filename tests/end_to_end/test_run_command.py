@@ -198,7 +198,7 @@ def test_everything_wrong_is_named_at_once(tmp_path, refused):
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
     assert starts == [
         *("--young", "--poisson", "body.layers.0.poisson", "body.layers.0.thickness", "--counter-poisson"),
-        *("load.mean_pressure", "cycles.shifts", "lek", str(tmp_path / "none.x3p")),
+        *("--mean-pressure", "cycles.shifts", "lek", str(tmp_path / "none.x3p")),
     ]
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
     assert "did you mean leak?" in lines[-2]

@@ -115,7 +115,7 @@ def _group_of(key: str) -> str:
 
 
 def _text(key: str, value: Any) -> str:
-    """A value as the text of a field: a line for each file of a list, a table as in a file."""
+    """A value as the text of a field; files have a line each, a table is as in a file."""
     if isinstance(value, Mapping):
         return yaml_line(value)
     if isinstance(value, (list, tuple)):

@@ -64,9 +64,7 @@ class SparseInverse:
         _write_members(place, *shape, mirrored, self._members)
         self._weights = np.zeros((nodes.size, MOST), np.float32)
         in_parts(
-            lambda part: _write_weights(
-                kernel, place, mirrored, self._members[part], self._weights[part]
-            ),
+            lambda part: _write_weights(kernel, place, mirrored, self._members[part], self._weights[part]),
             nodes.size,
             threads,
         )

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -32,6 +32,9 @@ from asperity.surface.treatment.treatment import BYTES_PER_NODE
 
 ANSWER_MEMORY = 3.7e8
 """Memory of an answer without its calculation, in bytes."""
+
+SMALLEST_BESIDE = 65_536
+"""Nodes of a map from which a process of its own saves time: it starts in about two seconds."""
 
 POLL = 0.2
 """Seconds between two looks for the progress of other processes."""
@@ -247,10 +250,8 @@ def computed(
     cores : int, optional
         Most processes; by default all cores.
     """
-    with ExitStack() as stack:
-        folders = [job.folder for job in arrangement.jobs]
-        for folder in dict.fromkeys([*([arrangement.folder] if arrangement.folder else []), *folders]):
-            stack.enter_context(locked(folder))
+    first = arrangement.jobs[0].folder
+    with locked(first if len(arrangement.jobs) == 1 else arrangement.folder or first):
         kept = {
             job.name
             for job in arrangement.jobs
@@ -269,6 +270,9 @@ def computed(
 def _side_by_side(jobs: Sequence[Job], cores: int | None) -> int:
     """Number of jobs that run at the same time."""
     most = max((job.memory for job in jobs), default=1.0)
+    nodes = max((job.rough.face.height.size for job in jobs if job.rough), default=0)
+    if nodes < SMALLEST_BESIDE:
+        return 1
     return max(1, min(len(jobs), cores or os.cpu_count() or 1, int(1e6 * available_memory() / most)))
 
 
