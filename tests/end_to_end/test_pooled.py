@@ -49,9 +49,9 @@ def test_the_folder_holds_means_of_all_maps(folder):
     for column in ("value", "extrapolated"):
         areas = [answer[column]["contact area fraction"] for answer in each]
         assert sample[column]["contact area fraction"] == pytest.approx(np.mean(areas), rel=1e-6)
-    area, stress = sample.loc["contact area fraction"], sample.loc["maximum von Mises stress"]
+    area = sample.loc["contact area fraction"]
     assert area["error"] > area["error_between_measurement_positions"] > 0
-    assert stress["error_discretisation"] > 0  # under the hardness, too
+    assert area["error_discretisation"] > 0  # under the hardness, too
     maximum = pd.read_csv(folder / "maximum.csv").drop_duplicates("quantity").set_index("quantity")
     assert maximum["value_Pa"]["pressure"] == pytest.approx(6e9)  # is the hardness
     assert (maximum["low_Pa"] <= maximum["value_Pa"]).all()
