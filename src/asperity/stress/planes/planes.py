@@ -23,11 +23,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.core.arguments import number, require_finite
+from asperity.core.arguments import number, own_errors, require_finite
 from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import Grid, Work
@@ -140,7 +141,8 @@ def stress_planes(
     stream = PlaneStream(
         contact, depths, poisson, fields, tolerance, threads, work, friction, sliding_direction
     )
-    return named_fields(stream, progress)
+    following = own_errors(partial(next, named_fields(stream, progress), None))
+    return (plane for plane in iter(following, None))  # a generator, which can be closed
 
 
 def named_fields(
