@@ -179,7 +179,7 @@ def cases(generator: np.random.Generator, count: int) -> Iterator[Case]:
 
 
 def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Errors by kind, nodes and number; the kinds "band-limited" and "creased" hold the kinds of their sort."""
+    """Errors by kind, nodes and number; "band-limited" and "creased" hold all kinds of their sort."""
     sorts = dict.fromkeys(SMOOTH, "band-limited") | dict.fromkeys(CREASED, "creased")
     sorts |= dict.fromkeys(UNDER_HARDNESS, "under a hardness")
     every = pd.concat([rows.assign(kind=rows["kind"].map(sorts)), rows])

@@ -126,6 +126,18 @@ def test_largest_of_an_area_is_met(draw):
     assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
 
 
+@pytest.mark.parametrize("shape", [1.2, 1.6, 2.5])
+def test_largest_of_bounded_peaks_is_met(shape):
+    """Peaks below a bound, as under a hardness."""
+    random = np.random.default_rng(3)
+    met = []
+    for _ in range(40):
+        maps = [5 - random.weibull(shape, random.poisson(300)) for _ in range(4)]
+        found, true = largest_on(maps, 4e-6, 1.6e-4), 5 - random.weibull(shape, 48000).min()
+        met.append(found.low <= true <= found.high)
+    assert np.mean(met) >= 0.85
+
+
 def test_largest_is_not_below_the_observed():
     """Also where one peak lies far above the others."""
     maps = [np.append(np.random.default_rng(seed).random(30), 1.0 + 2.0 * (seed == 0)) for seed in range(4)]

@@ -115,7 +115,7 @@ def stress_planes(
         half-space, coated or not, or a layer bonded to a rigid base. The traction of a mirrored map is no
         mirror image: the stress is computed in the cell of the map and its three images, which slide the
         same way, and the planes are cut to the map. Their grids are not mirrored; `find_peaks` takes them
-        with ``boundary="free"``.
+        with ``boundary="free"`` and finds no peaks at the mirror lines, which `analyse_stress` finds.
     sliding_direction : "x", "y" or float
         Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
