@@ -30,8 +30,8 @@ from asperity.fourier.grid import Edges, Grid
 MAX_UNDERESTIMATE = 10.0
 MAX_ROUNDINGS = 10.0
 
-# No length may be wrong by more than this fraction of the rms height: a stiff solid that is pressed far beyond
-# full contact has a pressure whose tolerance exceeds all differences of the heights.
+# No length may be wrong by more than this fraction of the rms height: a stiff solid that is pressed far
+# beyond full contact has a pressure whose tolerance exceeds all differences of the heights.
 MAX_VIOLATION = 1e-2
 
 
