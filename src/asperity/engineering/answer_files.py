@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from asperity.contact import Certificate, Contact

@@ -6,7 +6,6 @@ from textwrap import fill
 
 from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
 
-
 WIDEST = 100
 """Most characters of a line of words."""
 
