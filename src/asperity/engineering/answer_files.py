@@ -29,7 +29,7 @@ from asperity.engineering.scene import solid_of
 from asperity.fourier.grid import grid_of
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table, write_workbook
+from asperity.results.tables import read_table, write_table, write_workbook
 from asperity.results.variables import SI_UNITS
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap
 from asperity.surface.roughness import surface_dataset
@@ -193,8 +193,8 @@ def case_of(answer: AnswerData, folder: Path) -> str:
 
 def _table(path: Path) -> pd.DataFrame:
     """A table of an answer with the types that it had."""
-    found = pd.read_csv(path, float_precision="round_trip")
-    texts = found.select_dtypes("object").columns
+    found = read_table(path)
+    texts = found.select_dtypes(exclude=["number", "bool"]).columns
     return found.assign(**{name: found[name].fillna("") for name in texts})
 
 

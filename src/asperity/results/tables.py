@@ -75,6 +75,14 @@ def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format:
             described.to_parquet(unfinished, index=False)
 
 
+def read_table(path: FilePath) -> "pd.DataFrame":
+    """A CSV file as a table, with the numbers that were written."""
+    import pandas as pd
+
+    exact: dict[str, Any] = {"float_precision": "round_trip"} if pd.__version__ < "3.1" else {}
+    return pd.read_csv(path, **exact)  # from 3.1 on it is exact
+
+
 def check_columns(frame: "pd.DataFrame", table: str) -> None:
     """Raise `ValueError` unless a frame has the columns of a table, in their order."""
     columns = TABLES[table]["columns"]
