@@ -102,7 +102,7 @@ class Page:
 
     def image(self, name):
         found = self.run(IMAGE, name)
-        return found | {"values": np.reshape(found["values"], found["shape"])}
+        return found | {"values": np.reshape(np.array(found["values"], dtype=float), found["shape"])}
 
     def drop(self, content, name):
         self.run(DROP, base64.b64encode(content).decode(), name)
@@ -189,6 +189,7 @@ def page(chromium, app, tmp_path_factory):
 @pytest.fixture
 def example(page):
     """The page with the example map, ready to compute."""
+    page.run("document.getElementById('body.material').value = ''")  # until the server has answered
     page.click("[data-do=example]")
     page.until("document.getElementById('body.material').value === '100Cr6'")
     page.until("!document.getElementById('start').disabled")
