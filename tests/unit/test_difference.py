@@ -1,44 +1,56 @@
 """Differences between two surfaces: intervals, and the sentence that says which is better."""
 
+import re
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
-from asperity.engineering.question import Row
-from asperity.engineering.sample import SampleRow, mean_of_maps
-from asperity.engineering.several_answers import differences, verdict
+import asperity as asp
+from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
+from asperity.engineering.sample import SampleData
+from asperity.engineering.show.comparison import compared
 
-GROUP, NAME = "stress in the elastic body", "volume above yield per area"
+NAME = "volume above yield per area"
+KEY = "stress", "lower", NAME
+STEEL = {"young": "210 GPa", "poisson": 0.3, "yield_stress": "2 GPa"}
+CASE = asp.Case(map="a.x3p", body=STEEL, load={"force": "1 N"})
 
 
-def sample_row(values, errors=np.nan):
-    return SampleRow(GROUP, NAME, "m", mean_of_maps(values, errors), np.array(values))
+def answer(value, **errors):
+    """An answer with the volume above yield alone, with errors of the pixels and between positions."""
+    known = {DISCRETISATION: errors.get("pixels", 0.0), POSITIONS: errors.get("positions", 0.0)}
+    record = Record(NAME, value, "m", *KEY[:2], errors=known, varies=True, better="less")
+    return AnswerData(CASE, SimpleNamespace(name="map"), None, (record,), (), (), (), {}, {})
+
+
+def sample(values, **errors):
+    return SampleData({str(number): answer(value, **errors) for number, value in enumerate(values)})
 
 
 def test_samples_differ_as_welch_says():
-    first, second = [1.31e-6, 1.2e-6, 1.45e-6], [0.30e-6, 0.35e-6, 0.22e-6, 0.31e-6]
-    (found,) = differences([sample_row(first)], [sample_row(second)])
-    welch = stats.ttest_ind(second, first, equal_var=False)
+    values = {"ground": [1.31e-6, 1.2e-6, 1.45e-6], "superfinished": [0.30e-6, 0.35e-6, 0.22e-6, 0.31e-6]}
+    comparison = compared({name: sample(each) for name, each in values.items()})
+    found = comparison.difference(KEY, *values)
+    welch = stats.ttest_ind(values["superfinished"], values["ground"], equal_var=False)
     low, high = welch.confidence_interval(0.95)
     assert (found.chance, found.error) == (pytest.approx(welch.pvalue), pytest.approx((high - low) / 2))
-    (wider,) = differences([sample_row(first, 1e-7)], [sample_row(second, 1e-7)])
-    assert wider.error == pytest.approx(np.sqrt(found.error**2 + 2e-14))
-    said = verdict([found], ("ground", "superfinished"), [NAME])
-    assert said.startswith(
-        "superfinished: volume above yield per area 0.295 µm against 1.32 µm of ground; bet"
-    )
-    assert f"p = {welch.pvalue:.2g}" in said
+    wider = compared({name: sample(each, pixels=1e-7) for name, each in values.items()})
+    error = wider.difference(KEY, *values).error
+    assert error == pytest.approx(np.sqrt(found.error**2 + 2e-14))
+    shown = r"superfinished: volume above yield per area 0\.\d+ ± 0\.\d+ µm against 1\.\d+ ± 0\.\d+ µm of "
+    assert re.fullmatch(rf"{shown}ground; better, p = {welch.pvalue:.2g}\.", comparison.verdict)
 
 
-def test_single_maps_say_that_places_are_not_known():
-    rows = [
-        Row(GROUP, NAME, value, "m", "", value, 1e-8, "the pixels", places)
-        for value, places in ((1.3e-6, np.nan), (0.3e-6, 2e-7), (0.4e-6, 2e-7))
-    ]
-    (unknown,) = differences(rows[:1], rows[1:2])
-    assert np.isnan(unknown.chance)
-    assert "add maps" in verdict([unknown], ("a", "b"), [NAME])
-    (known,) = differences(rows[1:2], rows[2:])
+def test_single_maps_say_that_positions_are_not_known():
+    both = {"pixels": 1e-8, "positions": 2e-7}
+    unknown = compared({"a": answer(1.3e-6, pixels=1e-8), "b": answer(0.3e-6, **both)})
+    assert np.isnan(unknown.difference(KEY, "a", "b").chance)
+    assert "differences between positions are not known" in unknown.verdict
+    comparison = compared({"a": answer(0.3e-6, **both), "b": answer(0.4e-6, **both)})
+    known = comparison.difference(KEY, "a", "b")
     assert known.error == pytest.approx(np.sqrt(2 * (1e-8**2 + 2e-7**2)))
     assert known.chance == pytest.approx(2 * stats.norm.sf(stats.norm.ppf(0.975) * 1e-7 / known.error))
-    assert "no significant difference" in verdict([known], ("a", "b"), [NAME])
+    assert "no significant difference" in comparison.verdict

@@ -7,6 +7,7 @@ from samples import refuses
 
 import asperity as asp
 from asperity import Body, run
+from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
 from asperity.engineering.sample import mean_of_maps
 from asperity.stress.statistics.largest import largest_on
 
@@ -20,7 +21,7 @@ def a_map(seed, points=64, rms=1e-7):
 
 
 def pooled_with(other, load=200e6):
-    return asp.pool_answers(
+    return asp.pool(
         [run(a_map(1), STEEL, mean_pressure=200e6), run(other, STEEL, mean_pressure=load)]
     )
 
@@ -30,32 +31,39 @@ def answers():
     return [run(a_map(seed), STEEL, mean_pressure=200e6) for seed in (1, 2, 3)]
 
 
+def mean_of(values):
+    """Mean of a number of one map each."""
+    return mean_of_maps([Record("gap", value, "m") for value in values])[0]
+
+
 def test_interval_is_students_and_holds_the_mean():
     """Quantiles of t from M. Abramowitz, I. Stegun, Table 26.10; 1500 samples leave ± 1.1 % of the share."""
     for count, quantile in ((2, 12.706), (3, 4.303), (6, 2.5706)):
         values = np.arange(count, dtype=float)
         expected = quantile * values.std(ddof=1) / np.sqrt(count)
-        assert mean_of_maps(values).error == pytest.approx(expected, rel=1e-4)
+        assert mean_of(values).errors == {POSITIONS: pytest.approx(expected, rel=1e-4)}
     draws = np.random.default_rng(1).normal(5.0, 0.3, (1500, 3))
-    found = [mean_of_maps(draw) for draw in draws]
+    found = [mean_of(draw) for draw in draws]
     assert np.mean([abs(each.value - 5.0) <= each.error for each in found]) == pytest.approx(0.95, abs=0.015)
 
 
 def test_sample_pools_volumes_over_one_depth(answers):
-    sample = asp.pool_answers(answers)
-    found = [answer.found["yielding"]["lower"] for answer in answers]
-    volumes, depths = [each.volume for each in found], [each.depths[1] for each in found]
-    group, values = "stress in the elastic body", sample.frame().set_index("name").filter(like="map_")
+    sample = asp.pool(answers)
+    volumes, depths = (
+        [answer[quantity].value for answer in answers]
+        for quantity in ("volume above yield", "maximum depth above yield")
+    )
+    values = sample.frame().set_index("quantity").filter(like="map_")
     np.testing.assert_allclose(values.loc["volume above yield per area"], np.divide(volumes, EDGE**2))
-    np.testing.assert_allclose(values.loc["share above yield"], np.divide(volumes, EDGE**2 * max(depths)))
-    area = sample.mean("contact", "real contact")
-    limits = [answer.bodies["lower"].limits["area_fraction"] for answer in answers]
-    estimates, errors = ([float(limit.sel(kind=kind)) for limit in limits] for kind in ("estimate", "error"))
-    expected = mean_of_maps(estimates, np.multiply(estimates, errors))
-    assert area == expected
-    assert area.error > area.of_maps
-    assert sample.mean(group, "yield stress").error == 0
-    assert f"{100 * area.value:.1f}" in str(sample)
+    above = np.divide(volumes, EDGE**2 * max(depths))
+    np.testing.assert_allclose(values.loc["volume fraction above yield"], above)
+    area, records = sample["contact area fraction"], [answer["contact area fraction"] for answer in answers]
+    assert area.best == np.mean([each.extrapolated for each in records])
+    assert area.errors[DISCRETISATION] == np.mean([each.errors[DISCRETISATION] for each in records])
+    assert area.errors[POSITIONS] == mean_of([each.extrapolated for each in records]).error
+    assert area.error > area.errors[POSITIONS]
+    assert not sample["yield stress"].errors
+    assert f"{100 * area.best:.1f}" in str(sample)
 
 
 @pytest.mark.parametrize("draw", ["exponential", "uniform", "rayleigh"])
@@ -83,8 +91,8 @@ def test_identical_bodies_are_one_row():
     """Under friction, whose direction is opposite in the other body."""
     maps = [a_map(seed, 96) for seed in (1, 2)]
     answers = [run(each, STEEL, STEEL, mean_pressure=2e9, sliding={"friction": 0.2}) for each in maps]
-    sample, peaks = asp.pool_answers(answers), pd.concat([answer.peaks() for answer in answers])
-    found = sample.largest(2 * EDGE**2).set_index("quantity")
+    sample, peaks = asp.pool(answers), pd.concat([answer.tables["peaks"] for answer in answers])
+    found = sample.maximum(2 * EDGE**2).set_index("quantity")
     assert list(found.index) == ["pressure", "von_mises"]
     observed = peaks.groupby("quantity")["value_Pa"].max()
     assert (found["value_Pa"] >= observed[found.index]).all()
@@ -93,18 +101,18 @@ def test_identical_bodies_are_one_row():
 def test_few_peaks_have_no_percentile(answers):
     """The 99th percentile of fewer than 100 peaks is the largest one, or between the two largest."""
     for answer in answers:
-        stress = answer.bodies["lower"].stress
+        stress = answer.stress["lower"]
         count = asp.stress.select_peaks(stress, "von_mises", selection="under_contact").sizes["peak"]
-        names = {row.name for row in answer.rows}
+        names = {each.quantity for each in answer.records}
         assert 2 <= count < 100
         for percent, least in ((50, 2), (90, 10), (99, 100)):
             assert (f"{percent}th percentile of the peaks" in names) == (count >= least)
 
 
 test_what_is_no_sample_is_refused = refuses(
-    (lambda: asp.pool_answers([]), "answers: at least one"),
+    (lambda: asp.pool([]), "answers: at least one"),
     (lambda: pooled_with(a_map(2, 32)), "pooled: patch 2 has pixels of 2 µm x 2 µm, patch 1 of 1 µm"),
-    (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has an rms height of 20 µm"),
+    (lambda: pooled_with(a_map(2, rms=2e-5)), "pooled: patch 2 has Sq = 20 µm"),
     (lambda: largest_on([np.ones(30)], 1e-6, 1e-5), "area: 40 peaks are needed, the maps have 30"),
     (lambda: largest_on([np.ones(90)], 1e-6, 2e-4), "area = 200 mm²: an area > 0 and ≤ 100 mm² is needed"),
     (lambda: pooled_with(a_map(2), load=220e6), "answers: patch 2 is of E = 210 GPa.*220 MPa"),
@@ -113,13 +121,13 @@ test_what_is_no_sample_is_refused = refuses(
 
 def test_peaks_are_counted_per_area(answers):
     """Against counts of the peaks of each map; those above yield lie between the levels beside it."""
-    sample = asp.pool_answers(answers)
+    sample = asp.pool(answers)
     found = sample.peaks_per_area().query("quantity == 'von_mises'")
     for answer, name in zip(answers, sample.names, strict=True):
-        sizes = answer.peaks().query("quantity == 'von_mises'")["value_Pa"].to_numpy()
+        sizes = answer.tables["peaks"].query("quantity == 'von_mises'")["value_Pa"].to_numpy()
         expected = [(sizes > level).sum() / (1e6 * EDGE**2) for level in found["stress_Pa"]]
         np.testing.assert_allclose(found[f"map_{name}"], expected)
-    above = sample.mean("stress in the elastic body", "peaks above yield")
+    above = sample["peaks above yield"]
     row = int((found["stress_Pa"] <= 2e9).sum()) - 1
     per_mm2 = found["per_mm2"].to_numpy()
     assert per_mm2[row] * (1 + 1e-9) >= 1e-6 * above.value >= per_mm2[row + 1] * (1 - 1e-9)
