@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 import pytest
 
+import asperity as asp
 from asperity.cli.main import main
 
 MAPS = files("asperity.engineering") / "maps"
@@ -404,9 +405,15 @@ def test_download_and_open_later(page):
     page.run("act('open', arguments[0])", str(folder))
     page.until(f"document.querySelectorAll('[data-do=show] option').length === {number}")
     assert page.run("return document.querySelector('.tiles').innerText") == tiles
-    assert "opened <b>later" in page.run("return document.querySelector('[data-do=show]').innerText")
+    names = page.run("return [...document.querySelectorAll('[data-do=show] option')].map((each) => each.text)")
+    assert re.fullmatch(r"\d+: ground_1, mean pressure 40 MPa", names[-1])
     page.run("act('beside', '0')")
-    page.until("document.querySelectorAll('article.answer').length === 2")
+    page.until("document.querySelector('article.both')")
+    assert page.run("return document.querySelectorAll('article.answer').length") == 3
+    verdict = page.run("return document.querySelector('.both .verdict').textContent")
+    assert "one map" in verdict
+    for name in ("50 MPa", "40 MPa"):
+        assert name in verdict
     page.until(
         "Bokeh.documents[0].roots().find((each) => each.name === 'plane_beside').title.text.includes('depth')"
     )
@@ -418,6 +425,53 @@ def test_download_and_open_later(page):
     page.picture("app_beside", 1280, "#answer-step", for_docs=False)
     page.run("act('beside', '')")
     page.until("document.querySelectorAll('article.answer').length === 1")
+
+
+def test_a_sample_is_shown_before_its_maps(example, app):
+    """The verdict and the tiles are those of the sample, and each map is behind it."""
+    known = example.answers()
+    example.type("map.file", "\n".join([str(MAP), str(MAP)]))
+    example.until("document.getElementById('ready').textContent.includes('different names')")
+    example.type("map.file", "\n".join(str(MAPS / f"ground_{number}.x3p") for number in (1, 2, 3)))
+    example.until("document.getElementById('command').textContent.includes('--pooled')")
+    example.start()
+    example.until(f"document.querySelectorAll('[data-do=show] option').length > {known}", seconds=200)
+    example.until("document.querySelector('article.answer h3').textContent.includes('3 maps of one surface')")
+    sample = asp.open_answer(newest_answer(app))
+    article = example.run("return document.querySelector('article.answer').innerText")
+    assert sample.verdict[0] in article
+    assert sample.tiles[0].number() in article
+    assert "not known" not in example.run("return document.querySelector('.tiles').innerText")
+    example.run("document.querySelectorAll('article.answer > details').forEach((each) => { each.open = true; })")
+    article = example.run("return document.querySelector('article.answer').innerText")
+    for name, answer in sample.answers.items():
+        assert f"Map {name}" in article
+        assert answer.tiles[0].number() in article
+    before = example.image("contact")["values"]
+    example.run("act('view', 'map=ground_3')")
+    example.until("document.querySelector('option[value=\"map=ground_3\"]').selected")
+    example.until("Bokeh.documents[0].is_idle")
+    pressure = np.nan_to_num(example.image("contact")["values"])
+    assert not np.array_equal(pressure, np.nan_to_num(before))
+    assert pressure.max() == pytest.approx(1e-9 * sample.answers["ground_3"].contact.pressure.max(), rel=1e-5)
+    example.picture("app_sample", 1280, "#answer-step", for_docs=False)
+    example.picture("app_phone_sample", 390, "#answer-step", for_docs=False)
+    example.type("map.file", str(MAP))
+
+
+def test_changed_inputs_and_another_load(example):
+    example.type("load.mean_pressure", "55 MPa")
+    example.until("document.getElementById('stale').textContent.includes('Out of date')")
+    example.click("[data-key='use.leak']")
+    example.type("leak.viscosity", "much")
+    example.until("document.getElementById('wrong-leak.viscosity').textContent")
+    example.click("[data-key='use.leak']")
+    example.until("!document.getElementById('wrong-leak.viscosity').textContent")
+    example.click("[data-key='choose.load'][value='hertz']")
+    example.until("document.getElementById('load.mean_pressure').value === ''")
+    example.click("[data-key='choose.load'][value='mean_pressure']")
+    example.type("load.mean_pressure", "50 MPa")
+    example.until("!document.getElementById('start').disabled")
 
 
 def test_tabs_and_reload_show_the_same_work(example, app):

@@ -24,7 +24,7 @@ from asperity.engineering.templates import template, templates
 
 PIXELS, EDGE = 32, 62e-6
 SOURCES = [*sorted((ROOT / "docs/cases").glob("*.yaml")), *templates()]
-FEW_SHIFTS = 6
+FEW_SHIFTS = 16
 
 
 def small_case(source, folder):
@@ -70,7 +70,7 @@ def is_same(answer, again):
         assert getattr(again, name) == getattr(answer, name), name
     assert again.tiles == answer.tiles
     maps = answer.case.map, answer.case.counter_map
-    assert again.case.with_maps(*maps) == answer.case
+    assert again.case.with_maps(*maps).written() == answer.case.written()
     for name in ("height", "pressure", "displacement", "gap", "plastic_depth"):
         same_values(getattr(again.contact, name), getattr(answer.contact, name))
     for each in ("approach", "area_fraction", "mean_pressure", "hardness", "solid", "grid", "boundary"):

@@ -15,7 +15,7 @@ from asperity.cli.main import main
 from asperity.contact import METHODS
 from asperity.core import system
 from asperity.core.errors import DatasetError
-from asperity.engineering.folder import LOCK, SUFFIXES, UNFINISHED, locked, stems_of
+from asperity.engineering.folder import LOCK, UNFINISHED, locked, stems_of
 from asperity.surface.reading.height_map import HeightMap
 
 BODY = ["--young", "210 GPa", "--poisson", "0.3"]
@@ -156,10 +156,9 @@ def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
     for case in ("saved.yaml", "out/case.yaml"):
         capsys.readouterr()
         assert status("run", case, "--out", "again") == 2
-        assert (
-            f"{case}: checksums.counter_map: other.txt has changed since"
-            in capsys.readouterr().err.replace("out/../", "")
-        )
+        said = capsys.readouterr().err
+        assert f"{case}: checksums.counter_map: " in said
+        assert "other.txt has changed since" in said
     assert status("run", "saved.yaml", "--counter-map", "mine.txt", "--out", "again") == 0
 
 
@@ -179,9 +178,8 @@ def answer():
 
 def test_names_of_an_answer_are_known_before(answer, tmp_path):
     written = [path for path in answer.write(tmp_path / "out") if path.is_file()]
-    assert len(written) > 20
-    assert {path.suffix for path in written} <= {*SUFFIXES}
-    assert [path.name for path in written if not path.name.startswith(stems_of(answer.case))] == []
+    stems = stems_of(answer.case)
+    assert [path.name for path in written if not path.stem.startswith((*stems, "."))] == []
     # Only the study cites the paper.
     assert [path.name for path in written if b"Venugopalan" in path.read_bytes()] == []
 

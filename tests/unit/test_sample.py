@@ -1,5 +1,7 @@
 """Maps of one surface as a sample: means, intervals, and what is pooled per area."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,7 +9,7 @@ from samples import refuses
 
 import asperity as asp
 from asperity import Body, run
-from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
+from asperity.engineering.records import DISCRETISATION, POSITIONS, Bounds, Record
 from asperity.engineering.sample import mean_of_maps
 from asperity.stress.statistics.largest import largest_on
 
@@ -21,9 +23,11 @@ def a_map(seed, points=64, rms=1e-7):
 
 
 def pooled_with(other, load=200e6):
-    return asp.pool(
-        [run(a_map(1), STEEL, mean_pressure=200e6), run(other, STEEL, mean_pressure=load)]
-    )
+    return asp.pool([run(a_map(1), STEEL, mean_pressure=200e6), run(other, STEEL, mean_pressure=load)])
+
+
+def mean_of(values, **more):
+    return mean_of_maps([Record("gap", float(value), "m", **more) for value in values])[0]
 
 
 @pytest.fixture(scope="module")
@@ -31,39 +35,81 @@ def answers():
     return [run(a_map(seed), STEEL, mean_pressure=200e6) for seed in (1, 2, 3)]
 
 
-def mean_of(values):
-    """Mean of a number of one map each."""
-    return mean_of_maps([Record("gap", value, "m") for value in values])[0]
-
-
 def test_interval_is_students_and_holds_the_mean():
     """Quantiles of t from M. Abramowitz, I. Stegun, Table 26.10; 1500 samples leave ± 1.1 % of the share."""
     for count, quantile in ((2, 12.706), (3, 4.303), (6, 2.5706)):
         values = np.arange(count, dtype=float)
         expected = quantile * values.std(ddof=1) / np.sqrt(count)
-        assert mean_of(values).errors == {POSITIONS: pytest.approx(expected, rel=1e-4)}
+        assert mean_of(values).error == pytest.approx(expected, rel=1e-4)
     draws = np.random.default_rng(1).normal(5.0, 0.3, (1500, 3))
     found = [mean_of(draw) for draw in draws]
     assert np.mean([abs(each.value - 5.0) <= each.error for each in found]) == pytest.approx(0.95, abs=0.015)
 
 
+def test_common_errors_do_not_fall_with_the_number_of_maps():
+    found = mean_of([1.0, 2.0, 3.0], errors={DISCRETISATION: 0.5})
+    assert found.errors[DISCRETISATION] == 0.5
+    assert found.error == pytest.approx(np.hypot(0.5, found.errors[POSITIONS]))
+    assert "without" not in mean_of([1.0]).text()
+    (one,) = mean_of([1.0], varies=True).error_texts()
+    assert one == "between measurement positions: not known"
+    some = [Record("gap", 1.0, extrapolated=0.9, errors={DISCRETISATION: 0.1}), Record("gap", 1.2)]
+    mean, values = mean_of_maps(some)  # one map has no estimate: the values as they are, of both
+    assert (mean.best, DISCRETISATION in mean.errors) == (pytest.approx(1.1), False)
+    np.testing.assert_array_equal(values, [1.0, 1.2])
+
+
+def test_mean_keeps_the_widest_bounds():
+    maps = [Record("p", 1.0, "Pa", bounds=Bounds(0.0, high, "the hardness")) for high in (1.0, 1.5)]
+    mean, _ = mean_of_maps([*maps, Record("p", 1.3, "Pa", bounds=maps[1].bounds)])
+    assert mean.bounds == (0.0, 1.5, "the hardness")
+    assert mean.interval[1] <= 1.5
+
+
 def test_sample_pools_volumes_over_one_depth(answers):
     sample = asp.pool(answers)
     volumes, depths = (
-        [answer[quantity].value for answer in answers]
-        for quantity in ("volume above yield", "maximum depth above yield")
+        [answer[name].value for answer in answers]
+        for name in ("volume above yield per area", "maximum depth above yield")
     )
     values = sample.frame().set_index("quantity").filter(like="map_")
-    np.testing.assert_allclose(values.loc["volume above yield per area"], np.divide(volumes, EDGE**2))
-    above = np.divide(volumes, EDGE**2 * max(depths))
-    np.testing.assert_allclose(values.loc["volume fraction above yield"], above)
-    area, records = sample["contact area fraction"], [answer["contact area fraction"] for answer in answers]
-    assert area.best == np.mean([each.extrapolated for each in records])
-    assert area.errors[DISCRETISATION] == np.mean([each.errors[DISCRETISATION] for each in records])
-    assert area.errors[POSITIONS] == mean_of([each.extrapolated for each in records]).error
+    np.testing.assert_allclose(values.loc["volume above yield per area"], volumes)
+    np.testing.assert_allclose(values.loc["volume fraction above yield"], np.divide(volumes, max(depths)))
+    area = sample["contact area fraction"]
+    records = [answer["contact area fraction"] for answer in answers]
+    estimates, errors = (
+        [each.extrapolated for each in records],
+        [each.errors[DISCRETISATION] for each in records],
+    )
+    assert area.best == pytest.approx(np.mean(estimates))
+    assert area.value == pytest.approx(np.mean([each.value for each in records]))
+    assert area.errors[DISCRETISATION] == pytest.approx(np.mean(errors))
     assert area.error > area.errors[POSITIONS]
-    assert not sample["yield stress"].errors
-    assert f"{100 * area.best:.1f}" in str(sample)
+    assert np.isnan(sample["yield stress"].error)
+    assert area.best_text() in str(sample)
+
+
+def test_verdict_of_a_sample_comes_first(answers, tmp_path):
+    """The number that decides with its whole interval, the maps, and what dominates the interval."""
+    sample = asp.pool(answers)
+    volume = sample["volume above yield per area"]
+    (verdict,) = sample.verdict
+    assert verdict.startswith(
+        f"Volume above yield per area: {volume.best_text()} as the mean over 3 maps; most"
+    )
+    largest = max(volume.errors, key=volume.errors.get)
+    assert largest in verdict
+    assert str(sample).splitlines()[3] == verdict
+    for name, answer in sample.answers.items():
+        answer.write(tmp_path / name)
+    assert {path.name for path in sample.write(tmp_path)} >= {"sample.csv", "sample.html", "sample.json"}
+    page = (tmp_path / "sample.html").read_text(encoding="utf-8")
+    assert page.index(verdict) < page.index('class="headline"') < page.index("<h2>Numbers</h2>")
+    again = asp.open_answer(tmp_path)
+    pd.testing.assert_frame_equal(again.frame(), sample.frame())
+    assert list(json.loads((tmp_path / "sample.json").read_text())["maps"]) == [*sample.names]
+    single = asp.pool(answers[:1])
+    assert single.verdict[0].endswith("on 1 map; differences between positions are not known.")
 
 
 @pytest.mark.parametrize("draw", ["exponential", "uniform", "rayleigh"])
@@ -78,6 +124,18 @@ def test_largest_of_an_area_is_met(draw):
     medians = {"exponential": np.log(24000 / np.log(2)), "uniform": 1.0}
     medians["rayleigh"] = np.sqrt(2 * medians["exponential"])
     assert np.median([each.value for each, _ in found]) == pytest.approx(medians[draw], rel=0.2)
+
+
+@pytest.mark.parametrize("shape", [1.2, 1.6, 2.5])
+def test_largest_of_bounded_peaks_is_met(shape):
+    """Peaks below a bound, as under a hardness."""
+    random = np.random.default_rng(3)
+    met = []
+    for _ in range(40):
+        maps = [5 - random.weibull(shape, random.poisson(300)) for _ in range(4)]
+        found, true = largest_on(maps, 4e-6, 1.6e-4), 5 - random.weibull(shape, 48000).min()
+        met.append(found.low <= true <= found.high)
+    assert np.mean(met) >= 0.85
 
 
 def test_largest_is_not_below_the_observed():

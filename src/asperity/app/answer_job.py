@@ -83,7 +83,7 @@ class AnswerJob:
         self._answers = maps or {"": found}
         names = ", ".join(maps) or found.face.name
         return {
-            "label": f"{names}, {load_in_words(found.case)}",
+            "label": " ".join([f"{names},", *load_in_words(found.case)]),
             "whole": _described(found),
             "maps": {name: _described(answer) for name, answer in maps.items()},
             "drawn": self.map(next(iter(self._answers))),

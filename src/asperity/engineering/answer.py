@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.core.arguments import own_errors
 from asperity.core.errors import DatasetError
 from asperity.core.types import Progress
 from asperity.engineering.answer_data import AnswerData
@@ -182,6 +183,7 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     return pooled(named([*map(opened, answers)]), Sample)
 
 
+@own_errors
 def run(
     map: Any, body: Any = None, counter_body: Any = None, *, progress: Progress | None = None, **groups: Any
 ) -> Answer:

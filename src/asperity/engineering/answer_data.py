@@ -288,16 +288,17 @@ def heading(case: Scene, topic: str, body: str) -> str:
     return f"{topic}, {body} body" if body and len(case.different_bodies) > 1 else topic
 
 
-def load_in_words(case: Scene) -> str:
-    """The imposed quantity and its value."""
-    load, kind = case.load, case.load.kind.replace("_", " ").replace("hertz", "Hertz")
+def load_in_words(case: Scene) -> tuple[str, str]:
+    """Name and value of the imposed quantity."""
+    load = case.load
     if load.kind == "area_fraction":
-        return f"contact area fraction imposed: {100 * load.value:.4g} %"
-    return f"{kind} imposed: {shown_si(load.value, UNITS[load.kind])}"
+        return "contact area fraction", f"{100 * load.value:.4g} %"
+    return load.kind.replace("_", " ").replace("hertz", "Hertz"), shown_si(load.value, UNITS[load.kind])
 
 
 def case_in_words(case: Scene) -> str:
     """Bodies and load in one line."""
+    kind, value = load_in_words(case)
     counter = case.elastic_counter_body
     upper = "a rigid body" if counter is None else counter.in_words
     direction = case.sliding_direction
@@ -308,4 +309,4 @@ def case_in_words(case: Scene) -> str:
         if slip.tangential_displacement is not None:
             moved = "tangential displacement " + shown_si(slip.tangential_displacement, "m")
         sliding = f", {moved} along {along} with friction {case.friction:g}"
-    return f"{case.body.in_words} against {upper}, {load_in_words(case)}{sliding}"
+    return f"{case.body.in_words} against {upper}, {kind} imposed: {value}{sliding}"

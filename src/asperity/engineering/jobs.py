@@ -59,6 +59,8 @@ class Job:
         None if the map cannot be read.
     problems : tuple of Problem
         Dotted key and the message after it.
+    is_kept : bool
+        True if its answer was in its folder already.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Job:
     case: Any
     rough: RoughFace | None
     problems: tuple[Problem, ...]
+    is_kept: bool = False
 
     @property
     def memory(self) -> float:
@@ -262,7 +265,7 @@ def computed(
         made = _one_by_one(left, progress) if beside == 1 else _beside_each_other(left, progress, beside)
         for job in arrangement.jobs:
             if job.name in kept:
-                yield job, open_answer(job.folder)  # type: ignore[misc]
+                yield replace(job, is_kept=True), open_answer(job.folder)  # type: ignore[misc]
             else:
                 yield job, next(made)
 

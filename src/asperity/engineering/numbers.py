@@ -153,7 +153,8 @@ def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) ->
             continue
         position = Position(found.depth, found.y, found.x)
         bounds = POSITIVE
-        if field == "hydrostatic" and math.isfinite(hardness) and _is_plain(case, name):  # harmonic, and −2 (1 + ν) p / 3 at the surface
+        if field == "hydrostatic" and math.isfinite(hardness) and _is_plain(case, name):
+            # The hydrostatic stress is harmonic, and −2 (1 + ν) p / 3 at the surface.
             most = 2 * (1 + stress.layer.poisson) / 3 * hardness
             bounds = Bounds(0.0, most, "2 (1 + ν) / 3 of the hardness")
         note = "on a mirror image of the map" if found.on_image else ""

@@ -228,11 +228,10 @@ class Record:
         return self._best_text(self.error, *self.scale(units))
 
     def text(self, units: Any = None) -> str:
-        """The number, its position, its note and its errors, in one line."""
+        """The number, its position, its note and its known errors, in one line."""
         first = " ".join(filter(None, [self.number(units), self.place(units)]))
-        return "; ".join(
-            filter(None, [", ".join(filter(None, [first, self.note])), *self.error_texts(units)])
-        )
+        known = self.error_texts(units)[: len(self.errors)]  # a reader says once what is not known
+        return "; ".join(filter(None, [", ".join(filter(None, [first, self.note])), *known]))
 
     def as_plain(self) -> dict[str, Any]:
         """The record as plain values for a file; `from_plain` gives it back."""

@@ -282,7 +282,6 @@ class Body(OfMaterial):
         """The layer on a rigid base."""
         return self.layers[0] if self.layers and self.base is not None else None
 
-
     @property
     def in_words(self) -> str:
         """Material, elastic constants, and coating or layer."""
