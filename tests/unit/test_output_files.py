@@ -150,11 +150,6 @@ def test_case_is_saved_in_its_own_folder(folder, without_pictures):
     assert status("run", "out/case.yaml", "--out", "out") == 0
 
 
-@pytest.fixture
-def without_pictures(monkeypatch):
-    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
-
-
 def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
     assert status(*RUN, *COUNTER, "--save", "saved.yaml") == 0
     Path("other.txt").write_text(Path("other.txt").read_text().replace("0.1", "0.2"))

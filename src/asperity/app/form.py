@@ -30,17 +30,7 @@ COUNTER_BODIES = {
 }
 """Kind of the counter body → its words."""
 
-QUESTIONS = {
-    "yielding": "Where does it yield?",
-    "partial_slip": "Does it slip under a tangential load?",
-    "leak": "Does the gap leak?",
-    "conduction": "How well does the contact conduct?",
-    "load_curve": "How does it change with the load?",
-    "film": "Does a lubricant film carry a part?",
-    "running_in": "What remains after running-in?",
-    "cycles": "Does it fatigue, sliding or rolling?",
-    "sensitivity": "Which input matters most?",
-}
+QUESTIONS = {name: kind.ASKS for name, kind in Case.kinds().items() if kind.ASKS}
 """Group of a question → how the page asks it."""
 
 SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding", "sample")} | {
