@@ -35,7 +35,6 @@ theories: $(VENV)/ready ## Compare theories of rough contact with certified cont
 
 pages: study theories ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
 	python -m asperity.paper results
-	python -m asperity.settings describe config/README.md
 	python docs/make_tables.py
 	python studies/height_distribution/height_distribution.py
 	python studies/nayak/nayak.py

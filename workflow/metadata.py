@@ -12,6 +12,7 @@ wherever it is written.
 import argparse
 import json
 import re
+import runpy
 import subprocess
 import sys
 import tomllib
@@ -22,7 +23,6 @@ from typing import Any
 import yaml
 
 from asperity.settings.configuration import Configuration
-from asperity.settings.describe import table
 from asperity.settings.model import OWN_KEYWORDS, described, entry_of
 
 ROOT = Path(__file__).parents[1]
@@ -119,7 +119,8 @@ def diagram() -> str:
 
 def parameters() -> str:
     """Table of the settings that most studies give."""
-    return table((key, entry_of(Configuration, key)) for key in SHOWN.split()) + "\n"
+    made = runpy.run_path(str(Path(__file__).parents[1] / "docs/make_tables.py"))
+    return made["settings_table"]((key, entry_of(Configuration, key)) for key in SHOWN.split()) + "\n"
 
 
 def main() -> None:

@@ -168,8 +168,11 @@ def write_nid(path, channels):
     path.write_bytes("\r\n".join(heading).encode() + b"\r\n#!" + data)
 
 
-def write_gwy(path, channels):
-    """`channels` are tuples of title, unit of edges, unit of heights (empty: none), and raw numbers."""
+def write_gwy(path, channels, mask=None):
+    """`channels` are tuples of title, unit of edges, unit of heights (empty: none), and raw numbers.
+
+    `mask` marks points of the first of them.
+    """
 
     def component(name, kind, value):
         return name.encode() + b"\0" + kind.encode() + value
@@ -178,8 +181,8 @@ def write_gwy(path, channels):
         content = b"".join(parts)
         return name.encode() + b"\0" + struct.pack("<I", len(content)) + content
 
-    parts = []
-    for number, (title, lateral, unit, raw) in enumerate(channels):
+    parts, masks = [], [] if mask is None else [("mask", "m", "", mask * 1e9)]
+    for number, (title, lateral, unit, raw) in [*enumerate(channels), *((0, entry) for entry in masks)]:
         ny, nx = raw.shape
         numbers = struct.pack("<I", raw.size) + (raw * 1e-9).astype("<f8").tobytes()
         field = [component(name, "i", struct.pack("<i", n)) for name, n in (("xres", nx), ("yres", ny))]
@@ -191,8 +194,9 @@ def write_gwy(path, channels):
                 text = component("unitstr", "s", text.encode() + b"\0")
                 field.append(component(name, "o", whole("GwySIUnit", [text])))
         field.append(component("data", "D", numbers))
-        parts.append(component(f"/{number}/data", "o", whole("GwyDataField", field)))
-        parts.append(component(f"/{number}/data/title", "s", title.encode() + b"\0"))
+        key = f"/{number}/{'mask' if title == 'mask' else 'data'}"
+        parts.append(component(key, "o", whole("GwyDataField", field)))
+        parts.append(component(f"{key}/title", "s", title.encode() + b"\0"))
     path.write_bytes(b"GWYP" + whole("GwyContainer", parts))
 
 
@@ -202,6 +206,37 @@ def write_nms(path, raw, pixel):
     struct.pack_into("<2d", heading, 16, 0.0, 65.534)  # µm: a step is 1 nm
     struct.pack_into("<2I2d", heading, 1368, nx, ny, pixel, pixel)
     path.write_bytes(bytes(heading) + raw.astype("<u2").tobytes())
+
+
+def write_spip(path, raw, void):
+    """`void` is the mask of the points without data; a matrix of zeros and ones follows the heights."""
+    ny, nx = raw.shape
+    lines = [f"x-pixels = {nx}", f"y-pixels = {ny}", f"x-length = {2000 * nx}", f"y-length = {2000 * ny}"]
+    lines = ["File Format = ASCII", *lines, "z-unit = nm", f"voidpixels = {void.sum()}", "Start of Data:"]
+    rows = [" ".join(map(str, row)) for part in (np.where(void, 0, raw), 1 - void) for row in part]
+    path.write_text("\n".join([*(f"# {line}" for line in lines), *rows]) + "\n", encoding="ascii")
+
+
+def write_fringes(path, raw):
+    """DATX of Zygo Mx with heights in fringes."""
+    import h5py
+
+    word = h5py.string_dtype("ascii")
+    link = np.dtype([("Source", word), ("Link", word), ("Destination", word)])
+    links = [
+        (b"Root", b"Measurement", b"{A}"),
+        (b"{A}", b"Surface", b"{B}"),
+        (b"{B}", b"Path", b"/M/Surface"),
+    ]
+    scale = np.dtype([("Category", word), ("BaseUnit", word), ("Parameters", float, (4,))])
+    with h5py.File(path, "w") as file:
+        file.create_dataset("MetaData", data=np.array(links, dtype=link))
+        attributes = file.create_dataset("M/Surface", data=np.where(raw == raw.max(), 1.7e308, raw)).attrs
+        attributes["Unit"], attributes["No Data"] = np.array([b"Fringes"], dtype=word), np.array([1.7e308])
+        for axis in "XY":
+            values = [(b"LateralCat", b"Pixels", [0, PIXEL, 0, 0])]
+            attributes[f"{axis} Converter"] = np.array(values, dtype=scale)
+        attributes["Z Converter"] = np.array([(b"HeightCat", b"Fringes", [0, 1, 633e-9, 0.5])], dtype=scale)
 
 
 def write_gsf(path, height, edges, *, units=("m", "m"), padding=0):

@@ -27,7 +27,7 @@ def write_map(path, seed, pixel=(1.0, 1.0)):
 
 @pytest.fixture(autouse=True)
 def without_pictures(monkeypatch):
-    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
+    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
 
 
 def status(*command):
@@ -43,7 +43,7 @@ def kept(tmp_path_factory):
     """Two maps and the folder of their pooled answers."""
     folder = tmp_path_factory.mktemp("kept")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
+        patch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
         maps = [write_map(folder / f"{name}.txt", seed) for seed, name in enumerate(NAMES)]
         assert main(["run", *maps, *STEEL, "--pooled", "--out", str(folder / "pool")]) == 0
     return folder

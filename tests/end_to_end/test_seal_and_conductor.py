@@ -210,7 +210,7 @@ def test_questions_are_answered_in_a_sentence():
     metal = {"young": "100 GPa", "poisson": 0.3, "resistivity": 2e-8}
     whole = asp.run(HEIGHT, metal, metal, length=EDGES, force="1 mN", sliding={"friction": 0.2})
     slid, resisted, *_ = whole.verdict
-    assert "against a force of friction of 200 µN on the map" in slid
+    assert "against a friction force of 200 µN on the map" in slid
     assert resisted.startswith("The contact spots resist the current with ")
     assert resisted.endswith("(Holm); films, oxides and the gap are left out.")
     partial = {"sliding": {"friction": 0.2}, "length": EDGES, "force": "1 mN"}

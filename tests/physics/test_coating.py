@@ -4,37 +4,16 @@ import mpmath as mp
 import numpy as np
 import pytest
 import skfem
+from layered_mode import LayeredMode
 from solution_check import mode_compliance
 
 import asperity as asp
 from asperity.reference.pivoting import pivot
-from asperity.reference.state_space import StateSpace
 
 ROUNDING = 4e-14
 """Largest error over the largest component at a depth: 1e-15, but 2e-14 in a thin and stiff coating."""
 
 BASE = asp.Solid(1.0, 0.3)
-
-
-class CoatedMode:
-    """A mode to 80 digits: six amplitudes in the coating and three in the base, from nine conditions."""
-
-    def __init__(self, qx, qy, coating, top):
-        base = coating.base
-        self.coating = StateSpace(qx, qy, coating.young, coating.poisson, coating.height)
-        self.base = StateSpace(qx, qy, base.young, base.poisson)
-        with mp.workdps(80):
-            surface, none = self.coating._states(0)[3:], np.full((3, 3), mp.mpf(0), object)
-            interface = np.hstack([self.coating._states(self.coating.height), -self.base._states(0)])
-            rows = mp.matrix(np.vstack([np.hstack([surface, none]), interface]).tolist())
-            self.amplitudes = np.array(list(mp.lu_solve(rows, mp.matrix([*top, *[0] * 6]))), object)
-
-    def at(self, depth):
-        """Stress and displacement."""
-        mode, amplitudes, below = self.coating, self.amplitudes[:6], mp.mpf(depth)
-        if depth > self.coating.height:
-            mode, amplitudes, below = self.base, self.amplitudes[6:], below - self.coating.height
-        return mode.stress(below, amplitudes), mode.state(below, amplitudes)[:3]
 
 
 def error(found, exact, depth):
@@ -49,7 +28,7 @@ def test_modes_are_exact_to_rounding(height, contrast):
     coating = asp.Solid(contrast, nu, height, base=asp.Solid(1.0, nu_base))
     below = np.nextafter(height, np.inf)
     depths = [depth for depth in (0.0, 0.3 * height, height, below, below + 2) if depth < 600]
-    mode = CoatedMode(0.6, 0.8, coating, [0, 0, -1])
+    mode = LayeredMode(0.6, 0.8, coating)
     q = np.hypot(0.6, 0.8)
     assert coating.surface_compliance(q) == pytest.approx(-float(mode.at(0)[1][2].real), rel=4e-15)
     largest = max(abs(mode.at(0)[1]))
@@ -60,7 +39,7 @@ def test_modes_are_exact_to_rounding(height, contrast):
         found = max(abs(coating.displacement(0.6, 0.8, depth) - displacement))
         assert found < ROUNDING * (1 + depth) * max(*abs(displacement), largest * mp.exp(-depth))
     for top in ([1, 0, 0], [0, 1, 0]):
-        mode = CoatedMode(1, 0, coating, top)
+        mode = LayeredMode(1, 0, coating, top)
         for depth in depths:
             n, m, x, p, q = (float(kernel) for kernel in coating.shear_kernels(1.0, depth))
             own = nu_base if depth > height else nu

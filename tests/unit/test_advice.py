@@ -1,6 +1,7 @@
 """Every warning is given where it applies and not where it does not, in an answer with values replaced."""
 
 from dataclasses import is_dataclass, replace
+from typing import NamedTuple
 
 import pytest
 import xarray as xr
@@ -8,9 +9,35 @@ import xarray as xr
 import asperity as asp
 from asperity import Body, run
 from asperity.engineering import advice
+from asperity.engineering.question import Stages
 from asperity.settings.model import Settings
 
 STEEL = Body(young=210e9, poisson=0.3, yield_stress=2e9)
+
+
+class Advised(NamedTuple):
+    """What an answer is advised on: its stages, and further contacts with which it is compared."""
+
+    stages: Stages
+    compared: advice.Compared
+
+    def given(self):
+        """All warnings and notes, those of the questions with the records before them."""
+        found = [
+            question.compute(self.stages, lambda *_: None)
+            for question in self.stages.asked.questions.values()
+        ]
+        of_questions = [each for one in found for each in one.warnings]
+        return advice.advise(self.stages, self.compared, self.stages.records, of_questions)
+
+
+def advised(*body, **settings):
+    """What the answer of a case is advised on."""
+    found = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asperity.engineering.stages.advise", lambda *given: found.append(given) or [])
+        run(*body, **settings)
+    return Advised(*found[0][:2])
 
 
 @pytest.fixture(scope="module")
@@ -18,34 +45,39 @@ def sound():
     """An answer without advice: both grids resolve its surface."""
     height = asp.self_affine((128, 128), 0.8, 16e-6, 8e-6, rms_height=1e-8, seed=1, length=128e-6)
     surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, unit="m", name="ground")
-    answer = run(surface, STEEL, area_fraction=0.05)
-    limits = answer.bodies["lower"].limits
+    found = advised(surface, STEEL, area_fraction=0.05)
+    limits = found.stages.bodies["lower"].limits
     alike = limits.where(limits["kind"] != "on_half", limits.sel(kind="on_grid"))
     changes = {"bodies.lower.limits": alike.assign_attrs(limits.attrs)}
-    return changed(answer, changes | {"numbers.typical_patch_width": 9.0, "rough.doubts": ()})
+    return changed(found, changes | {"numbers.typical_patch_width": 9.0, "rough.doubts": ()})
 
 
-def changed(whole, changes):
-    """A copy of an answer, or of a part, with values replaced at the places that their names give."""
+def changed(advised, changes):
+    """A copy in which values of the stages are replaced at the places that their names give."""
+    stages = advised.stages
     for path, value in changes.items():
-        name, _, rest = path.partition(".")
-        if rest:
-            value = changed(whole[name] if isinstance(whole, dict) else getattr(whole, name), {rest: value})
-        if isinstance(whole, dict):
-            whole = whole | {name: value}
-        elif isinstance(whole, xr.Dataset):
-            whole = whole.assign_attrs({name: value})
-        elif isinstance(whole, Settings):
-            whole = whole.replaced(**{name: value})
-        else:
-            whole = (
-                replace(whole, **{name: value}) if is_dataclass(whole) else whole._replace(**{name: value})
-            )
-    return whole
+        stages = replaced(stages, path, value)
+    return advised._replace(stages=stages)
 
 
-def subjects(answer, level="warning"):
-    return [found.subject for found in advice.advise(answer) if found.level == level]
+def replaced(whole, path, value):
+    """A copy of a part of an answer with a value at a place, which may be that of a record."""
+    name, _, rest = path.partition(".")
+    if isinstance(whole, list):  # of records
+        return [replaced(each, rest, value) if each.quantity == name else each for each in whole]
+    if rest:
+        value = replaced(whole[name] if isinstance(whole, dict) else getattr(whole, name), rest, value)
+    if isinstance(whole, dict):
+        return whole | {name: value}
+    if isinstance(whole, xr.Dataset):
+        return whole.assign_attrs({name: value})
+    if isinstance(whole, Settings):
+        return whole.replaced(**{name: value})
+    return replace(whole, **{name: value}) if is_dataclass(whole) else whole._replace(**{name: value})
+
+
+def subjects(advised, level="warning"):
+    return [found.subject for found in advised.given() if found.level == level]
 
 
 def test_nothing_is_warned_of_in_a_sound_answer(sound):
@@ -54,7 +86,7 @@ def test_nothing_is_warned_of_in_a_sound_answer(sound):
     assert subjects(sound, "note") == notes
 
 
-STRESS, BODY, RECORD = "bodies.lower.largest.von_mises.value", "bodies.lower.body", "rough.face.treatment"
+STRESS, BODY, RECORD = "records.maximum von Mises stress.value", "bodies.lower.body", "rough.face.treatment"
 FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
 
 
@@ -62,11 +94,11 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
     ("changes", "level", "subject"),
     [
         ({STRESS: 2.1e9}, "warning", "stress beyond yield"),
-        ({STRESS: 2.1e9, "case.body.hardness": 6e9}, "warning", "stress beyond yield"),
+        ({STRESS: 2.1e9, "asked.body.hardness": 6e9}, "warning", "stress beyond yield"),
         ({"numbers.nominal_pressure": 6.1e9}, "warning", "load beyond the hardness"),
-        ({STRESS: 5e9, f"{BODY}.yield_stress": None}, "warning", "stress beyond any yield stress"),
+        ({f"{BODY}.yield_stress": None, f"{BODY}.young": 6e9}, "warning", "stress beyond any yield stress"),
         ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
-        ({"numbers.area_fraction": 0.4, "case.load.area_fraction": 0.4}, "warning", "large real contact"),
+        ({"numbers.area_fraction": 0.4, "asked.load.area_fraction": 0.4}, "warning", "large real contact"),
         ({"numbers.area_fraction": 0.25}, "warning", "another real contact"),
         ({f"{RECORD}.edge_step": 8.0}, "warning", "edges do not match"),
         (FREE, "warning", "contact at the edge of the map"),
@@ -101,10 +133,10 @@ def test_advice_is_given(sound, changes, level, subject):
 
 def test_bodies_are_named_if_they_differ(sound):
     def told(upper):
-        height = sound.face.height
+        height = sound.stages.face.height
         surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, orientation="lower face", unit="m")
         answer = run(surface, STEEL.replaced(yield_stress=1e8), upper, area_fraction=0.05)
-        return [each.text for each in answer.advice if each.subject == "stress beyond yield"]
+        return [each.text for each in answer.warnings if each.subject == "stress beyond yield"]
 
     assert ["of the upper body" in text for text in told(STEEL.replaced(yield_stress=1e8))] == [False]
     for text, name in zip(told(STEEL.replaced(yield_stress=2e8)), ("lower", "upper"), strict=True):
@@ -113,19 +145,20 @@ def test_bodies_are_named_if_they_differ(sound):
 
 def test_friction_on_a_thin_layer_is_warned_of(sound):
     rubber = Body(layers=[{"young": 1e6, "poisson": 0.5, "thickness": 20.37e-6}], base="bonded")
-    layer = {"case.body": rubber, "case.sliding": {"friction": 0.3}}
-    (found,) = (f for f in advice.advise(changed(sound, layer)) if f.subject == "friction in the contact")
+    layer = {"asked.yielding": None, "asked.body": rubber, "asked.sliding": {"friction": 0.3}}
+    advised = changed(sound, layer)
+    (found,) = (each for each in advised.given() if each.subject == "friction in the contact")
     assert found.level == "warning"
     assert "wavelength 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height
 
 
 def test_a_change_of_rounding_errors_is_not_told(sound):
     """The mean slope of a single node in contact is zero by symmetry."""
-    limits = sound.bodies["lower"].limits.copy(deep=True)
+    limits = sound.stages.bodies["lower"].limits.copy(deep=True)
     for kind, value in (("on_grid", 1e-3), ("on_half", 1e-17)):
         limits["gradient_rms_contact"].loc[{"kind": kind}] = value
     limits["largest"].loc[{"kind": "on_grid", "quantity": "pressure"}] *= 1.2
-    answer = changed(sound, {"bodies.lower.limits": limits})
-    (found,) = (each for each in advice.advise(answer) if each.subject.startswith("limited by the resol"))
+    advised = changed(sound, {"bodies.lower.limits": limits})
+    (found,) = (each for each in advised.given() if each.subject.startswith("limited by the resol"))
     assert "rms gradient" not in found.text
-    assert "largest pressure by +20 %" in found.text
+    assert "maximum pressure by +20 %" in found.text

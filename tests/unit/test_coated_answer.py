@@ -13,8 +13,8 @@ import asperity as asp
 from asperity import Body, run
 from asperity.cli.main import main
 from asperity.core.errors import InputError
-from asperity.engineering import write_answer
-from asperity.engineering.case import solid_of
+from asperity.engineering.drawing import yield_at
+from asperity.engineering.scene import solid_of
 from asperity.settings.check import check
 from asperity.study.stages.contact import solid
 from asperity.views.source import sources
@@ -34,7 +34,6 @@ def answer():
 
 def test_answer_tells_the_materials_apart(answer):
     """The limits of the base count below the coating alone."""
-    rows = {row.name: row.value for row in answer.rows if row.group.startswith("stress in the lower")}
     planes = list(
         asp.stress_planes(
             answer.contact.in_body("lower"),
@@ -46,24 +45,25 @@ def test_answer_tells_the_materials_apart(answer):
     for material, plane in zip(("coating", "base"), planes, strict=True):
         xx = plane.fields["xx"]
         # The tolerance of the planes of an answer.
-        assert rows[f"σ_xx on the interface, in the {material}"] == pytest.approx(
-            xx.flat[abs(xx).argmax()], rel=1e-3
-        )
-        assert rows[f"largest von Mises stress in the {material}"] >= 0.999 * plane.fields["von_mises"].max()
+        along = answer.record(f"σ_xx on the interface, in the {material}", "lower").value
+        assert along == pytest.approx(xx.flat[abs(xx).argmax()], rel=1e-3)
+        largest = answer.record(f"maximum von Mises stress in the {material}", "lower").value
+        assert largest >= 0.999 * plane.fields["von_mises"].max()
     shear = np.hypot(planes[0].fields["xz"], planes[0].fields["yz"]).max()
-    assert rows["largest shear stress on the interface"] == pytest.approx(shear, rel=1e-3)
-    assert answer.found["yielding"]["lower"].depths[0] >= LAYER.interface
-    assert answer.found["cycles"]["lower"]["cycle_depth"].values[0] > LAYER.interface
-    assert 1e6 < answer.found["load_curve"].yield_loads["lower"] < 60e6
-    texts = [advice.text for advice in answer.advice if "yield stress" in advice.text]
+    on_interface = answer.record("maximum shear stress on the interface", "lower").value
+    assert on_interface == pytest.approx(shear, rel=1e-3)
+    note = answer.record("maximum depth above yield", "lower").note
+    assert 1e-6 * float(note.split()[-2]) >= LAYER.interface
+    assert answer.datasets["cycles_lower"]["cycle_depth"].values[0] > LAYER.interface
+    assert 1e6 < answer.record("mean pressure where yield begins", "lower").value < 60e6
+    texts = [each.text for each in answer.warnings if "yield stress" in each.text]
     assert any("of the base of the lower body" in text for text in texts)
     assert any("of the coating of the upper body" in text for text in texts)
 
 
-def test_results_describe_the_coatings(answer, tmp_path, monkeypatch):
+def test_results_describe_the_coatings(answer, tmp_path, without_pictures):
     """The section from the file equals the answer's, the bodies and the case are the same."""
-    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
-    write_answer(answer, tmp_path / "answer")
+    answer.write(tmp_path / "answer")
     dataset = asp.read_result(tmp_path / "answer" / "contact.nc")
     own, read = (
         asp.stress_section(solid, fields=("xx",), depths=[0.0, 1e-6, 3e-6])["xx"]
@@ -80,30 +80,28 @@ def test_residual_stress_of_the_coating_is_added(tmp_path):
     body = COATED.replaced(fatigue_torsion=None, fatigue_bending=None)
     stressed = body.replaced(layers=[{**COATING, "yield_stress": 4e9, "residual_stress": -1e9}])
     found = [run(a_rough_map(), each, mean_pressure=60e6) for each in (body, stressed)]
-    rows = [{row.name: row for row in answer.rows} for answer in found]
-    for name in ("largest shear stress on the interface", "σ_xx on the interface, in the base"):
-        assert rows[1][name].value == pytest.approx(rows[0][name].value, rel=1e-6)
+    for name in ("maximum shear stress on the interface", "σ_xx on the interface, in the base"):
+        assert found[1][name].value == pytest.approx(found[0][name].value, rel=1e-6)
     (plane,) = asp.stress_planes(
         found[0].contact.in_body("lower"), [LAYER.interface], fields=("xx",), tolerance=0
     )
     stress = plane.fields["xx"] - 1e9
     largest = stress.flat[np.abs(stress).argmax()]
-    assert rows[1]["σ_xx on the interface, in the coating"].value == pytest.approx(largest, rel=1e-3)
-    energy = rows[1]["energy of the residual stress of the coating"].value
+    assert found[1]["σ_xx on the interface, in the coating"].value == pytest.approx(largest, rel=1e-3)
+    energy = found[1]["energy of the residual stress of the coating"].value
     assert energy == pytest.approx((1 - 0.25) * 1e9**2 * 2e-6 / 400e9)
-    assert " at x = " in rows[1]["largest shear stress on the interface"].shown
-    assert any("The interface of the coating" in text for text in found[1].verdicts)
-    limits = found[1].bodies["lower"].yield_at(np.array([1e-6, 3e-6]))
-    np.testing.assert_array_equal(limits, [4e9, 1e9])
-    write_answer(found[1], tmp_path / "answer")
+    assert found[1]["maximum shear stress on the interface"].position.depth == LAYER.interface
+    assert np.isfinite(found[1]["maximum shear stress on the interface"].position).all()
+    assert any("The interface of the coating" in text for text in found[1].verdict)
+    np.testing.assert_array_equal(yield_at(stressed, np.array([1e-6, 3e-6])), [4e9, 1e9])
+    found[1].write(tmp_path / "answer")
     assert (tmp_path / "answer/interface_shear.png").exists()
 
 
 test_wrong_coating_is_refused = refuses(
     (lambda: asp.Solid(1.0, 0.3, 1.0, "frictionless", base=STEEL), "bottom = 'frictionless': bonded"),
-    (lambda: asp.Solid(1.0, 0.3, base=STEEL), "height = None: the height of the coating"),
-    (lambda: asp.Solid(1.0, 0.3, 1.0, base=asp.Solid(1.0, 0.3, 2.0)), "base = Solid.*: a half-space"),
-    (lambda: asp.Solid(1.0, 0.3, 1.0, base=LAYER), "base = Solid.*: a half-space"),
+    (lambda: asp.Solid(1.0, 0.3, base=STEEL), "height = None: the height of the layer is needed"),
+    (lambda: asp.Solid(1.0, 0.3, 1.0, base=asp.Solid(1.0, 0.3, 2.0, "free")), "base = Solid.*: one whose"),
     (lambda: asp.Solid(1.0, 0.3, 1.0, base="steel"), "base = 'steel': a Solid"),
     (lambda: asp.solve_contact(np.zeros((8, 8)), LAYER, force=1.0, boundary="free"), "boundary = 'free'"),
     (lambda: asp.elasticity.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Solid.*: one without a base"),

@@ -11,7 +11,6 @@ from random_input import places, refusal
 from asperity.settings.__main__ import main
 from asperity.settings.accuracy import PRESETS, accuracy_of
 from asperity.settings.check import check, complete
-from asperity.settings.describe import with_settings
 from asperity.settings.reader import merged, parse
 from asperity.settings.sections import imposed_load
 from asperity.settings.study import read_study
@@ -96,18 +95,10 @@ def test_settings_that_are_left_out_get_their_defaults():
     assert whole["stress"]["poisson"] == [whole["layer"]["poisson"]]
 
 
-def test_the_readme_has_the_settings_of_the_schema():
-    """``python -m asperity.settings describe config/README.md`` writes them."""
-    text = (ROOT / "config/README.md").read_text()
-    assert with_settings(text) == text
-
-
-def test_the_command_describes_and_checks(tmp_path, capsys, monkeypatch):
+def test_the_command_checks_and_names_the_folder(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("contact: {area_fraction: 0.05}")
-    assert main(["describe"]) == 0
-    assert "| `contact.area_fraction` | a number > 0 and ≤ 1 |" in capsys.readouterr().out
     assert main(["check", "config/config.yaml", str(overlay)]) == 0
     assert main(["results", "config/quick.yaml"]) == 0
     assert main(["results", "config/quick.yaml", "--results", "~//x/"]) == 0

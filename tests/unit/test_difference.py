@@ -1,44 +1,107 @@
-"""Differences between two surfaces: intervals, and the sentence that says which is better."""
+"""Differences between answers and samples: intervals, and the sentence that says which is better."""
+
+import json
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from scipy import stats
+from test_sample import STEEL, a_map
 
-from asperity.engineering.question import Row
-from asperity.engineering.sample import SampleRow, mean_of_maps
-from asperity.engineering.several_answers import differences, verdict
-
-GROUP, NAME = "stress in the elastic body", "volume above yield per area"
+import asperity as asp
+from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
+from asperity.engineering.show.comparison import _of_errors, _of_samples, compared
 
 
-def sample_row(values, errors=np.nan):
-    return SampleRow(GROUP, NAME, "m", mean_of_maps(values, errors), np.array(values))
+@cache
+def answer_of(seed, hardness=None):
+    body = STEEL if hardness is None else STEEL.replaced(hardness=hardness)
+    return asp.run(a_map(seed), body, mean_pressure=200e6)
+
+
+@cache
+def sample_of(*seeds, hardness=None):
+    return asp.pool({f"map {seed}": answer_of(seed, hardness) for seed in seeds})
+
+
+def record(values, error=0.0):
+    values = np.array(values)
+    positions = stats.t.ppf(0.975, values.size - 1) * stats.sem(values) if values.size > 1 else 0.0
+    errors = {DISCRETISATION: error, POSITIONS: positions}
+    return Record("volume", float(values.mean()), "m", errors=errors)
 
 
 def test_samples_differ_as_welch_says():
     first, second = [1.31e-6, 1.2e-6, 1.45e-6], [0.30e-6, 0.35e-6, 0.22e-6, 0.31e-6]
-    (found,) = differences([sample_row(first)], [sample_row(second)])
+    values = [np.array(first), np.array(second)]
+    found = _of_samples(record(first), record(second), values)
     welch = stats.ttest_ind(second, first, equal_var=False)
     low, high = welch.confidence_interval(0.95)
     assert (found.chance, found.error) == (pytest.approx(welch.pvalue), pytest.approx((high - low) / 2))
-    (wider,) = differences([sample_row(first, 1e-7)], [sample_row(second, 1e-7)])
+    wider = _of_samples(record(first, 1e-7), record(second, 1e-7), values)
     assert wider.error == pytest.approx(np.sqrt(found.error**2 + 2e-14))
-    said = verdict([found], ("ground", "superfinished"), [NAME])
-    assert said.startswith(
-        "superfinished: volume above yield per area 0.295 µm against 1.32 µm of ground; bet"
+    assert found.text == "-1.02 ± 0.27 µm"
+
+
+def test_errors_of_two_maps_are_normal():
+    first, second = (
+        Record("volume", value, "m", errors={DISCRETISATION: 1e-8, POSITIONS: 2e-7}) for value in (3e-7, 4e-7)
     )
-    assert f"p = {welch.pvalue:.2g}" in said
-
-
-def test_single_maps_say_that_places_are_not_known():
-    rows = [
-        Row(GROUP, NAME, value, "m", "", value, 1e-8, "the pixels", places)
-        for value, places in ((1.3e-6, np.nan), (0.3e-6, 2e-7), (0.4e-6, 2e-7))
-    ]
-    (unknown,) = differences(rows[:1], rows[1:2])
+    found = _of_errors(first, second)
+    assert found.error == pytest.approx(np.sqrt(2 * (1e-8**2 + 2e-7**2)))
+    assert found.chance == pytest.approx(2 * stats.norm.sf(stats.norm.ppf(0.975) * 1e-7 / found.error))
+    unknown = _of_errors(first, replace(second, errors={DISCRETISATION: 1e-8}))
     assert np.isnan(unknown.chance)
-    assert "add maps" in verdict([unknown], ("a", "b"), [NAME])
-    (known,) = differences(rows[1:2], rows[2:])
-    assert known.error == pytest.approx(np.sqrt(2 * (1e-8**2 + 2e-7**2)))
-    assert known.chance == pytest.approx(2 * stats.norm.sf(stats.norm.ppf(0.975) * 1e-7 / known.error))
-    assert "no significant difference" in verdict([known], ("a", "b"), [NAME])
+
+
+def test_single_maps_say_that_positions_are_not_known():
+    """Each pair of one map of a surface, with errors by discretisation alone."""
+    found = compared({"soft": answer_of(1), "hard": answer_of(1, hardness=4e9)})
+    unknown = "not known to be better; one map each: differences between positions are not known."
+    assert found.verdict.endswith(unknown)
+    assert "p = " not in found.text()
+    assert found.frame()["chance_hard"].isna().all()
+    mixed = compared({"several": sample_of(1, 2, 3), "one": answer_of(4)})
+    assert "one is one map: differences between positions are not known" in mixed.verdict
+
+
+def test_samples_are_judged_by_the_volume_above_yield():
+    found = compared({"soft": sample_of(1, 2, 3), "hard": sample_of(1, 2, 3, hardness=4e9)})
+    key = ("stress", "lower", "volume above yield per area")
+    difference = found.difference(key, "soft", "hard")
+    values = [sample.values(sample[key[2]]) for sample in found.items.values()]
+    assert difference.chance == pytest.approx(stats.ttest_ind(*values, equal_var=False).pvalue, rel=0.3)
+    best = min(found.items, key=lambda name: found.items[name][key[2]].best)
+    assert found.verdict.startswith(f"{best}: volume above yield per area ")
+    judged = "better" if difference.chance < 0.05 else "no significant difference"
+    assert f"; {judged}, p = {difference.chance:.2g}." in found.verdict
+
+
+def test_fractions_above_yield_refer_to_one_depth():
+    """Of all maps of both samples; without it a shallow volume has a large fraction."""
+    found = compared({"few": sample_of(1, 2), "others": sample_of(3, 4)})
+    depths = [answer_of(seed)["maximum depth above yield"].value for seed in (1, 2, 3, 4)]
+    for records in found.records.values():
+        volume, fraction = (
+            records["stress", "lower", name]
+            for name in ("volume above yield per area", "volume fraction above yield")
+        )
+        assert fraction.best == pytest.approx(volume.best / max(depths))
+
+
+def test_three_answers_and_their_files(tmp_path):
+    found = compared([answer_of(1), answer_of(1, 4e9), sample_of(1, 2)])
+    names = [*found.items]
+    assert names == ["patch 1 1", "patch 1 2", "map 1"]
+    table = found.frame()
+    row = table.set_index("quantity").loc["maximum pressure"]
+    assert row["value_map 1"] == sample_of(1, 2)["maximum pressure"].best
+    assert row["difference_map 1"] == row["value_map 1"] - row["value_patch 1 1"]
+    assert [path.name for path in found.write(tmp_path)] == ["comparison.csv", "comparison.html"]
+    page = (tmp_path / "comparison.html").read_text(encoding="utf-8")
+    assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>Numbers</h2>")
+    assert "<script" not in page
+    assert all(name in json.dumps(page) for name in names)
+    with pytest.raises(ValueError, match="answers: at least two"):
+        compared([answer_of(1)])

@@ -9,8 +9,11 @@ from samples import refuses, rough
 
 import asperity as asp
 from asperity.contact.half_grid import on_half_the_nodes, solve_on_half
+from asperity.engineering.continuum import continuum_on_grids, solved_on_half
 from asperity.fourier.grid import Grid
-from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE
+from asperity.stress.exceedance import Exceedance
+from asperity.stress.extremes import DIRECTION, Extremes
+from asperity.stress.statistics.extrapolation import BOUNDARY_SHARE, extreme_error
 from asperity.surface.treatment.levelling import low_pass
 
 LAYER = asp.Solid(young=1.0, poisson=0.33)
@@ -118,10 +121,20 @@ def at_hardness():
     return contact
 
 
+def worn(nodes, **load):
+    """A plateau: the minimum of two Gaussian surfaces, which has creases."""
+    fields = [
+        asp.self_affine((16 * nodes,) * 2, 0.8, long, 1 / 16, rms_height=1e-3, seed=seed)
+        for long, seed in ((1 / 2, 5), (1 / 4, 6))
+    ]
+    return asp.solve_contact(np.maximum(fields[0], 0.3 * fields[1] - 2e-4), LAYER, **load)
+
+
 CASES = {
     "elastic, in a periodic cell": (lambda: contact_on(8, area_fraction=0.2), ""),
     "the pressure reaches a hardness": (at_hardness, ""),
     "ridges are straight": (ridges, ""),
+    "creases, steps or noise": (lambda: worn(8, area_fraction=0.2), ""),
     "flat or stepped heights touch": (
         lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5),
         "flat or stepped",
@@ -154,6 +167,78 @@ def test_page_says_which_numbers_have_an_estimate(name, says):
 
 def test_page_has_all_reasons_against_an_estimate():
     assert [name for name, _ in ROWS] == [*CASES]
+
+
+@pytest.mark.parametrize("nodes", [2, 4, 8])
+def test_extremes_on_creases_have_no_estimate(nodes):
+    """They grow with every refinement; a smooth surface on as many nodes has estimates."""
+    found = asp.continuum_limit(contact := worn(nodes, area_fraction=0.4), stress_of(contact))
+    assert "extreme stresses grow with every refinement" in found.attrs["reason_of_stress"]
+    assert found[["p90", "p99", "largest"]].sel(kind="estimate").to_array().isnull().all()
+    assert np.isfinite(found["area_fraction"].sel(kind="error"))
+    smooth = asp.continuum_limit(contact := contact_on(nodes, area_fraction=0.4), stress_of(contact))
+    assert "reason_of_stress" not in smooth.attrs
+    assert np.isfinite(smooth["largest"].sel(kind="estimate")).all()
+
+
+def test_stress_on_a_crease_grows_with_every_refinement():
+    finest = worn(32, area_fraction=0.2)
+    largest = [worn(nodes, mean_pressure=finest.mean_pressure).max_pressure for nodes in (4, 8, 16)]
+    largest.append(finest.max_pressure)
+    assert (np.diff(largest) > 0.05 * np.array(largest[:-1])).all()
+
+
+def extremes_on(nodes, **load):
+    """Contact, extreme values and estimates on a number of nodes, and the volume above a stress."""
+    contact, limit = contact_on(nodes, **load), 0.02
+    found, volume = Extremes(LAYER), Exceedance(limit, periodic=True)
+
+    def observe(plane):
+        found.add(plane)
+        volume.add(plane.depth, plane.grid, plane.field("von_mises", LAYER.poisson))
+
+    quantities = "pressure", "von_mises"
+    stress = asp.analyse_stress(contact, quantities=quantities, tolerance=1e-4, observe=observe)
+    values = {name: each.value for name, each in found.refined(contact.in_body("lower"), 1e-4)[0].items()}
+    volume.finish(values["von_mises"])
+    estimates = continuum_on_grids(contact, solved_on_half(contact), stress, "lower", extremes=values)
+    return contact, estimates, volume
+
+
+def test_extremes_have_one_error_that_covers_the_true_one():
+    """Against 16 nodes; the largest peak and the volume above yield use the same error."""
+    fine, truth, exact = extremes_on(16, area_fraction=0.2)
+    for nodes in (2, 4):
+        _, found, volume = extremes_on(nodes, mean_pressure=fine.mean_pressure)
+        for name in DIRECTION:
+            on_grid, _, estimate, error = found["extreme"].sel(field=name).values
+            assert estimate == on_grid
+            assert abs(estimate - truth["extreme"].sel(field=name, kind="on_grid")) <= error * estimate
+            assert extreme_error(found, name) == error
+        assert 0 < abs(volume.volume - exact.volume) <= volume.error(found, 3)
+
+
+def test_volume_without_peaks_has_an_error_where_the_stress_may_reach_the_limit():
+    """Error of the volume above 0 if, and only if, the largest stress and its error reach the limit."""
+    contact, found, _ = extremes_on(4, area_fraction=0.2)
+    largest = float(found["extreme"].sel(field="von_mises", kind="on_grid"))
+    error, depths = extreme_error(found, "von_mises"), asp.stress.depth_grid(contact.grid, 0.5)
+    planes = list(asp.stress_planes(contact, depths))
+    for over, may_yield in ((1.01, True), (1 + 0.8 * error, True), (1.05 + error, False)):
+        each = Exceedance(over * largest, periodic=True)
+        for plane in planes:
+            each.add(plane.depth, plane.grid, plane.fields["von_mises"][0])
+        each.finish(largest)
+        assert each.volume == 0
+        assert (each.error(found, 0) > 0) == may_yield
+
+
+def test_fewer_contact_nodes_leave_the_error_unknown():
+    """It is not zero."""
+    _, found, volume = extremes_on(8, area_fraction=0.005)
+    assert "200 are needed" in found.attrs["reason"]
+    assert np.isnan(volume.error(found, 1))
+    assert np.isnan(extreme_error(found, "von_mises"))
 
 
 def test_no_estimate_on_flat_faces():

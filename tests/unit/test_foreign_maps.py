@@ -244,6 +244,116 @@ def test_heights_without_unit_take_the_option(tmp_path):
         assert_read(tmp_path / name, unit=unit)
 
 
+def test_a_mask_is_no_gap_unless_asked(tmp_path):
+    """A mask of grains is named; one over a single number hides points without data."""
+    path, mask = tmp_path / "map.gwy", RAW > 60
+    foreign_files.write_gwy(path, [("Height", "m", "m", RAW)], mask)
+    assert_read(path)
+    assert_read(path, np.where(mask, np.nan, RAW), mask="excluded")
+    kept, left_out = (read_map(path, mask=each).notes for each in (None, "excluded"))
+    assert kept == (
+        f"mask: {mask.sum()} points that the file marks are kept; set it to excluded to leave them out",
+    )
+    assert left_out == (f"mask: {mask.sum()} points that the file marks are left out",)
+    assert describe_map(path, MapOptions()).properties["mask"] == kept[0]
+    assert kept[0] in prepare_map(path, periodic="mirrored").done
+    foreign_files.write_gwy(path, [("Height", "m", "m", np.where(mask, 0, RAW))], mask)
+    assert_read(path, np.where(mask, np.nan, RAW))
+    foreign_files.write_gwy(path, [("Height", "m", "m", RAW)])
+    with pytest.raises(MapError, match="mask = 'excluded': the file has no mask; leave it out"):
+        read_map(path, mask="excluded")
+
+
+def test_void_pixels_are_points_without_data(tmp_path):
+    void = RAW > 60
+    foreign_files.write_spip(tmp_path / "map.asc", RAW, void)
+    assert_read(tmp_path / "map.asc", np.where(void, np.nan, RAW))
+    text = (tmp_path / "map.asc").read_text("ascii")
+    (tmp_path / "map.asc").write_text(text.replace("voidpixels", "offset"), encoding="ascii")
+    with pytest.raises(MapError, match="rows") as caught:
+        read_map(tmp_path / "map.asc")
+    assert "object at" not in str(caught.value)
+
+
+def test_heights_that_are_no_lengths_ask_for_their_unit(tmp_path):
+    foreign_files.write_fringes(tmp_path / "map.datx", RAW)
+    with pytest.raises(MapError, match="unit: the file says 'Fringes', which is no unit of length; set it"):
+        prepare_map(tmp_path / "map.datx", periodic="mirrored", physical_size=("16 um", "12 um"))
+    given = {"unit": "nm", "height_factor": 316.4, "physical_size": ("16 um", "12 um")}
+    expected = np.where(RAW.max() == RAW, np.nan, 316.4 * RAW)
+    assert_read(tmp_path / "map.datx", expected, orientation="peaks up", **given)
+
+
+MASK = (HEIGHT > 0.3).astype(float)
+
+
+@pytest.mark.parametrize("write", ["npz", "h5", "nc"])
+@pytest.mark.parametrize(
+    ("arrays", "chosen"),
+    [
+        ({"roi": MASK, "height_image": HEIGHT}, "height_image"),
+        ({"grain_masks": MASK, "image": HEIGHT}, "image"),
+        ({"above": MASK, "image": HEIGHT}, "image"),
+        ({"labels": np.arange(48).reshape(8, 6) // 12, "scan": HEIGHT}, "scan"),
+        ({"selected": MASK, "heightmap": HEIGHT}, "heightmap"),
+        ({"laser": HEIGHT + 1, "laser_topo": HEIGHT}, "laser_topo"),
+        ({"above": MASK, "light": HEIGHT}, None),
+        ({"above": HEIGHT + 1, "image": HEIGHT}, None),
+    ],
+)
+def test_a_mask_is_never_taken_for_heights(tmp_path, write, arrays, chosen):
+    path = tmp_path / f"map.{write}"
+    if write == "npz":
+        np.savez(path, **arrays)
+    elif write == "h5":
+        with pytest.importorskip("h5py").File(path, "w") as file:
+            for name, values in arrays.items():
+                file[f"scan/{name}"] = values
+    else:
+        xr.Dataset({name: (("y", "x"), values) for name, values in arrays.items()}).to_netcdf(path)
+    if chosen is None:
+        with pytest.raises(MapError, match=r"channel: .*; set it$"):
+            read_map(path, **BARE)
+    else:
+        np.testing.assert_allclose(read_map(path, **BARE).height, 1e-6 * HEIGHT, rtol=1e-12)
+
+
+def test_attributes_of_hdf5_are_used(tmp_path):
+    h5py, edges = pytest.importorskip("h5py"), ("8 um", "6 um")
+    numbers = np.rint(1e4 * HEIGHT).astype("i4")
+    for unit in ("um", np.bytes_("um")):
+        with h5py.File(tmp_path / "map.h5", "w") as file:
+            file["height"] = numbers
+            file["height"].attrs.update(units=unit, scale_factor=1e-4, _FillValue=numbers[2, 3])
+        found = read_map(tmp_path / "map.h5", physical_size=edges, orientation="peaks up")
+        expected = np.where(numbers == numbers[2, 3], np.nan, 1e-6 * HEIGHT)
+        np.testing.assert_allclose(found.height, expected, rtol=1e-9)
+
+
+def test_an_array_of_objects_beside_heights_is_left_out(tmp_path):
+    meta = np.array({"pixel": 1.0}, dtype=object)
+    np.savez(tmp_path / "map.npz", meta=meta, height=HEIGHT)
+    np.testing.assert_allclose(read_map(tmp_path / "map.npz", **BARE).height, 1e-6 * HEIGHT, rtol=1e-15)
+    np.savez(tmp_path / "map.npz", meta=meta)
+    with pytest.raises(MapError, match="it holds no array of real numbers with two dimensions"):
+        read_map(tmp_path / "map.npz", **BARE)
+
+
+def test_masked_points_are_without_data():
+    masked, gaps = np.ma.masked_greater(HEIGHT, 1.0), np.where(HEIGHT > 1.0, np.nan, HEIGHT)
+    expected = asp.prepare_map(asp.HeightMap(gaps, (8, 6)), periodic="mirrored", undefined="harmonic")
+    found = asp.prepare_map(asp.HeightMap(masked, (8, 6)), periodic="mirrored", undefined="harmonic")
+    np.testing.assert_array_equal(found.height, expected.height)
+    steel, given = asp.Body(young="210 GPa", poisson=0.3), {"length": (8e-6, 6e-6), "mean_pressure": "1 GPa"}
+    pressed = [asp.run(1e-8 * each, steel, **given).contact for each in (masked, gaps)]
+    assert pressed[0].max_pressure == pressed[1].max_pressure
+    with pytest.raises(ValueError, match="height: an array without masked elements is needed"):
+        asp.solve_contact(masked, asp.Solid(1.0, 0.3), mean_pressure=1e-3)
+    for wrong in (HEIGHT > 0, HEIGHT.astype(str), HEIGHT + 0j, np.ma.masked_equal(HEIGHT > 0, True)):
+        with pytest.raises(MapError, match="height"):
+            asp.run(wrong, steel, **given)
+
+
 def test_force_curves_beside_a_map_are_left_out(tmp_path):
     curves = np.zeros((3, 40))
     forward, deflection = ("Z-Axis", "m", "m", RAW), ("Deflection", "m", "m", 5 * RAW)

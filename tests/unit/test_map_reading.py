@@ -166,6 +166,28 @@ assert (read_map({str(DATA / "steel.x3p")!r}).height == alone.height)[~(alone.he
     subprocess.run([sys.executable, "-W", "error::ImportWarning", "-c", code], check=True)
 
 
+def test_an_array_over_axes_is_read(tmp_path):
+    place = {axis: (axis, 0.5 * np.arange(n), {"units": "um"}) for axis, n in (("y", 12), ("x", 16))}
+    values = xr.DataArray(np.random.default_rng(1).normal(size=(12, 16)), place, ("y", "x"))
+    values.attrs["units"] = "nm"
+    found = read_map(values.T, orientation="peaks up")
+    np.testing.assert_allclose(found.height, 1e-9 * values.values)
+    assert found.length == pytest.approx((6e-6, 8e-6))
+    for wrong in (values.rename(x="a"), values > 0, values.values):
+        with pytest.raises(ValueError, match="a DataArray of real numbers over y and x, is needed"):
+            read_map(wrong)
+
+
+def test_a_name_that_is_not_utf_8_is_refused_before_anything(tmp_path):
+    path = os.fsdecode(os.fsencode(tmp_path) + b"/m\xe4p.npy")
+    try:
+        np.save(path, np.zeros((8, 8)))
+    except OSError:
+        pytest.skip("this file system has names in UTF-8 only")
+    with pytest.raises(MapError, match="its name is not UTF-8; rename it"):
+        read_map(path)
+
+
 def test_what_is_no_regular_file_is_named(tmp_path, capsys):
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -387,6 +409,19 @@ def test_texture_of_waves_and_tip_of_a_sphere():
     assert texture(rough, (1.0, 1.0))[1] > 0.8
     assert texture(rough, (4.0, 1.0))[1:] == pytest.approx((0.25, 90), rel=0.15)  # one sample
     assert finest_tip(-(x**2 + y**2) / 2000, (1.0, 1.0)) == pytest.approx(500)
+
+
+@pytest.mark.parametrize("shape", [(64, 512), (512, 64), (60, 240)])
+@pytest.mark.parametrize("wavelength", [20, 100, 200])
+def test_grooves_across_the_short_edge_have_a_lay(shape, wavelength):
+    """The correlation along them does not end at half of the short edge."""
+    y, x = np.mgrid[: shape[0], : shape[1]]
+    place, direction = (x, 90) if shape[0] < shape[1] else (y, 0)
+    noise = 0.1 * np.random.default_rng(1).normal(size=shape)
+    shortest, ratio, lay = texture(np.cos(2 * np.pi * place / wavelength) + noise, (1.0, 1.0))
+    assert shortest == pytest.approx(0.215 * wavelength, rel=0.1)  # of a cosine: arccos(0.2) / 2 pi
+    assert ratio < 0.1
+    assert abs((lay - direction + 90) % 180 - 90) < 2
 
 
 @pytest.mark.parametrize("shape", [(128, 128), (64, 200), (200, 64)])

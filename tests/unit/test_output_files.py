@@ -15,8 +15,7 @@ from asperity.cli.main import main
 from asperity.contact import METHODS
 from asperity.core import system
 from asperity.core.errors import DatasetError
-from asperity.engineering import write_answer
-from asperity.engineering.folder import LOCK, UNFINISHED, locked, names_of
+from asperity.engineering.folder import LOCK, UNFINISHED, locked, stems_of
 from asperity.surface.reading.height_map import HeightMap
 
 BODY = ["--young", "210 GPa", "--poisson", "0.3"]
@@ -151,21 +150,15 @@ def test_case_is_saved_in_its_own_folder(folder, without_pictures):
     assert status("run", "out/case.yaml", "--out", "out") == 0
 
 
-@pytest.fixture
-def without_pictures(monkeypatch):
-    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
-
-
 def test_changed_map_of_a_case_is_refused(folder, capsys, without_pictures):
     assert status(*RUN, *COUNTER, "--save", "saved.yaml") == 0
     Path("other.txt").write_text(Path("other.txt").read_text().replace("0.1", "0.2"))
     for case in ("saved.yaml", "out/case.yaml"):
         capsys.readouterr()
         assert status("run", case, "--out", "again") == 2
-        assert (
-            f"{case}: checksums.counter_map: other.txt has changed since"
-            in capsys.readouterr().err.replace("out/../", "")
-        )
+        said = capsys.readouterr().err
+        assert f"{case}: checksums.counter_map: " in said
+        assert "other.txt has changed since" in said
     assert status("run", "saved.yaml", "--counter-map", "mine.txt", "--out", "again") == 0
 
 
@@ -184,8 +177,9 @@ def answer():
 
 
 def test_names_of_an_answer_are_known_before(answer, tmp_path):
-    written = [path for path in write_answer(answer, tmp_path / "out") if path.is_file()]
-    assert {path.name for path in written} <= {*names_of(answer.case)}
+    written = [path for path in answer.write(tmp_path / "out") if path.is_file()]
+    stems = stems_of(answer.case)
+    assert [path.name for path in written if not path.stem.startswith((*stems, "."))] == []
     # Only the study cites the paper.
     assert [path.name for path in written if b"Venugopalan" in path.read_bytes()] == []
 
@@ -211,7 +205,7 @@ def test_second_process_does_not_write(folder, answer, capsys):
         assert f"out: process {process} on {host} writes into it; wait until it ends" in said
         assert said.count("\n") == 1
         with pytest.raises(DatasetError, match="writes into it"):
-            write_answer(answer, "out")
+            answer.write("out")
         assert Path("out/.unfinished-of-the-first").is_dir()
         first.kill()
     assert len(list(Path("out").glob(LOCK.format("*")))) == 1

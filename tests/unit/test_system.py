@@ -6,9 +6,11 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import psutil
 import pytest
 
+import asperity as asp
 from asperity.core import packages, system
 from asperity.core.errors import PreflightError
 from asperity.study import preflight_and_manifest
@@ -90,6 +92,54 @@ def test_loops_without_machine_code_are_refused():
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     found = subprocess.run([sys.executable, "-c", SOLVE], capture_output=True, text=True, env=environment)
     assert found.stderr.splitlines()[-1].startswith("ImportError: NUMBA_DISABLE_JIT is set: ")
+
+
+@pytest.mark.parametrize("count", ["0", "-3"])
+def test_a_wrong_number_of_threads_names_its_variable(count):
+    given = {**os.environ, "NUMBA_NUM_THREADS": count}
+    found = subprocess.run([sys.executable, "-c", SOLVE], capture_output=True, text=True, env=given)
+    line = f"ImportError: NUMBA_NUM_THREADS = '{count}': a whole number > 0 is needed"
+    assert found.stderr.splitlines()[-1] == line
+
+
+NO_CACHE = """
+from numba.core import caching
+caching.CacheImpl._locator_classes = []  # as where no folder is writable
+import numpy
+from asperity.contact.contact_nodes import dot
+print(dot(numpy.ones(4), numpy.ones(4)))
+"""
+
+
+def test_loops_are_compiled_where_no_folder_is_writable():
+    found = subprocess.run([sys.executable, "-c", NO_CACHE], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["4.0"]
+    (line,) = found.stderr.splitlines()
+    assert "NUMBA_CACHE_DIR" in line
+
+
+def test_a_locked_result_is_named(tmp_path):
+    """By a process that has opened it to write, as another program does."""
+    path = tmp_path / "contact.nc"
+    contact = asp.solve_contact(np.eye(8), asp.Solid(1.0, 0.3), mean_pressure=1e-3)
+    asp.write_result(contact.to_dataset(), path, "contact")
+    fcntl = pytest.importorskip("fcntl")
+    with open(path, "rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        with pytest.raises(asp.results.dataset.DatasetError, match="locked by another program"):
+            asp.read_result(path)
+    assert asp.read_result(path).sizes["y"] == 8
+
+
+def test_error_state_of_the_caller_does_not_matter():
+    height, solid = asp.self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1), asp.Solid(1.0, 0.3)
+    with np.errstate(all="raise"):
+        contact = asp.solve_contact(height, solid, mean_pressure=1e-4)
+        asp.analyse_stress(contact)
+        assert len([*asp.stress_planes(contact, [0.0, 0.1, 3.0])]) == 3
+        assert np.geterr()["under"] == "raise"
+        with pytest.raises(FloatingPointError):
+            np.float64(1e-300) * np.float64(1e-300)
 
 
 NAME = "from asperity.core.system import process_name; print(process_name(), flush=True); input()"

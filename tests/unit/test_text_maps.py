@@ -319,6 +319,166 @@ def test_other_formats_are_named_in_a_line(tmp_path, name, write, line):
     assert len(caught.value.problems) == 1
 
 
+@pytest.mark.parametrize(
+    ("heading", "unit"),
+    [
+        *(("Z [um]", "um"), ("Height map (nm)", "nm"), ("# Höhe [µm]", "µm"), ("height data in nm", "nm")),
+        *(("Value units: um", "um"), ("X [mm]\nHeight [um]", "um"), ("\\Exported image units: nm", "nm")),
+        *(("Wavelength [nm] 632.8", None), ("Wavelength [nm]", None), ("Z range [um] 5.2", None)),
+        *(("Step [um]", None), ("Scan size [mm]", None), ("Height [um]\nData [nm]", None)),
+        *(("Width[mm] Height[mm]\n1.5 2.5", None), ("Sample height [mm]", None)),
+    ],
+)
+def test_a_unit_is_that_of_the_heights_where_the_heading_says_so(tmp_path, heading, unit):
+    (tmp_path / "map.txt").write_text(f"{heading}\n{MATRIX}\n", encoding="utf-8")
+    said = {"physical_size": ("4 um", "3 um"), "orientation": "peaks up"}
+    if unit is None:
+        with pytest.raises(MapError, match="unit: the file does not say"):
+            prepare_map(tmp_path / "map.txt", periodic="mirrored", **said)
+    else:
+        assert read_map(tmp_path / "map.txt", **said).unit == unit
+
+
+LARGE = np.random.default_rng(4).normal(size=(30, 40))
+PLACES = {
+    "rounded": lambda n: np.round(np.arange(n) * 0.0225, 2),
+    "falling": lambda n: np.round(np.arange(n)[::-1] * 0.0225, 2),
+    "printed": lambda n: np.arange(n) * 3e-7,
+    "uneven": lambda n: np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, n)),
+}
+
+
+@pytest.mark.parametrize("name", PLACES)
+@pytest.mark.parametrize("axis", ["row", "column", "both"])
+def test_positions_beside_heights_are_refused(tmp_path, name, axis):
+    heights = LARGE
+    if axis != "row":
+        heights = np.c_[PLACES[name](30), heights]
+    if axis != "column":
+        heights = np.vstack([[0.0] * (axis == "both") + [*PLACES[name](40)], heights])
+    np.savetxt(tmp_path / "map.txt", heights, fmt="%.4g")
+    line = "column" if axis == "column" else "row"
+    with pytest.raises(MapError, match=f"its first {line} holds numbers or positions of points; delete it"):
+        read_map(tmp_path / "map.txt", physical_size=(1, 1), unit="um", orientation="peaks up")
+
+
+def test_positions_under_a_word_are_named(tmp_path):
+    rows = ["y\\x " + " ".join(f"{x:.2f}" for x in PLACES["rounded"](40))]
+    rows += [f"{y:.2f} " + " ".join(map(str, row)) for y, row in zip(range(30), LARGE, strict=True)]
+    (tmp_path / "map.txt").write_text("\n".join(rows))
+    with pytest.raises(MapError, match="line 1: positions; delete them, in the first column too"):
+        read_map(tmp_path / "map.txt")
+
+
+@pytest.mark.parametrize("waves", [0.2, 0.7, 1.3])
+def test_lines_of_smooth_surfaces_are_no_positions(tmp_path, waves):
+    """The first row rises, as does the one beside it, or nearly so."""
+    y, x = np.mgrid[:30, :40]
+    heights = np.sin(waves * x / 40 + y / 5) + 0.3 * x + 1e-3 * LARGE
+    np.savetxt(tmp_path / "map.txt", heights, fmt="%.3f")
+    found = read_map(tmp_path / "map.txt", physical_size=(1, 1), unit="m", orientation="peaks up")
+    np.testing.assert_allclose(found.height, heights, atol=6e-4)
+
+
+@pytest.mark.parametrize(
+    "word",
+    [
+        *("-nan(ind)", "NaNQ", "nan(snan)", "1.#QNAN", "#DIV/0!", "#N/A", "-", "---", "?", "...", "*"),
+        *("NoData", "void", "-3.4028235E+38", "1.70141e38"),
+    ],
+)
+@pytest.mark.parametrize("separator", ["\t", ";", " "])
+def test_words_and_marks_of_programs_are_points_without_data(tmp_path, word, separator):
+    rows, gaps = [[f"{z:.3f}" for z in row] for row in HEIGHT], ((0, 0), (3, 2), (4, 2))
+    expected = HEIGHT.copy()
+    for y, x in gaps:
+        rows[y][x], expected[y, x] = word, np.nan
+    (tmp_path / "map.txt").write_text("\n".join(map(separator.join, rows)))
+    said = {"physical_size": ("4 um", "3 um"), "unit": "nm", "orientation": "peaks up"}
+    assert_map(read_map(tmp_path / "map.txt", **said), 1e-6, 1e-9, expected)
+
+
+CLOUD = "VERSION .7\nFIELDS {}\nWIDTH 48\nHEIGHT 1\nPOINTS 48\nDATA ascii\n"
+
+
+@pytest.mark.parametrize(
+    ("heading", "more"),
+    [
+        *(("48\n", ""), ("6 8\n", ""), ("48\ncomment\n", ""), ("x y z intensity\n", " {}")),
+        *(("X Y Z R G B\n", " {0} 1 {0}"), (CLOUD.format("x y z"), "")),
+        *((CLOUD.format("x y z intensity"), " {}"), ("ply\nproperty float x\nend_header\n", "")),
+    ],
+)
+@pytest.mark.parametrize("edges", [{}, {"physical_size": (4, 3)}])
+def test_a_list_of_points_is_recognised(tmp_path, heading, more, edges):
+    rows = [" ".join(point) + more.format(number % 7) for number, point in enumerate(POINTS)]
+    (tmp_path / "points.txt").write_text(heading + "\n".join(rows))
+    assert_map(read_map(tmp_path / "points.txt", **edges), 1, 1)
+
+
+def test_a_list_of_points_without_a_heading_is_no_map_of_four_columns(tmp_path):
+    points = [(0.5 * x, 0.5 * y, LARGE[y, x], y % 3) for y in range(30) for x in range(40)]
+    np.savetxt(tmp_path / "points.txt", points)
+    found = read_map(tmp_path / "points.txt", physical_size=(15, 20))
+    np.testing.assert_allclose(found.height, LARGE)
+    np.save(tmp_path / "points.npy", points)
+    with pytest.raises(MapError, match="a table of 1200 x 4 numbers is a list of points or a log, not a map"):
+        read_map(tmp_path / "points.npy", physical_size=(15, 20), unit="um", orientation="peaks up")
+
+
+@pytest.mark.parametrize(
+    ("heading", "separator", "mark", "numbered"),
+    [
+        ("Objective,50\nX Resolution,0.5,um\nY Resolution,0.5,um\nLine,a,b,c,d,e,f\nz in nm", ",", ".", True),
+        ("X Pitch;0,5;um\nY Pitch;0,5;um\nZ unit;nm", ";", ",", True),
+        ("numCols\tnumRows\tpixelSize (um)\n6\t8\t0.5\nheight data (nm)", "\t", ".", False),
+        (
+            '"XY-Justierung";"500,0";"nm"\n"Horizont.";"6"\n"Vertikal";"8"\n"Einheit";"nm"\n"Höhe"',
+            ";",
+            ",",
+            False,
+        ),
+        ('"Calibrage XY";"500,0";"nm"\n"Unité";"nm"\n"Hauteur"', ";", ",", False),
+        ("# Pixel size [nm]: 500\n# heights (nm)", " ", ".", False),
+        ("Columns: 6\nPixel size: 0.5 um\nValue units: nm", " ", ".", False),
+    ],
+)
+def test_a_pixel_in_the_heading_gives_the_edges(tmp_path, heading, separator, mark, numbered):
+    rows = [[str(y)] * numbered + [f"{z:.3f}".replace(".", mark) for z in HEIGHT[y]] for y in range(8)]
+    (tmp_path / "map.csv").write_bytes("\r\n".join([heading, *map(separator.join, rows)]).encode("cp1252"))
+    found = read_map(tmp_path / "map.csv")
+    assert_map(found, 1e-6, 1e-9)
+    assert (found.unit, found.orientation) == ("nm", "peaks up")
+
+
+@pytest.mark.parametrize("separator", [";", "\t", " "])
+@pytest.mark.parametrize("mark", [",", "."])
+def test_a_mark_between_thousands_or_decimals_is_asked(tmp_path, separator, mark):
+    numbers = np.rint(2e4 * np.abs(LARGE)) + 1  # some below a thousand
+    rows = [separator.join(f"{z:,.0f}".replace(",", mark) for z in row) for row in numbers]
+    (tmp_path / "map.txt").write_text("\n".join(rows))
+    with pytest.raises(MapError, match=f"'{mark}' may separate thousands or decimals"):
+        read_map(tmp_path / "map.txt")
+    said = {"physical_size": (1, 1), "unit": "m", "orientation": "peaks up"}
+    for form in ("{:.3f}", "{:.5g}"):  # decimals only
+        texts = [[form.format(z) for z in row] for row in np.abs(LARGE)]
+        (tmp_path / "map.txt").write_text("\n".join(separator.join(row).replace(".", mark) for row in texts))
+        np.testing.assert_array_equal(read_map(tmp_path / "map.txt", **said).height, np.array(texts, float))
+
+
+def test_pictures_in_big_and_ome_tiff(tmp_path):
+    tifffile.imwrite(tmp_path / "map.tif", HEIGHT, bigtiff=True)
+    said = {"physical_size": ("4 um", "3 um"), "unit": "um", "orientation": "peaks up"}
+    assert_map(read_map(tmp_path / "map.tif", **said), 1e-6, 1e-6)
+    sizes = {"PhysicalSizeX": 500.0, "PhysicalSizeXUnit": "nm", "PhysicalSizeY": 0.5}  # µm where none is said
+    tifffile.imwrite(tmp_path / "map.ome.tif", HEIGHT, ome=True, metadata={"axes": "YX", **sizes})
+    del said["physical_size"]
+    assert_map(read_map(tmp_path / "map.ome.tif", **said), 1e-6, 1e-6)
+    tifffile.imwrite(tmp_path / "map.ome.tif", HEIGHT, ome=True, metadata={"axes": "YX"})
+    with pytest.raises(MapError, match="physical_size: the file does not say the edges"):
+        read_map(tmp_path / "map.ome.tif", **said)
+
+
 def test_values_in_a_heading_are_no_units(tmp_path):
     """The unit of a length beside a number is not the unit of a column."""
     for heading in ("Length: 30 mm", "Length,30.0 mm", "Stylus,Radius: 2.5 um"):

@@ -3,7 +3,7 @@ import math
 import os
 
 from asperity.study.cost.model import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
-from asperity.settings.check import default
+from asperity.settings.configuration import Contact
 from asperity.settings.sections import imposed_load
 
 
@@ -17,7 +17,7 @@ def loads(wildcards):
     """Number of loads at which a contact is solved."""
     settings = contact_settings(wildcards)
     load, value = imposed_load(settings)
-    area = value if load == "area_fraction" else default("contact.area_fraction")
+    area = value if load == "area_fraction" else Contact().area_fraction
     return len({*settings.get("path_area_fractions", ()), area})
 
 

@@ -30,17 +30,7 @@ COUNTER_BODIES = {
 }
 """Kind of the counter body → its words."""
 
-QUESTIONS = {
-    "yielding": "Where does it yield?",
-    "partial_slip": "Does it slip under a tangential load?",
-    "leak": "Does the gap leak?",
-    "conduction": "How well does the contact conduct?",
-    "load_curve": "How does it change with the load?",
-    "film": "Does a lubricant film carry a part?",
-    "running_in": "What remains after running-in?",
-    "cycles": "Does it fatigue, sliding or rolling?",
-    "sensitivity": "Which input matters most?",
-}
+QUESTIONS = {name: kind.ASKS for name, kind in Case.kinds().items() if kind.ASKS}
 """Group of a question → how the page asks it."""
 
 SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding", "sample")} | {
@@ -115,7 +105,7 @@ def _group_of(key: str) -> str:
 
 
 def _text(key: str, value: Any) -> str:
-    """A value as the text of a field: a line for each file of a list, a table as in a file."""
+    """A value as the text of a field; files have a line each, a table is as in a file."""
     if isinstance(value, Mapping):
         return yaml_line(value)
     if isinstance(value, (list, tuple)):

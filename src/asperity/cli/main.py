@@ -127,12 +127,12 @@ def _run(arguments: Sequence[str] | None) -> None:
     from asperity.fourier import fft_engine  # a slow import that help and usage errors do not need
 
     engine = getattr(options, "fft_engine", None)
-    with fft_engine(engine) if engine else nullcontext():
-        try:
+    try:
+        with fft_engine(engine) if engine else nullcontext():
             import_module(f"asperity.cli.commands.{options.command}").run(options)
-        except InputError:
+    except InputError:
+        raise
+    except ValueError as error:
+        if not is_refusal(error):
             raise
-        except ValueError as error:
-            if not is_refusal(error):
-                raise
-            raise ValueError(with_flags(str(error), options.command)) from error
+        raise ValueError(with_flags(str(error), options.command)) from error

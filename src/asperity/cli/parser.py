@@ -162,8 +162,6 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
             options["type"] = TYPES[options["type"]]
         if "help" in options:
             options["help"] = options["help"].replace("%", "%%")
-        if "setting" in given:
-            options |= {"dest": given["setting"], "type": partial(value_of, given["setting"])}
         if explained and ("key" in given or "setting" in given):
             options = _of_field(given) | options
         parser.add_argument(flag, **options)
@@ -193,23 +191,6 @@ def _placeholder(entry: Mapping[str, Any]) -> str:
     kind = kinds[0] if kinds[0] == {"type": "string"} else kinds[-1]  # a name or a number is a text
     types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
     return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
-
-
-def value_of(key: str, text: str) -> Any:
-    """Value of a setting of the study, from the text of an argument.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        If it is not accepted.
-    """
-    from asperity.settings.configuration import Configuration
-    from asperity.settings.model import NeededError, converted
-
-    try:
-        return converted(Configuration, key, text)
-    except NeededError as error:
-        raise argparse.ArgumentTypeError(f"{shown(text)}: {error} is needed") from None
 
 
 def _number(text: str, above: float = -math.inf) -> float:

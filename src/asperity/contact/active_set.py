@@ -106,6 +106,9 @@ MAX_STEPS_WITHOUT_PROGRESS = 100
 # below the tolerance where it makes the contact up to 20 times stiffer, and up to 66 tolerances beyond.
 MAX_STIFFNESS_RATIO = 10.0
 
+# The loop gives up if this correction is still needed after so many times.
+MAX_BALANCES = 30
+
 # Contacts of a half-space with a smaller area than this fraction are not examined: patches, rows, lattices
 # and random nodes on up to a tenth of the area are made at most 1.4 times stiffer.
 LEAST_BALANCED = 0.1
@@ -319,7 +322,7 @@ class ActiveSet:
 
     def run(self, start: Pressure) -> tuple[Iterate, ContactSystem, bool]:
         """The last iterate, its system, and whether it fulfils the rule."""
-        stagnation, operators = Stagnation(), None
+        stagnation, operators, balances = Stagnation(), None, 0
         if start.includes_candidates:
             start = self._contact_of_candidates(start)
         iterate = self._evaluated(self._problems[0], start)
@@ -335,6 +338,9 @@ class ActiveSet:
                 balance = self._balance(iterate, system)
                 if balance is None:
                     return iterate, system, True
+                balances += 1
+                if balances > MAX_BALANCES:
+                    return iterate, system, False
                 iterate = self._evaluated(iterate.problem, balance, iterate.displacement)
                 continue
             stagnation.record(system.error)

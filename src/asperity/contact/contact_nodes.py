@@ -19,10 +19,8 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
-from asperity.core.compiled import compiled, compiled_with_arrays, inlined, vectorised_sums
+from asperity.core.compiled import compiled, compiled_with_arrays, inlined, intrinsic, types, vectorised_sums
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid

@@ -48,6 +48,10 @@ MAX_LOAD_CHANGE = 0.5
 # Before the pressure has converged the load changes in at most so many steps. Most solutions take three.
 MAX_EARLY_CHANGES = 8
 
+# Under layers the number of contact nodes says nothing beyond this error, which a pressure has that is
+# interpolated from a coarser grid under a stiff film.
+MAX_EARLY_ERROR = 3.0
+
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
@@ -252,7 +256,8 @@ def extended_to_area(
     count = int(np.count_nonzero(after > 0) + np.count_nonzero(held.enter)) + system.plastic.size
     if not converged:
         near = abs(count - area.target) <= max(AREA_TOLERANCE * area.target, 0.5)
-        if near or not area.may_change():
+        layered = iterate.problem.response.solid.interface is not None
+        if near or (layered and system.error > MAX_EARLY_ERROR) or not area.may_change():
             return None
     nodes = system.linear.operators.nodes
     if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:

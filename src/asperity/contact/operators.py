@@ -88,26 +88,11 @@ _TILE = 64
 # nodes a solution takes 7 % more transforms, with 8 as many, but the coarse grid is four times larger.
 CELL_NODES = 16
 
-# Under a coating: where the solid is softer for long waves than for short ones, S also overestimates the
-# stiffness of waves too short for cells of `CELL_NODES`.
-CELL_NODES_UNDER_COATING = 4
-
 # The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, or,
 # with more than 200 cells on an edge, by 6 / (cells on an edge): the more cells, the more S overestimates
 # the longest waves.
-COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_UNDER_COATING = 0.03, 0.005
+COARSE_RESIDUAL_DROP = 0.03
 MAX_COARSE_ITERATIONS = 50
-
-# The inverse compliance of a coated solid is used as a stencil if the sum of its positive weights outside the
-# middle is at most this fraction of the weight in the middle. The fraction is 0.1 on a half-space, up to 0.3
-# under most coatings, and above 1 under thin incompressible coatings, where solutions fail with the stencil.
-MAX_OUTWARD = 0.5
-
-# Where this stencil is not used, the compliance on the coarse grid is limited to so many times that of the
-# half-space of the stencil: beyond it, two terms of M cancel to less than the error of the coarse system.
-# Found by trial on 64² nodes, with ratios of moduli of 1e2 to 1e6: inner solves with 3 take up to 1.5 times
-# the iterations, with 30 as many, and with 100 some of them fail.
-MAX_SOFTNESS = 10.0
 
 
 class Operators:
@@ -129,7 +114,8 @@ class Operators:
 
     def __init__(self, nodes: Array, response: "InnerResponse", whole: "Preconditioner") -> None:
         self.nodes, self.response = nodes, response
-        in_map, self.precondition = response.in_map(nodes), None
+        in_map = response.in_map(nodes)
+        self.precondition: NodePreconditioner | SparseInverse
         if whole.influence is not None:
             self.precondition = SparseInverse(whole.influence, whole.grid.shape, in_map, whole.threads)
         else:
@@ -366,31 +352,29 @@ class Preconditioner:
         Pressure that removes a unit residual of a node that alone is in contact.
     coarse_drop : float
         Factor by which the residual of the coarse system drops.
+    influence : array or None
+        Of `asperity.contact.sparse_inverse`, under layers.
     """
 
     def __init__(self, response: Response, products: StencilProduct) -> None:
+        self.grid, self.products, self.threads = response.grid, products, response.fourier.threads
+        self.influence = None
+        if response.solid.interface is not None:
+            self.influence = influence(response)
+            self.nodal_stiffness = 1 / float(self.influence[0, 0])
+            return
         grid = response.grid
         radius = max(0, min(RADIUS, (min(grid.whole_cell.shape) - 1) // 2))
-        weights, stiffness = inverse_stencil(
-            response.solid, _spacing_of_stencils(response), radius, response.fourier.engine
-        )
+        weights = inverse_stencil(_spacing_of_stencils(response), radius, response.fourier.engine)
         self.nodal_stiffness = float(weights[RADIUS, RADIUS])
-        self.grid, self.products, self.threads = grid, products, response.fourier.threads
-        self.influence = influence(response) if response.solid.interface is not None else None
         self.stencil = whole_stencil(weights)
-        nodes, drop = CELL_NODES, COARSE_RESIDUAL_DROP
-        if response.solid.interface is not None:
-            nodes, drop = CELL_NODES_UNDER_COATING, COARSE_RESIDUAL_DROP_UNDER_COATING
         # Where one spacing is more than twice the other, cells are about square.
-        sides = (max(1, int(nodes * min(1, 2 * min(grid.spacing) / step))) for step in grid.spacing)
+        sides = (max(1, int(CELL_NODES * min(1, 2 * min(grid.spacing) / step))) for step in grid.spacing)
         shape = tuple(max(1, n // side) for n, side in zip(grid.shape, sides, strict=True))
         self.cells = Grid(shape, grid.length, grid.mirrored)  # type: ignore[arg-type]
         self.coarse, compliance = response.on_cells(self.cells)
-        self.coarse_drop = min(drop, 6.0 / max(self.coarse.grid.whole_cell.shape))
+        self.coarse_drop = min(COARSE_RESIDUAL_DROP, 6.0 / max(self.coarse.grid.whole_cell.shape))
         self.compliance = compliance / response.nodal_compliance
-        if stiffness:
-            half_space = 0.5 * stiffness * min(grid.spacing) * self.coarse.grid.wavenumber()
-            np.minimum(self.compliance, MAX_SOFTNESS / np.maximum(half_space, 1e-300), out=self.compliance)
 
     def on_coarse_grid(self, of_cells: Array) -> Array:
         """Field of the cells in single precision, on the grid of the coarse transforms, zero elsewhere."""
@@ -490,47 +474,18 @@ class NodePreconditioner:
 
 
 @lru_cache(maxsize=16)
-def inverse_stencil(
-    solid: Solids, spacing: tuple[float, float], radius: int, engine: Engine
-) -> tuple[Array, float]:
-    """The inverse of the compliance in real space as a stencil, in units of the nodal compliance.
+def inverse_stencil(spacing: tuple[float, float], radius: int, engine: Engine) -> Array:
+    """The inverse E* |q| / 2 of the compliance in real space, (2 RADIUS + 1, 2 RADIUS + 1).
 
-    It is zero beyond a radius in nodes, and the same for all nodes. On a half-space it is E* |q| / 2, and
-    under a coating one over the compliance, unless the part within the radius is not positive definite, as
-    where a stiff coating bends like a plate, or has large positive weights, as where a soft one is thin and
-    incompressible. The stencil is then made for a half-space that is at least as stiff as the solid for every
-    wave: the preconditioner is positive definite, and its coarse grid lowers the stiffness of long waves.
-
-    Returns
-    -------
-    stencil : (2 RADIUS + 1, 2 RADIUS + 1) array
-    stiffness : float
-        E* of this half-space over the E* of the solid; 0 if the stencil is one over the compliance.
+    In units of the nodal compliance; it is zero beyond a radius in nodes, and the same for all nodes.
     """
     tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
-    fourier = Fourier(tile, engine=engine)
     row, column = (np.minimum(places, _TILE - places) for places in np.ogrid[:_TILE, :_TILE])
-
-    def cut_off(modes: Array) -> Array:
-        return np.where(
-            row**2 + column**2 <= radius * (radius + 1), fourier.inverse(modes / tile.size + 0j), 0
-        )
-
-    half_space, stiffness = 0.5 * tile.wavenumber() * min(spacing), 0.0
-    weights = cut_off(half_space)
-    if solid.interface is not None:
-        compliance = solid.surface_compliance(tile.wavenumber())
-        nodal_compliance = min(spacing) / solid.effective_modulus
-        modes = np.divide(nodal_compliance, compliance, where=compliance > 0, out=0 * half_space)
-        own = cut_off(modes)
-        outward = np.maximum(own, 0).sum() - own[0, 0]
-        if fourier.forward(own).real.min() > 0 and outward < MAX_OUTWARD * own[0, 0]:
-            weights = own
-        else:
-            stiffness = float((modes[half_space > 0] / half_space[half_space > 0]).max())
-            weights *= stiffness
+    modes = 0.5 * min(spacing) / tile.size * tile.wavenumber()
+    near = row**2 + column**2 <= radius * (radius + 1)
+    weights = np.where(near, Fourier(tile, engine=engine).inverse(modes + 0j), 0)
     off = np.abs(np.arange(-RADIUS, RADIUS + 1))
-    return weights[off[:, None], off].astype(np.float32), stiffness
+    return weights[off[:, None], off].astype(np.float32)
 
 
 @compiled

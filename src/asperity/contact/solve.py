@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from inspect import unwrap
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from asperity.core.arguments import (
     finite_array,
     is_finite,
     number,
+    own_errors,
     require_finite,
     thread_count,
 )
@@ -59,6 +61,7 @@ _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
 }
 
 
+@own_errors
 def solve_contact(
     height: ArrayLike,
     solid: Solids,
@@ -298,7 +301,7 @@ def solve_load_path(
     }
     name, values = _only_one(paths)
     kind = dict(zip(paths, _CONTROLS, strict=True))[name]
-    known = solve_contact.__kwdefaults__ or {}
+    known = unwrap(solve_contact).__kwdefaults__ or {}
     for unknown in (word for word in settings if word not in known):
         raise TypeError(f"{unknown}: not an argument of solve_load_path{did_you_mean(unknown, known)}")
     if not isinstance(values, Iterable):
@@ -406,6 +409,11 @@ def _state_of(
                     f"area_fraction = {control.value:g}: less is needed, because full contact takes "
                     f"{largest / problem.hardness:.4g} times the hardness"
                 )
+            return full
+    if control.kind == "approach" and problem.response.repeats and problem.response.uniform_compliance:
+        # Beyond full contact a stiff solid bears a mean pressure far larger than all differences.
+        full = problem.full_contact(control.value)
+        if full.pressure.min() > 0 and full.pressure.max() < problem.hardness:
             return full
     start = None if initial is None else problem.near_start(control, initial)
     return METHODS[method](problem, control, rtol, progress, start)

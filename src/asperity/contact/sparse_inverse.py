@@ -7,9 +7,9 @@ given. G⁻¹ ≈ U Uᵀ with a few numbers in each column of U is the best appr
 the Kullback–Leibler divergence (F. Schäfer, M. Katzfuss and H. Owhadi, SIAM J. Sci. Comput. 43 (2021) A2019,
 DOI 10.1137/20M1336254). With G on a set of nodes, own node last, and G = L Lᵀ there, the column is L⁻ᵀ e.
 
-The nodes are ordered from coarse to fine: one in the whole map, one in each half, and so on. The set of a node
-are the earlier ones in the cells around it, of the size at which the node appears, so that the first columns
-hold the elastic interaction of distant contacts.
+The nodes are ordered from coarse to fine: one in the whole map, one in each quarter, and so on. The set of a
+node are the earlier ones in the cells around it, of the size at which the node appears, so that the first
+columns hold the elastic interaction of distant contacts.
 """
 
 from typing import Any
@@ -33,7 +33,7 @@ JITTER = 1e-9
 
 
 def influence(response: Response) -> Array:
-    """Displacement of the nodes of a whole period by a pressure on the first, in units of the nodal compliance."""
+    """Displacement of a whole period by a pressure on its first node, in units of the nodal compliance."""
     whole = response.grid.whole_cell
     wavenumber = whole.half_wavenumber()
     modes = response.solid.surface_compliance(wavenumber)
@@ -64,9 +64,7 @@ class SparseInverse:
         _write_members(place, *shape, mirrored, self._members)
         self._weights = np.zeros((nodes.size, MOST), np.float32)
         in_parts(
-            lambda part: _write_weights(
-                kernel, place, mirrored, self._members[part], self._weights[part]
-            ),
+            lambda part: _write_weights(kernel, place, mirrored, self._members[part], self._weights[part]),
             nodes.size,
             threads,
         )

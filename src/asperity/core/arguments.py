@@ -16,6 +16,9 @@ from asperity.core.types import REAL_TYPES, Array
 SMALLEST, LARGEST = 1e-75, 1e75
 """Range of lengths, wavenumbers, heights and moduli: their fourth powers stay within double precision."""
 
+own_errors = np.errstate(divide="warn", over="warn", under="ignore", invalid="warn")
+"""Decorator of a public function, in which the error state of the caller's NumPy does not hold."""
+
 QUANTITY = ("magnitude", "to_value")
 """Attributes of quantities of pint, and of astropy and unyt, whose unit NumPy would drop."""
 

@@ -1,9 +1,9 @@
 """Decorators of the loops that numba compiles to machine code.
 
-All of them keep the machine code for later runs, release the GIL, and divide by zero as NumPy does. A loop
-that allocates no array is compiled without reference counts, which take time in loops over the rows of a
-plane. A line on stderr says when the first of them is compiled. If none is compiled yet, all that are usually
-needed are compiled then, in parallel.
+All of them keep the machine code for later runs if a folder is writable, release the GIL, and divide by zero
+as NumPy does. A loop that allocates no array is compiled without reference counts, which take time in loops
+over the rows of a plane. A line on stderr says when the first of them is compiled. If none is compiled yet,
+all that are usually needed are compiled then, in parallel.
 """
 
 import os
@@ -11,13 +11,23 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from numba import config, njit
-from numba.core import event
 from tqdm import tqdm
 
+from asperity.core.errors import shown
 from asperity.core.system import COMPILING, compile_in_parallel, is_compiled
 
+try:
+    from numba import config, njit
+    from numba import types as types
+    from numba.core import event
+    from numba.extending import intrinsic as intrinsic
+except ValueError as error:  # which does not name the variable
+    count = shown(os.environ.get("NUMBA_NUM_THREADS"))
+    raise ImportError(f"NUMBA_NUM_THREADS = {count}: a whole number > 0 is needed") from error
+
 NOTICE = "asperity: compiling, once after it is installed, about 20 s"
+
+UNKEPT = "asperity: compiling, in each process if NUMBA_CACHE_DIR names no folder for the machine code"
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("NUMBA_DISABLE_JIT is set: asperity needs compiled loops; unset the variable")
@@ -33,7 +43,7 @@ class _Notice(event.Listener):
         if self.said or not dispatcher.py_func.__module__.startswith("asperity."):
             return
         self.said = True
-        tqdm.write(NOTICE, file=sys.stderr)
+        tqdm.write(NOTICE if IS_KEPT else UNKEPT, file=sys.stderr)
         kept = dispatcher.stats.cache_path  # empty if numba can write nowhere
         if kept and not is_compiled(Path(kept).parent):
             compile_in_parallel()
@@ -44,7 +54,12 @@ class _Notice(event.Listener):
 
 event.register("numba:compile", _Notice())
 
-_kept = partial(njit, cache=True, error_model="numpy", nogil=True)
+try:
+    IS_KEPT = bool(njit(cache=True)(lambda: None))
+except RuntimeError:  # no folder is writable: not this one, not the user's, and none is named
+    IS_KEPT = False
+
+_kept = partial(njit, cache=IS_KEPT, error_model="numpy", nogil=True)
 _loop = partial(_kept, _nrt=False)
 
 compiled = _loop()

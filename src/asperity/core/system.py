@@ -65,6 +65,18 @@ def sha256_of(path: str | os.PathLike[str]) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
+def is_locked(path: str | os.PathLike[str]) -> bool:
+    """True if another program has locked a file, as HDF5 does while it writes."""
+    try:
+        import fcntl  # not on Windows
+
+        with open(path, "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except (ImportError, OSError) as error:
+        return isinstance(error, BlockingIOError)
+    return False
+
+
 def flush(path: Path) -> None:
     """Flush a file, or the entries of a folder if the system can, to the disk (fsync)."""
     if path.is_dir():

@@ -53,8 +53,6 @@ def decaying(x: float) -> tuple[float, float]:
 # Coefficients 1/(2k + 1)! and 1/(2k)!, k = 9 to 1: sinh x and cosh x to double precision for x ≤ 1.
 _SINH_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(9, 0, -1))
 _COSH_SERIES = tuple(1.0 / math.factorial(2 * k) for k in range(9, 0, -1))
-# Coefficients 1/(2k + 1)!, k = 1 to 12: sinh x / x to double precision for x ≤ 2.
-_SINHC_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(1, 13))
 
 
 @fused_inlined
@@ -76,13 +74,6 @@ def cosh_rest(square: float) -> float:
     for coefficient in _COSH_SERIES:
         value = value * square + coefficient
     return value
-
-
-@fused_inlined
-def double_sinh_rest(square: float) -> float:
-    """(sinh 2x / (2x) − 1)/x² as a function of x², for x ≤ 1."""
-    sinh, cosh = sinh_rest(square), cosh_rest(square)
-    return sinh + cosh + square * sinh * cosh
 
 
 NOTHING_LEFT = 750.0

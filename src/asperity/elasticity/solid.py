@@ -68,12 +68,15 @@ from asperity.core.errors import shown
 from asperity.core.markup import table
 from asperity.core.types import FIELDS, Array, ArrayLike
 from asperity.elasticity.kernels import BONDED, FREE, FRICTIONLESS, HALF_SPACE, green_elements
-from asperity.elasticity.stack import Stack, fill_kernels, fill_surface_compliance
+from asperity.elasticity.stack import Stack, fill_interpolated, fill_kernels
 
 COMPONENTS = FIELDS[:6]
 LATERALS = ("confined", "free")
 
 _KINDS = {"bonded": BONDED, "frictionless": FRICTIONLESS, "free": FREE}
+
+MANY = 8192
+"""Number of wavenumbers from which kernels are interpolated between some of them, to rounding."""
 
 WAVENUMBERS, DEPTHS = np.geomspace(1, 8, 25)[:, None], np.linspace(0, 1, 41)
 """Wavenumbers over the smallest one, and depths over the height, at which the solids are compared."""
@@ -328,9 +331,13 @@ class Solid:
             If a wavenumber is not a number or out of range, or a compliance is too large for the type of q.
         """
         q = _wavenumbers(q)
-        out = np.empty(q.shape, q.dtype)
-        unit, uniform = (1 + self.poisson) / self.young, self.uniform_compliance()
-        fill_surface_compliance(q.reshape(-1), unit, uniform, self._stack, out.reshape(-1))
+        out = np.full(q.shape, self.uniform_compliance(), q.dtype)
+        with np.errstate(over="ignore"):
+            if self.layers:
+                unit = (1 + self.poisson) / self.young
+                np.divide(unit * self._filled(False, q, 0.0, many=q.size)[4], q, out=out, where=q > 0)
+            else:
+                np.divide(2 / self.effective_modulus, q, out=out, where=q > 0)
         _require_finite("surface compliance", out)
         return out
 
@@ -447,13 +454,14 @@ class Solid:
             )
         return ShearKernels(*self._filled(True, q, depth))
 
-    def _filled(self, of_shear: bool, q: ArrayLike, depth: ArrayLike) -> Array:
+    def _filled(self, of_shear: bool, q: ArrayLike, depth: ArrayLike, many: int = MANY) -> Array:
         """Five kernels of every wavenumber and depth, of a pressure or of a shear traction."""
         q, depth = _wavenumbers(q), self._depths(depth)
         shape = _broadcast_shape(q=q, depth=depth)
         depths = depth.reshape(-1) if depth.size == 1 else _flat(depth, shape)
         out = np.empty((5, *shape), q.dtype)
-        fill_kernels(of_shear, _flat(q, shape), depths, self._stack, out.reshape(5, -1))
+        fill = fill_interpolated if depth.size == 1 and self.layers and q.size > many else fill_kernels
+        fill(of_shear, _flat(q, shape), depths, self._stack, out.reshape(5, -1))
         return out
 
     def stress(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:

@@ -39,6 +39,7 @@ carried upward; D. M. Burmister, J. Appl. Phys. 16 (1945) 89, DOI 10.1063/1.1707
 The choice of the components and the series are new here.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,9 @@ subnormal numbers are slow."""
 
 BOTTOM_OUT_OF_REACH = 24.0
 """Beyond this q (bottom − depth) the fields of a layer differ from the half-space's by less than 1e-17."""
+
+INTERVALS, DEGREE = 16, 8
+"""Intervals of an octave of wavenumbers, and degree of the polynomials on them."""
 
 
 @fused_inlined
@@ -329,12 +333,47 @@ def fill_kernels(of_shear: bool, q: Any, depth: Any, stack: Stack, out: Any) -> 
         out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
 
 
+def fill_interpolated(of_shear: bool, q: Any, depth: Any, stack: Stack, out: Any) -> None:
+    """As `fill_kernels` at one depth, to rounding, in a time that hardly depends on the number of layers.
+
+    Every octave of wavenumbers is divided into `INTERVALS`, on which polynomials interpolate the kernels over
+    e^(−q depth): functions of q without poles near the real axis.
+    """
+    wavenumbers = q[q > 0].astype(float)
+    first = _interval(float(wavenumbers.min()))[0]
+    intervals = np.arange(first, _interval(float(wavenumbers.max()))[0] + 1)
+    nodes = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+    octave, part = np.divmod(intervals[:, None], INTERVALS)
+    at = np.ldexp(0.5 + (part + 0.5 + 0.5 * nodes) / (2 * INTERVALS), octave)
+    values = np.empty((5, at.size))
+    fill_kernels(of_shear, at.ravel(), depth, stack, values)
+    values *= np.exp(np.minimum(at.ravel() * depth, MAX_SCALED_DEPTH))
+    powers = np.linalg.inv(np.vander(nodes, increasing=True))
+    table = np.ascontiguousarray(np.einsum("kn,rin->ikr", powers, values.reshape(5, *at.shape)))
+    _fill_from_table(of_shear, q, float(depth[0]), first, table, out)
+
+
+@fused_inlined
+def _interval(wavenumber: float) -> tuple[int, float]:
+    """Number of the interval of a wavenumber, and its place there from −1 to 1."""
+    mantissa, octave = math.frexp(wavenumber)
+    place = (mantissa - 0.5) * (2 * INTERVALS)
+    number = int(place)
+    return octave * INTERVALS + number, 2.0 * (place - number) - 1.0
+
+
 @fused
-def fill_surface_compliance(q: Any, unit: float, uniform: float, stack: Stack, out: Any) -> None:
-    """Write the surface compliance of all modes: `unit` is (1 + ν)/E of the top, `uniform` that at q = 0."""
+def _fill_from_table(of_shear: bool, q: Any, depth: float, first: int, table: Any, out: Any) -> None:
     for n in range(q.size):
         wavenumber = float(q[n])
-        out[n] = uniform
-        if wavenumber:
-            placed = _placed(wavenumber, 0.0, stack)
-            out[n] = -unit / wavenumber * _mode(False, wavenumber, 0.0, placed, stack)[1]
+        if wavenumber == 0.0:
+            values = (0.0, 0.0, 1.0, 1.0, 0.0) if of_shear else (1.0, 0.0, 0.0, 0.0, 0.0)
+        else:
+            number, x = _interval(wavenumber)
+            row, decay = table[number - first], np.exp(-wavenumber * depth)
+            a, b, c, d, e = row[DEGREE]
+            for k in range(DEGREE - 1, -1, -1):
+                a, b, c = a * x + row[k, 0], b * x + row[k, 1], c * x + row[k, 2]
+                d, e = d * x + row[k, 3], e * x + row[k, 4]
+            values = a * decay, b * decay, c * decay, d * decay, e * decay
+        out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values

@@ -13,7 +13,7 @@ from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.engineering.body_stress import BodyStress
-from asperity.engineering.numbers import LIMITS, limit_of
+from asperity.engineering.numbers import EXTREMES, LIMITS, limit_of
 from asperity.engineering.press import HARDNESS_OVER_YIELD, suggested_hardness
 from asperity.engineering.question import RESOLUTION_CHANGE, Stages
 from asperity.engineering.records import Advice, Record, per_cent
@@ -68,6 +68,9 @@ RUBBER, HIGHEST_RATIO = 0.4, 0.495
 
 HIGHEST_YIELD = 0.1
 """Yield stress over Young's modulus: about the theoretical strength of a crystal."""
+
+COMPARED = [name for name in LIMITS if name == EXTREMES["von_mises"] or name not in EXTREMES.values()]
+"""Quantities whose change with the pixels is listed."""
 
 NEGLIGIBLE = 1e-6
 """Relative size below which a number is zero up to rounding: its change with the grid is not reported."""
@@ -214,7 +217,7 @@ def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
     else:
         yield False, "vanishing_pixels", {}
     known, listed = {}, {each.quantity for each in records}
-    for name in filter(listed.__contains__, LIMITS):
+    for name in filter(listed.__contains__, COMPARED):
         values = limit_of(limits, name)
         least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
         # The mean slope of a contact of single nodes is zero by symmetry, up to rounding errors.

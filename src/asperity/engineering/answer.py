@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.core.arguments import own_errors
 from asperity.core.errors import DatasetError
 from asperity.core.types import Progress
 from asperity.engineering.answer_data import AnswerData
@@ -116,17 +117,19 @@ class Sample(SampleData):
         return show_sample.text(self)
 
     def _repr_html_(self) -> str:
-        return show_sample.page(self)
+        return show_sample.preview(self)
 
-    def write(self, folder: str | os.PathLike[str]) -> None:
+    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write tables, page and case file into the parent folder of the answers of the maps.
 
         Raises
         ------
+        ValueError
+            If the answer of a map is not in the folder of its name there.
         DatasetError
             If it cannot be written, or another process writes into it.
         """
-        show_sample.write_sample(self, Path(folder))
+        return show_sample.write_sample(self, Path(folder))
 
 
 def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample:
@@ -168,7 +171,7 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     >>> maps = [asp.HeightMap(height, (edge, edge), periodic=True, name="ground") for height in heights]
     >>> sample = asp.pool([asp.run(each, steel, mean_pressure=50e6) for each in maps])
     >>> area = sample["contact area fraction"]
-    >>> print(f"contact area fraction {100 * area.value:.1f} ± {100 * area.error:.1f} %")
+    >>> print(f"contact area fraction {area.best_text()}")
     contact area fraction 5.1 ± 1.1 %
     """
 
@@ -180,6 +183,7 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     return pooled(named([*map(opened, answers)]), Sample)
 
 
+@own_errors
 def run(
     map: Any, body: Any = None, counter_body: Any = None, *, progress: Progress | None = None, **groups: Any
 ) -> Answer:

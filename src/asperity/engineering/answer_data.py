@@ -19,11 +19,12 @@ from asperity.core.errors import did_you_mean, shown
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.engineering.body_stress import STRESS_TOLERANCE, Extreme
+from asperity.engineering.body_stress import STRESS_TOLERANCE
 from asperity.engineering.face import ReadFile
 from asperity.engineering.records import Advice, Record, find, frame
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
+from asperity.stress.extremes import Extreme
 from asperity.stress.planes.stream import PlaneStream
 from asperity.stress.section import stress_box
 from asperity.surface.treatment.treatment import TreatedMap
@@ -163,7 +164,8 @@ class AnswerData:
 
     def extreme(self, field: str, body: str = "lower") -> Extreme:
         """The extreme value of a field of the case in a body, and its place."""
-        return Extreme(*map(float, self.stress[self._of(body)].attrs[f"extreme_{field}"]))
+        value, depth, y, x = map(float, self.stress[self._of(body)].attrs[f"extreme_{field}"])
+        return Extreme(value, depth, y, x)
 
     def depths(self, body: str = "lower") -> Array:
         """Depths of the planes of the stress in a body."""
@@ -273,11 +275,10 @@ def without_repeats(records: Any) -> list[Any]:
 
 def by_topic(case: Scene, records: Any) -> Iterator[tuple[str, list[Any]]]:
     """Heading of each part of an answer, and its records."""
-    groups: dict[tuple[str, str], list[Any]] = {}
+    groups: dict[str, list[Any]] = {}
     for each in records:
-        groups.setdefault((each.topic, each.body), []).append(each)
-    for (topic, body), found in groups.items():
-        yield heading(case, topic, body), found
+        groups.setdefault(heading(case, each.topic, each.body), []).append(each)
+    yield from groups.items()
 
 
 def heading(case: Scene, topic: str, body: str) -> str:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from asperity.contact import Certificate, Contact
@@ -29,7 +28,7 @@ from asperity.engineering.scene import solid_of
 from asperity.fourier.grid import grid_of
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.tables import write_table, write_workbook
+from asperity.results.tables import read_table, write_table, write_workbook
 from asperity.results.variables import SI_UNITS
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap
 from asperity.surface.roughness import surface_dataset
@@ -136,7 +135,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
         "assumptions": tuple(plain["assumptions"]),
         "stress": OpenedWhenAsked({body: partial(read, name) for body, name in plain["stress"].items()}),
         "tables": OpenedWhenAsked(
-            {name: partial(_table, folder / f"{name}.csv") for name in plain["tables"]}
+            {name: partial(read_table, f"answer_{name}", folder / f"{name}.csv") for name in plain["tables"]}
         ),
         "datasets": OpenedWhenAsked(
             {name: partial(read, f"{name}.nc") for name in plain["datasets"]}
@@ -189,13 +188,6 @@ def case_of(answer: AnswerData, folder: Path) -> str:
     periodic = case.map.periodic or ("declared" if source.periodic else None)
     options = case.map.replaced(**written, **({"periodic": periodic} if periodic else {}))
     return case_text(case.with_maps(options, case.counter_map), folder)
-
-
-def _table(path: Path) -> pd.DataFrame:
-    """A table of an answer with the types that it had."""
-    found = pd.read_csv(path, float_precision="round_trip")
-    texts = found.select_dtypes("object").columns
-    return found.assign(**{name: found[name].fillna("") for name in texts})
 
 
 def _face_from(plain: Mapping[str, Any], surface: xr.Dataset) -> TreatedMap:

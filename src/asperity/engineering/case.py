@@ -104,14 +104,23 @@ class Case(Scene):
             raise ContradictionError(*dict.fromkeys(found))
         return self
 
+    @classmethod
+    def kinds(cls) -> dict[str, type[Question]]:
+        """All questions, by the names of their groups."""
+        return {
+            name: kind
+            for name, field in cls.model_fields.items()
+            for kind in get_args(field.annotation)
+            if isinstance(kind, type) and issubclass(kind, Question)
+        }
+
     @cached_property
     def questions(self) -> dict[str, Question]:
         """The questions that are asked, by the names of their groups."""
         asked = {}
-        for name, field in type(self).model_fields.items():
-            for kind in filter(is_question, get_args(field.annotation)):
-                if (group := getattr(self, name)) is not None or kind.is_implied(self):
-                    asked[name] = kind() if group is None else group
+        for name, kind in self.kinds().items():
+            if (group := getattr(self, name)) is not None or kind.is_implied(self):
+                asked[name] = kind() if group is None else group
         return asked
 
     def on_face(self, rough: RoughFace) -> Self:
@@ -127,8 +136,3 @@ class Case(Scene):
             written = [each if isinstance(each, str) else shown_si(each, UNITS[kind], 15) for each in loads]
             found["load_curve"]["loads"] = written
         return found
-
-
-def is_question(kind: Any) -> bool:
-    """True for a class of questions."""
-    return isinstance(kind, type) and issubclass(kind, Question)

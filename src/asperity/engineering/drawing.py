@@ -73,9 +73,9 @@ def map_of_contact(answer: AnswerData, name: str, values: Array, look: Look, cap
 
 
 def plane_maps(answer: AnswerData, source: Source, plane: xr.DataArray, part: Part, note: str) -> list[Map]:
-    """A plane of the stress over the map, and its framed part, with outlines of the contact if it has them."""
+    """A plane of the stress over the map, and its framed part, with outlines of the contact if possible."""
     (y, x), nodes = (plane[axis].values for axis in "yx"), source.positions(part)
-    grid = Grid(plane.shape, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])))
+    grid = Grid((y.size, x.size), (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])))
     whole = slice(0, y.size), slice(0, x.size)
     alone = replace(source, grid=grid, fields={})
     rows, columns = (

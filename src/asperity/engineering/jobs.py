@@ -33,6 +33,9 @@ from asperity.surface.treatment.treatment import BYTES_PER_NODE
 ANSWER_MEMORY = 3.7e8
 """Memory of an answer without its calculation, in bytes."""
 
+SMALLEST_BESIDE = 65_536
+"""Nodes of a map from which a process of its own saves time: it starts in about two seconds."""
+
 POLL = 0.2
 """Seconds between two looks for the progress of other processes."""
 
@@ -56,6 +59,8 @@ class Job:
         None if the map cannot be read.
     problems : tuple of Problem
         Dotted key and the message after it.
+    is_kept : bool
+        True if its answer was in its folder already.
     """
 
     name: str
@@ -64,6 +69,7 @@ class Job:
     case: Any
     rough: RoughFace | None
     problems: tuple[Problem, ...]
+    is_kept: bool = False
 
     @property
     def memory(self) -> float:
@@ -259,7 +265,7 @@ def computed(
         made = _one_by_one(left, progress) if beside == 1 else _beside_each_other(left, progress, beside)
         for job in arrangement.jobs:
             if job.name in kept:
-                yield job, open_answer(job.folder)  # type: ignore[misc]
+                yield replace(job, is_kept=True), open_answer(job.folder)  # type: ignore[misc]
             else:
                 yield job, next(made)
 
@@ -267,6 +273,9 @@ def computed(
 def _side_by_side(jobs: Sequence[Job], cores: int | None) -> int:
     """Number of jobs that run at the same time."""
     most = max((job.memory for job in jobs), default=1.0)
+    nodes = max((job.rough.face.height.size for job in jobs if job.rough), default=0)
+    if nodes < SMALLEST_BESIDE:
+        return 1
     return max(1, min(len(jobs), cores or os.cpu_count() or 1, int(1e6 * available_memory() / most)))
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import INTERFACE_TILES
-from asperity.engineering.body_stress import DIRECTION, BodyStress
+from asperity.engineering.body_stress import BodyStress
 from asperity.engineering.contact_numbers import ContactNumbers
 from asperity.engineering.press import HARDNESS_OVER_YIELD
 from asperity.engineering.records import (
@@ -27,25 +27,31 @@ from asperity.engineering.records import (
 )
 from asperity.engineering.scene import Scene
 from asperity.settings.load import Hertz
+from asperity.stress.extremes import DIRECTION
 from asperity.stress.peaks.selection import has_percentile, select_peaks
 
 EXTREMES = {
+    "von_mises": "maximum von Mises stress",
     "largest_shear": "maximum shear stress (Tresca)",
     "principal_1": "maximum tensile stress",
     "principal_3": "maximum compressive stress",
     "hydrostatic": "maximum hydrostatic pressure",
 }
-"""Field → name of its extreme value among the numbers, beside the von Mises stress."""
+"""Field → name of its extreme value among the numbers."""
 
 LIMITS = {
     "contact area fraction": ("area_fraction", None),
     "rms gradient in contact": ("gradient_rms_contact", None),
     "maximum pressure": ("largest", "pressure"),
-    "maximum von Mises stress": ("largest", "von_mises"),
+    "maximum von Mises stress": ("extreme", "von_mises"),
+    "maximum shear stress (Tresca)": ("extreme", "largest_shear"),
+    "maximum tensile stress": ("extreme", "principal_1"),
+    "maximum compressive stress": ("extreme", "principal_3"),
+    "maximum hydrostatic pressure": ("extreme", "hydrostatic"),
     "90th percentile of the peaks": ("p90", "von_mises"),
     "99th percentile of the peaks": ("p99", "von_mises"),
 }
-"""Quantity that is extrapolated to zero pixel size → variable and quantity in `asperity.continuum_limit`."""
+"""Quantity with a discretisation error → variable in `asperity.continuum_limit`, and quantity or field."""
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
@@ -65,7 +71,8 @@ def contact_records(
     of_positions : float
         Relative error of the contact area between measurement positions; NaN where it is not known.
     """
-    most = Bounds(0.0, contact.hardness, "the hardness")
+    is_elastic = math.isinf(contact.hardness)
+    most = POSITIVE if is_elastic else Bounds(0.0, contact.hardness, "the hardness")
     for each in fields(ContactNumbers):
         if not each.metadata:
             continue
@@ -130,33 +137,35 @@ def plastic_records(contact: Contact, is_given: bool, rms_gradient: float) -> It
     yield Record("plasticity index", index, topic=topic, note="E* × Sdq / hardness")
 
 
-def body_records(case: Scene, name: str, stress: BodyStress) -> Iterator[Record]:
-    """Numbers of the stress in a body."""
+def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) -> Iterator[Record]:
+    """Numbers of the stress in a body under a contact of some hardness, infinite if it is elastic."""
     coating, limits = stress.body.coating, stress.limits
 
     def record(quantity: str, value: float, unit: str = "Pa", **more: Any) -> Record:
         return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, quantity)
 
-    at = Position(*stress.von_mises[1:])
     worse: dict[str, Any] = {"varies": True, "better": "less"}
-    yield record("maximum von Mises stress", stress.von_mises.value, position=at, **worse)
     for field, quantity in EXTREMES.items():
         found = stress.extremes[field]
         value = DIRECTION[field] * found.value
-        if value > 0:
-            error = stress.grid_error(field) * value
-            yield record(quantity, value, position=Position(*found[1:]), **worse).with_error(
-                DISCRETISATION, error
-            )
-        else:
+        if not value > 0:
             yield record(quantity, 0.0, words="none")
+            continue
+        position = Position(found.depth, found.y, found.x)
+        bounds = POSITIVE
+        if field == "hydrostatic" and math.isfinite(hardness) and _is_plain(case, name):
+            # The hydrostatic stress is harmonic, and −2 (1 + ν) p / 3 at the surface.
+            most = 2 * (1 + stress.layer.poisson) / 3 * hardness
+            bounds = Bounds(0.0, most, "2 (1 + ν) / 3 of the hardness")
+        note = "on a mirror image of the map" if found.on_image else ""
+        yield record(quantity, value, position=position, bounds=bounds, note=note, **worse)
     if stress.interface is not None:
         for material, part in stress.materials.items():
             quantity, own = f"maximum von Mises stress in the {material}", part.von_mises
             yield record(quantity, own.value, position=Position(own.depth), **worse)
         for quantity, found in zip(INTERFACE_TILES, stress.interface.extremes.values(), strict=True):
             if found.value > 0:
-                yield record(quantity, found.value, position=Position(*found[1:]), **worse)
+                yield record(quantity, found.value, position=Position(*found[1:4]), **worse)
             else:
                 yield record(quantity, 0.0, words="none", **worse)
         for material, value in zip(stress.materials, stress.interface.along, strict=True):
@@ -172,6 +181,13 @@ def body_records(case: Scene, name: str, stress: BodyStress) -> Iterator[Record]
         if has_percentile(peaks.size, percent / 100):
             value = float(np.percentile(np.abs(peaks), percent))
             yield record(f"{percent}th percentile of the peaks", value, bounds=POSITIVE)
+
+
+def _is_plain(case: Scene, name: str) -> bool:
+    """True for a half-space under a contact pressure alone."""
+    body = case.bodies[name]
+    loads = case.friction or case.carried < 1 or body.layers or body.residual_stress or case.hertz_contact
+    return not loads
 
 
 def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float = 1.0) -> Record:
@@ -192,11 +208,16 @@ def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float
     estimate = size * values["estimate"]
     if not (math.isfinite(estimate) and values["error"] > 0):
         return record
-    return replace(record, extrapolated=estimate).with_error(DISCRETISATION, estimate * values["error"])
+    error = abs(estimate) * values["error"]
+    if values["estimate"] == values["on_grid"]:  # extreme stresses have an error, and no correction
+        return record.with_error(DISCRETISATION, error)
+    return replace(record, extrapolated=estimate).with_error(DISCRETISATION, error)
 
 
 def limit_of(limits: xr.Dataset, quantity: str) -> dict[str, float]:
     """Kind → value of a quantity of `LIMITS` in a result of `asperity.continuum_limit`."""
     output, of = LIMITS[quantity]
-    values = limits[output] if of is None else limits[output].sel(quantity=of)
+    values = limits[output]
+    if of is not None:
+        values = values.sel({"field" if output == "extreme" else "quantity": of})
     return dict(zip(limits["kind"].values.tolist(), values.values.ravel().tolist(), strict=True))

@@ -37,8 +37,8 @@ PER_AREA = "1/m^2"
 SCALED = ("m", "m^2", "m^3", "Pa", "N", "Ω", "m^3/s")
 """Units that take prefixes."""
 
-SMALL_UNITS = {PER_AREA: (1e6, "per mm²"), "Pa/m": (1e6, "Pa/µm")}
-"""Unit → its factor and symbol where they do not depend on the value."""
+STIFFNESS = "Pa/m"
+"""Unit of stiffnesses, which are shown per µm."""
 
 
 class Position(NamedTuple):
@@ -165,11 +165,14 @@ class Record:
         """
         if self.bounds == FRACTION:
             return 0.01, "%"
-        if self.unit in SMALL_UNITS:
-            return SMALL_UNITS[self.unit]
+        if self.unit == PER_AREA:
+            return 1e6, "per mm²"
+        largest = max(abs(self.value), self.error if self.error > 0 else 0.0)
+        if self.unit == STIFFNESS:
+            factor, symbol = scaled_unit(1e-6 * largest, "Pa")
+            return 1e6 * factor, f"{symbol}/µm"
         if self.unit not in SCALED:
             return 1.0, "" if self.unit == "1" else self.unit
-        largest = max(abs(self.value), self.error if self.error > 0 else 0.0)
         return (units or scaled_unit)(largest, self.unit)
 
     def number(self, units: Any = None, digits: int = 4) -> str:
@@ -181,17 +184,19 @@ class Record:
 
     def place(self, units: Any = None) -> str:
         """Its position as text; empty without one."""
-        shown: list[str] = []
+        found = ""
         if self.position.depth == 0:
-            shown.append("in the surface")
+            found = "in the surface"
         elif math.isfinite(self.position.depth):
-            shown.append(f"at a depth of {_length(self.position.depth, units)}")
-        shown += [
+            found = f"at a depth of {_length(self.position.depth, units)}"
+        shown = [
             f"{axis} = {_length(at, units)}"
             for axis, at in (("x", self.position.x), ("y", self.position.y))
             if math.isfinite(at)
         ]
-        return ", ".join(shown)
+        if shown:
+            found = f"{found}, " if found else "at "
+        return found + ", ".join(shown)
 
     def error_texts(self, units: Any = None) -> list[str]:
         """Each error with its cause as text, and causes that are not known."""
@@ -223,11 +228,10 @@ class Record:
         return self._best_text(self.error, *self.scale(units))
 
     def text(self, units: Any = None) -> str:
-        """The number, its position, its note and its errors, in one line."""
+        """The number, its position, its note and its known errors, in one line."""
         first = " ".join(filter(None, [self.number(units), self.place(units)]))
-        return "; ".join(
-            filter(None, [", ".join(filter(None, [first, self.note])), *self.error_texts(units)])
-        )
+        known = self.error_texts(units)[: len(self.errors)]  # a reader says once what is not known
+        return "; ".join(filter(None, [", ".join(filter(None, [first, self.note])), *known]))
 
     def as_plain(self) -> dict[str, Any]:
         """The record as plain values for a file; `from_plain` gives it back."""

@@ -166,7 +166,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
 
 
 def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
-    """The sample, as an object of a kind, of the answers of maps of one surface, in one case; see `asperity.pool`.
+    """The sample, as an object of a kind, of the answers of maps of one surface, in one case.
 
     Raises
     ------
@@ -223,7 +223,7 @@ def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[str]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SampleData:
-    """Answers of several maps of one surface: ``print`` shows their means, `frame` returns them as a table.
+    """Answers of several maps of one surface, and the means of their numbers.
 
     Attributes
     ----------

@@ -196,7 +196,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
         is_given = pressed.case.hardness is not None
         found += plastic_records(compared.plastic, is_given, numbers.rms_gradient)
     for name in pressed.asked.different_bodies:
-        found += body_records(pressed.asked, name, bodies[name])
+        found += body_records(pressed.asked, name, bodies[name], contact.hardness)
     return found
 
 
@@ -231,7 +231,7 @@ def _stress(stages: Stages, name: str, found: Mapping[str, Findings]) -> xr.Data
     part, attributes = stages.bodies[name], dict[str, Any]()
     for each in found.values():
         attributes |= each.attributes.get(name, {})
-    extremes = {f"extreme_{field}": list(each) for field, each in part.extremes.items()}
+    extremes = {f"extreme_{field}": [*each[:4]] for field, each in part.extremes.items()}
     return part.stress.assign_attrs(extremes | attributes)
 
 

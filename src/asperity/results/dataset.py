@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.errors import DatasetError, shown
+from asperity.core.system import is_locked
 from asperity.core.version import __version__
 from asperity.fourier import current_engine
 from asperity.fourier.grid import grid_of as grid_of
@@ -207,6 +208,8 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     except DatasetError:
         raise
     except Exception as error:  # decoding of damaged attributes fails with errors of any type
+        if is_locked(path):
+            raise DatasetError(f"{path}: locked by another program; close it there, and try again") from error
         # Only a file with a fingerprint is surely a result: any other may be a measured map of the user.
         if is_result:
             raise DatasetError(f"{path}: damaged ({error}); delete it and run again") from error

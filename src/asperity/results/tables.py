@@ -17,6 +17,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 import numpy as np
 
 from asperity.core.data import packaged_yaml
+from asperity.core.errors import DatasetError
 from asperity.core.types import FilePath
 from asperity.results.atomic import atomic_write
 
@@ -73,6 +74,38 @@ def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format:
             described = frame.copy()
             described.attrs["units"] = units(table, frame)
             described.to_parquet(unfinished, index=False)
+
+
+def read_table(table: str, path: FilePath) -> "pd.DataFrame":
+    """A table as it was before `write_table` wrote it as CSV, equal to the bit.
+
+    Raises
+    ------
+    DatasetError
+        If it cannot be read, or has other columns.
+    """
+    import pandas as pd
+
+    try:
+        found = pd.read_csv(path, dtype=str, keep_default_na=False)
+        numbers = units(table, found)
+        for name in found.columns:
+            found[name] = _typed(found[name].tolist(), name in numbers)
+    except (OSError, ValueError, KeyError) as error:
+        raise DatasetError(f"{path}: a table of this version is needed ({error})") from error
+    return found
+
+
+def _typed(texts: list[str], is_number: bool) -> "list[Any]":
+    """Values of a column from their texts: truth values, whole numbers, numbers or texts."""
+    if texts and {*texts} <= {"True", "False"}:
+        return [text == "True" for text in texts]
+    if not is_number:
+        return texts
+    try:
+        return [int(text) for text in texts]
+    except ValueError:
+        return [float(text or "nan") for text in texts]
 
 
 def check_columns(frame: "pd.DataFrame", table: str) -> None:

@@ -1,15 +1,13 @@
-"""``python -m asperity.settings``: check a configuration of the study, or describe its settings.
+"""``python -m asperity.settings``: check a configuration of the study, or name its folder of results.
 
 ``check FILE …`` checks a configuration with its overlays merged; status 1 and a line for each problem on
 stderr if it is not accepted.
 ``results FILE …`` prints the folder of results that a study with these files has.
-``describe`` prints tables of all settings; ``describe README`` writes them into that file.
 """
 
 import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from asperity.core.errors import InputError, one_line
 from asperity.core.packages import MissingPackageError, require
@@ -27,12 +25,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         files = "configuration, then overlays, in YAML"
         command.add_argument("files", nargs=many, help=files, metavar="FILE")
         command.add_argument("--results", help="folder given on the command line of the study")
-    describing = commands.add_parser("describe", help="tables of all settings, in Markdown")
-    describing.add_argument("readme", nargs="?", help="file to write them into; otherwise they are printed")
     options = parser.parse_args(arguments)
     try:
         require(("matplotlib", "pydantic", "yaml"))
-        _run(options)
+        from asperity.settings.study import read_study
+
+        given = {} if options.results is None else {"results": options.results}
+        study = read_study(options.files, given)
+        if options.command == "results":
+            print(study["results"])
     except InputError as error:
         print(*(f"config: {one_line(line)}" for line in error.lines), sep="\n", file=sys.stderr)
         return 1
@@ -40,22 +41,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"config: {one_line(str(error))}", file=sys.stderr)
         return 1
     return 0
-
-
-def _run(options: argparse.Namespace) -> None:
-    from asperity.settings.describe import describe, with_settings
-    from asperity.settings.study import read_study
-
-    if options.command != "describe":
-        given = {} if options.results is None else {"results": options.results}
-        study = read_study(options.files, given)
-        if options.command == "results":
-            print(study["results"])
-    elif options.readme is None:
-        print(describe(), end="")
-    else:
-        readme = Path(options.readme)
-        readme.write_text(with_settings(readme.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

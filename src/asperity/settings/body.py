@@ -100,7 +100,8 @@ class OfMaterial(Settings):
     @property
     def materials(self) -> list[Material]:
         """The materials of the group and of the groups in it."""
-        return [] if self._material is None else [self._material]
+        inner = [each for layer in getattr(self, "layers", ()) for each in layer.materials]
+        return inner if self._material is None else [self._material, *inner]
 
 
 class Layer(OfMaterial):
@@ -141,7 +142,7 @@ def _of_residual(*_: Any) -> dict[str, Any]:
     """Description of a stress or a table of it, in the words of a JSON Schema."""
     return {
         "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
-        "accepts": f"{STRESS.needed()}, or a table such as {{depth: [0 um, 50 um], stress: [-1 GPa, 0 Pa]}}",
+        "accepts": f"{STRESS.needed()}, or a table {{depth: [0 um, 50 um], stress: [-600 MPa, 0 MPa]}}",
     }
 
 
@@ -248,10 +249,7 @@ class Body(OfMaterial):
         if self.base is not None and not self.layers:
             yield "base", ": needs layers"
         elif self.base is not None and self.layers[0].residual_stress is not None:
-            yield (
-                "layers.0.residual_stress",
-                ": not accepted on a rigid base; give residual_stress of the body",
-            )
+            yield "layers.0.residual_stress", ": not accepted on a rigid base; give that of the body"
         if (self.fatigue_torsion is None) != (self.fatigue_bending is None):
             limits = ("fatigue_torsion", "fatigue_bending")
             name, other = limits if self.fatigue_bending is None else reversed(limits)
@@ -283,10 +281,6 @@ class Body(OfMaterial):
     def layer(self) -> Layer | None:
         """The layer on a rigid base."""
         return self.layers[0] if self.layers and self.base is not None else None
-
-    @property
-    def materials(self) -> list[Material]:
-        return [*super().materials, *(found for layer in self.layers for found in layer.materials)]
 
     @property
     def in_words(self) -> str:

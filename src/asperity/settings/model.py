@@ -112,17 +112,7 @@ class SettingsError(InputError):
 
 
 class NeededError(ValueError):
-    """Raised by a check of one value; the message says what is needed instead.
-
-    Attributes
-    ----------
-    given : str or list of str
-        Of `converted`: the text, or the item of a list, that is refused.
-    """
-
-    def __init__(self, needed: str, given: str | list[str] = "") -> None:
-        self.given = given
-        super().__init__(needed)
+    """Raised by a check of one value; the message says what is needed instead."""
 
 
 class ContradictionError(ValueError):
@@ -369,12 +359,9 @@ def entry_of(root: type[BaseModel], key: str) -> Entry:
     """Description of one setting, by its dotted key; ``NAME`` stands for a name that the user chooses."""
     *groups, name = key.split(".")
     try:
-        group = _class_of(root, groups)
-        kinds = (group, *getattr(group, "__subclasses__", list)())  # of a load
-        one = next((each for each in kinds if name in getattr(each, "model_fields", ())), group)
-        entry = described(one)  # without the other groups, whose description takes time
+        entry = described(_class_of(root, groups))  # without the other groups, whose description takes time
         return entry["additionalProperties"] if name == "NAME" else entry["properties"][name]
-    except (AttributeError, KeyError):  # below a list, or a group of one of several classes
+    except (AttributeError, KeyError):  # below a list
         entry = described(root)
         for part in key.split("."):
             entry = inside(entry, part) or {}
@@ -436,25 +423,6 @@ def check_of(root: type[BaseModel], key: str) -> TypeAdapter[Any]:
 def _without_none(annotation: Any) -> Any:
     """The type of a setting that may be left out."""
     return next((each for each in get_args(annotation) if type(None) in get_args(annotation)), annotation)
-
-
-def converted(root: type[BaseModel], key: str, given: str | list[str]) -> Any:
-    """Value of a setting, from its text or texts on the command line.
-
-    Raises
-    ------
-    NeededError
-        If it is not accepted; the message says what is needed instead.
-    """
-    entry = entry_of(root, key)
-    items = item_of(entry) if isinstance(given, list) else entry
-    read = [scalar(text, items) for text in given] if isinstance(given, list) else scalar(given, items)
-    try:
-        return check_of(root, key).validate_python(read, context={"units": True})
-    except ValidationError as error:
-        found: Any = error.errors(include_url=False)[0]
-        words, refused = (items, given[found["loc"][0]]) if found["loc"] else (entry, given)
-        raise NeededError(_needed(found, words), refused) from None
 
 
 def item_of(entry: Entry) -> Entry:

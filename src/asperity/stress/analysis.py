@@ -24,7 +24,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.core.arguments import choices, require_finite
+from asperity.core.arguments import choices, own_errors, require_finite
 from asperity.core.parallel import KeptArrays
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
@@ -66,6 +66,7 @@ PLASTIC_CONTACT = (
 """Attribute ``plastic_contact`` of a stress under a contact that reaches its hardness."""
 
 
+@own_errors
 def analyse_stress(
     contact: ContactLike,
     depths: ArrayLike | None = None,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.core.arguments import choice, number, pair, require_finite
+from asperity.core.arguments import choice, number, own_errors, pair, require_finite
 from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
@@ -156,6 +156,7 @@ def stress_box(
     return StressBox(stream, at_y, at_x)
 
 
+@own_errors
 def stress_section(
     contact: ContactLike,
     along: str = "x",

@@ -132,8 +132,11 @@ def _compute(options: argparse.Namespace, arrangement: Any) -> None:
     with ProgressBar(one_line(label)) as bar:
         for job, answer in computed(arrangement, lambda done, stage: bar(done, 1.0), resume=options.resume):
             answers[job.name] = answer
+            if job.is_kept:
+                print(f"{one_line(str(job.folder))}: kept", flush=True)
+                continue
             print(f"{answer}\n", flush=True)
-            print(f"{'files':<10}{one_line(str(job.folder))}", flush=True)
+            print(f"report  {one_line(str(job.folder / 'report.html'))}\n", flush=True)
     if arrangement.folder is None or options.only:
         return
     if arrangement.pooled:
@@ -151,6 +154,8 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
     key = problem.key
     if not key:
         return problem.text
+    if key == "map.file" and not source and problem.text.startswith(" = "):
+        return problem.text.removeprefix(" = ")
     if key in GROUPS and not source and ": missing" in problem.text:
         return f"{GROUPS[key]}: missing"
     in_file = bool(source) and key not in given

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from asperity.core.errors import DatasetError, fail, one_line
@@ -21,6 +20,7 @@ from asperity.engineering.contact_numbers import certificate_in_words, stored_ce
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, checksums_in
 from asperity.engineering.sample import SampleData
 from asperity.results import dataset
+from asperity.results.tables import read_table
 from asperity.settings.reader import load
 
 WRITTEN = ("report.html", "answer.csv", "sample.csv", "comparison.csv")
@@ -127,7 +127,7 @@ def _of_sample(folder: Path) -> Iterator[Check]:
             yield Check(f"{folder / name}: not the answer that is pooled in {folder}; run again", False)
     if same:
         means = SampleData.read(folder).frame()
-        stored = pd.read_csv(folder / SAMPLE[0], float_precision="round_trip")
+        stored = read_table("answer_sample", folder / SAMPLE[0])
         agrees = list(means.columns) == list(stored.columns) and len(means) == len(stored)
         numbers = means.select_dtypes("number").columns
         agrees = agrees and np.allclose(means[numbers], stored[numbers], rtol=1e-6, atol=0, equal_nan=True)

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 TOPIC = "stress cycles"
 
-WORST = {
+WORST: dict[str, tuple[str, str, dict[str, Any]]] = {
     "dang_van": ("maximum Dang Van stress over limit", "1", {"better": "less"}),
     "shear_range": ("maximum range of shear stress", "Pa", {"better": "less", "bounds": POSITIVE}),
     "shakedown_lower": ("shakedown factor, at least", "1", {"better": "more", "bounds": POSITIVE}),
@@ -170,41 +170,36 @@ class Cycles(Question):
         """The worst cycles of each body, volumes above fractions of the limit, and cracks."""
         import pandas as pd
 
-        case, cycles, bodies = stages.asked, {}, [*stages.asked.different_bodies]
-        pressure = stages.contact.mean_pressure / case.carried
+        case, bodies, cycles = stages.asked, [*stages.asked.different_bodies], dict[str, Any]()
+        records: list[Record] = []
+        fatigue: list[tuple[Any, ...]] = []
+        peaks: list[pd.DataFrame] = []
         for number, body in enumerate(bodies):
+            limits = _limits(case.bodies[body])
             if self.shifts is not None:
                 part = partial(part_of, progress, number, number + 1, len(bodies))
-                pressures = self._moving(case, stages.rough, pressure, part).in_body(body)
-                limits = _limits(case.bodies[body])
-                cycles[body] = stress_cycles(pressures, **limits, tolerance=STRESS_TOLERANCE)
+                moving = self._moving(case, stages.rough, stages.contact.mean_pressure / case.carried, part)
+                one = stress_cycles(moving.in_body(body), **limits, tolerance=STRESS_TOLERANCE)
             elif (observed := stages.bodies[body].observed.get("cycles")) is not None:
-                cycles[body] = observed.dataset()
-        records = [each for body, one in cycles.items() for each in self._records(stages, body, one)]
-        fatigue = [
-            (body, share, volume)
-            for body, one in cycles.items()
-            if "fatigue_volume" in one
-            for share, volume in one["fatigue_volume"].to_series().items()
-            if volume > 0
-        ]
+                one = observed.dataset()
+            else:
+                continue
+            title = f"Cycles of the stress in the {body} body under rough surface {stages.face.name}"
+            cycles[body] = one.assign_attrs(title=f"{title} that moves")
+            records += self._records(stages, body, one)
+            if "dang_van" in one:
+                volumes = one["fatigue_volume"].to_series().items()
+                fatigue += [(body, *each) for each in volumes if each[1] > 0]
+                peaks.append(_peaks(stages.face, body, one, limits["fatigue_torsion"]))
         columns = ["body", "fraction_of_limit", "volume_per_area_m"]
-        titles = {body: f"{body} body under rough surface {stages.face.name} that moves" for body in cycles}
         return Findings(
             records=records,
             verdict=_verdict(records),
             warnings=[*self._warnings(case, cycles)],
             assumption=f"In stress cycles {self._motion(case)}.",
             tables={"fatigue": pd.DataFrame(fatigue, columns=columns)} if fatigue else {},
-            datasets={
-                _name(case, body): one.assign_attrs(title=f"Cycles of the stress in the {titles[body]}")
-                for body, one in cycles.items()
-            },
-            peaks=[
-                _peaks(stages.face, body, one, case.bodies[body].fatigue_torsion)
-                for body, one in cycles.items()
-                if "dang_van" in one
-            ],
+            datasets={_name(case, body): one for body, one in cycles.items()},
+            peaks=peaks,
         )
 
     def _moving(
@@ -249,7 +244,9 @@ class Cycles(Question):
             if variable.startswith("shakedown") and value >= LARGEST_FACTOR:
                 yield Record(quantity, value, unit, words=NO_CHANGE, **of, **more)
                 continue
-            error = float(np.hypot(np.nan_to_num(stages.bodies[body].grid_error(variable)), few)) * abs(value)
+            error = float(np.hypot(np.nan_to_num(stages.bodies[body].cycle_error(variable)), few)) * abs(
+                value
+            )
             record = Record(quantity, value, unit, position=position, varies=True, **of, **more)
             yield record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
@@ -350,11 +347,10 @@ def _verdict(records: list[Record]) -> str:
     return "; ".join(found)
 
 
-def _peaks(face: TreatedMap, body: str, cycles: xr.Dataset, limit: float | None) -> pd.DataFrame:
+def _peaks(face: TreatedMap, body: str, cycles: xr.Dataset, limit: float) -> pd.DataFrame:
     """Maxima over rows of the maximum Dang Van stress of each row, as rows of the table of peaks."""
     import pandas as pd
 
-    assert limit is not None
     axis, of_row = axis_of(cycles), cycles["dang_van"].max("cycle_depth").values
     above = (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
     row, nodes = np.flatnonzero((of_row > 0) & above), face.grid.shape["yx".index(axis)]

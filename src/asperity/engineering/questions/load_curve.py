@@ -346,7 +346,7 @@ def largest_von_mises(
     }
     stress = analyse_stress(loaded, quantities=("von_mises",), tolerance=STRESS_TOLERANCE, **sliding)
     top = np.nextafter(loaded.layer.interface or -1.0, np.inf)
-    return largest_von_mises_between(stress, top, np.inf).value
+    return largest_von_mises_between(stress, top, np.inf)
 
 
 def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callable[[float], float]) -> float:

@@ -89,7 +89,7 @@ def inputs_of(case: Scene) -> list[str]:
 
 
 def _varied_in(group: Settings, key: str) -> dict[str, float]:
-    """Dotted keys and values of the settings of a group, and of groups in it, declared as `varied`."""
+    """Dotted keys and values of the settings of a group and below it that are declared as `varied`."""
     found: dict[str, float] = {}
     for name, field in type(group).model_fields.items():
         value, own = getattr(group, name), f"{key}.{name}"

@@ -104,7 +104,7 @@ class Yielding(Question):
             found: Yielded | None = part.observed.get("yielding")
             if found is not None:
                 top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
-                found.exceedance.finish(largest_von_mises_between(part.stress, top, np.inf).value)
+                found.exceedance.finish(largest_von_mises_between(part.stress, top, np.inf))
                 records += _records(stages, body, found)
                 volume = found.exceedance.volume * stages.face.grid.area
                 attributes[body] = {"yield_stress": part.body.yield_stress, "volume_above_yield": volume}
@@ -186,7 +186,7 @@ class _Material(NamedTuple):
 
     def warning(self, stages: Stages) -> Advice:
         """Stress that is, or may be, above the yield stress."""
-        of = self.words.removeprefix("the material").replace("the ", " of the ", 1)
+        of = self.words.removeprefix("the material") if self.name == "" else f" of {self.words}"
         reaches = "may exceed" if self.stress.interval[0] <= self.limit else "exceeds"
         affected = ""
         if self.depth is not None:

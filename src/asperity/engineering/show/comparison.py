@@ -122,30 +122,31 @@ class Comparison:
         return found
 
     @cached_property
-    def _same_depth(self) -> dict[str, AnswerData | SampleData]:
-        """The items, whose fractions above yield refer to the volume down to the same depth."""
-        deepest = deepest_of(self._maps.values())
+    def _items(self) -> dict[str, AnswerData | SampleData]:
+        """The items; fractions above yield of samples refer to the depth of all items."""
         return {
-            name: SampleData(item.answers, deepest)
-            if isinstance(item, SampleData)
-            else AnswerData(**vars(item) | {"records": tuple(to_one_depth(item.records, deepest))})
+            name: SampleData(item.answers, self._deepest) if isinstance(item, SampleData) else item
             for name, item in self.items.items()
         }
 
     @cached_property
+    def _deepest(self) -> dict[str, float]:
+        return deepest_of(self._maps.values())
+
+    @cached_property
     def records(self) -> dict[str, dict[Key, Record]]:
-        """Name → its records by topic, body and quantity."""
+        """Name → its records by topic, body and quantity; fractions above yield refer to one depth."""
         return {
-            name: {key_of(each): each for each in without_repeats(item.records)}
-            for name, item in self._same_depth.items()
+            name: {key_of(each): each for each in without_repeats(to_one_depth(item.records, self._deepest))}
+            for name, item in self._items.items()
         }
 
     def difference(self, key: Key, first: str, second: str) -> Difference:
         """Difference of a number of two of the items, which both have it."""
         one, other = (self.records[name][key] for name in (first, second))
-        items = [self._same_depth[name] for name in (first, second)]
-        if all(isinstance(item, SampleData) and len(item.names) > 1 for item in items):
-            values = [item.values(each) for item, each in zip(items, (one, other), strict=True)]
+        samples = [each for each in map(self._items.get, (first, second)) if isinstance(each, SampleData)]
+        if len(samples) == 2 and all(len(sample.names) > 1 for sample in samples):
+            values = [sample.values(each) for sample, each in zip(samples, (one, other), strict=True)]
             return _of_samples(one, other, values)
         return _of_errors(one, other)
 
@@ -245,8 +246,8 @@ class Comparison:
 
     __str__ = text
 
-    def page(self) -> str:
-        """The comparison as a page, with pictures of its first maps in one scale."""
+    def page(self, folder: Path | None = None) -> str:
+        """The comparison as a page for a folder, with pictures of its first maps in one scale."""
         shown = {name: self._first(name) for name in [*self.items][:SHOWN_SURFACES]}
         cases = {name: case_in_words(item.case) for name, item in self.items.items()}
         same = len({*cases.values()}) == 1
@@ -262,7 +263,7 @@ class Comparison:
             notes=["Numbers extrapolated to zero pixel size where they can be, ± their whole known error."],
             tables={title: Markup(html_table(rows)) for title, rows in self._numbers().items()},
             pictures=[Drawn(each, png_of(each.figure)) for each in compared_pictures(shown)],
-            names=list(self.items),
+            names=[name for name in self.items if folder and (folder / name / "report.html").is_file()],
             case_file="",
         )
 
@@ -270,11 +271,12 @@ class Comparison:
         item = self.items[name]
         return next(iter(item.answers.values())) if isinstance(item, SampleData) else item
 
-    def write(self, folder: Path) -> None:
+    def write(self, folder: Path) -> list[Path]:
         """Write the table and the page into a folder."""
         with locked(folder), replacing(folder, kept=set()) as unfinished:
             write_table(self.frame(), "answer_comparison", unfinished / COMPARISON[0])
-            write_text(unfinished / COMPARISON[1], self.page())
+            write_text(unfinished / COMPARISON[1], self.page(folder))
+        return [folder / name for name in COMPARISON]
 
 
 def _of_errors(first: Record, second: Record) -> Difference:

@@ -184,7 +184,9 @@ def _of_interface(answer: AnswerData, source: Source, body: str, suffix: str) ->
         if record is None or record.words or coating is None or part is None:
             continue
         planes = [answer.plane(coating.thickness, each, body) for each in components]
-        size = np.sqrt(sum(plane**2 for plane in planes)) if len(planes) > 1 else planes[0].clip(0)
+        size = planes[0].clip(0)
+        if len(planes) == 2:
+            size = size.copy(data=np.hypot(planes[0].values, planes[1].values))
         look = Look(f"{words} the interface", "stress", STRESS, "white", np.max, low=0.0)
         figure = draw_framed(plane_maps(answer, source, size, part, "")[:1], look)
         axis = figure.axes[0]

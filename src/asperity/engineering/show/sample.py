@@ -10,17 +10,18 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from asperity.core.markup import html_table, rendered
+from asperity.core.markup import html_table, rendered, table
 from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
 from asperity.engineering.case_file import pool_text
-from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, replacing
+from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, names_in, replacing
 from asperity.engineering.sample import ONE_MAP, SampleData
 from asperity.engineering.show.pictures import compared_pictures, png_of
 from asperity.engineering.show.report import Drawn, tiles_of
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
+from asperity.surface.reading.height_map import HeightMap
 
 SHOWN_MAPS = 3
 """Maps whose pictures are shown."""
@@ -76,17 +77,26 @@ def tables(sample: SampleData) -> dict[str, pd.DataFrame]:
     return found if area is None else found | {"maximum": sample.maximum(area)}
 
 
-def write_sample(sample: SampleData, folder: Path) -> None:
+def preview(sample: SampleData) -> str:
+    """The verdict and the numbers that decide, as a notebook shows them."""
+    rows = [(each.quantity, each.best_text()) for each in sample.tiles]
+    return table(sample.title, [*(("", each) for each in sample.verdict), *rows])
+
+
+def write_sample(sample: SampleData, folder: Path) -> list[Path]:
     """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
     found = tables(sample)
+    if missing := [name for name in sample.names if not (folder / name / MANIFEST).is_file()]:
+        raise ValueError(f"{folder / missing[0]}: the answer of each map is needed there; write it first")
     with locked(folder), replacing(folder, kept=set()) as unfinished:
-        for name, table in found.items():
-            write_table(table, f"answer_{name}", unfinished / f"{name}.csv")
+        for name, each in found.items():
+            write_table(each, f"answer_{name}", unfinished / f"{name}.csv")
         write_workbook(found, unfinished / "sample.xlsx")
         write_text(unfinished / "sample.html", page(sample, folder))
         write_text(unfinished / CASE_FILE, _case_text(sample, folder))
         maps = {name: sha256_of(folder / name / MANIFEST) for name in sample.names}
         write_text(unfinished / SAMPLE_DATA, json.dumps({"maps": maps}))
+    return [folder / name for name in sorted(names_in(folder))]
 
 
 def predicted(sample: SampleData) -> Iterator[str]:
@@ -106,7 +116,7 @@ def predicted(sample: SampleData) -> Iterator[str]:
 
 
 def _maximum_in_words(row: Any) -> str:
-    """A sentence about the maximum on an area, of a row of `Sample.maximum`."""
+    """A sentence about the maximum on an area, of a row of `SampleData.maximum`."""
     low, value, high, threshold = (
         shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
     )
@@ -140,5 +150,7 @@ def _numbers(sample: SampleData) -> dict[str, pd.DataFrame]:
 
 
 def _case_text(sample: SampleData, folder: Path) -> str:
-    """The case file of the maps."""
+    """The case file of the maps; empty for maps that were given as arrays."""
+    if any(isinstance(each.case.map.file, HeightMap) for each in sample.answers.values()):
+        return ""
     return pool_text([(each.case, each.origin.files) for each in sample.answers.values()], folder)

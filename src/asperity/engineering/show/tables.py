@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from asperity.core.units import shown_si
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.records import PER_AREA, SCALED, SMALL_UNITS
+from asperity.engineering.records import Record
 from asperity.results.tables import units
 
 SHOWN_ROWS = 40
@@ -35,18 +34,13 @@ def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
         rows = np.linspace(0, len(table) - 1, FIRST_ROWS + 1).round().astype(int)
         heading = f"{heading}, {rows.size} of {len(table)} rows"
     shown = {}
-    for column in table.columns:
+    for column, values in table.iloc[rows].items():
         unit = unit_of.get(str(column), "")
-        ends = [f"_{unit.replace('^', '').replace('/', '_').replace(' ', '_')}"] if unit else []
-        title = next((column.removesuffix(end) for end in ends if column.endswith(end)), column)
-        if unit in SCALED:
-            texts = [shown_si(value, unit, 3) for value in table[column].iloc[rows]]
-        else:
-            factor, symbol = SMALL_UNITS.get(unit, (1.0, unit if unit not in ("1", PER_AREA) else ""))
-            title = f"{title.removesuffix('_' + symbol)} ({symbol})" if symbol else title
-            values = table[column].iloc[rows]
-            texts = [f"{value / factor:.4g}" if _is_number(value) else str(value) for value in values]
-        shown[title.replace("_", " ")] = texts
+        end = f"_{unit.replace('^', '').replace('/', '_').replace(' ', '_')}" if unit else ""
+        numbers = [
+            Record("", value, unit or "1").number() if _is_number(value) else str(value) for value in values
+        ]
+        shown[str(column).removesuffix(end).replace("_", " ")] = numbers
     return heading, pd.DataFrame(shown)
 
 

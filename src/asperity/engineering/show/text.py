@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
+
+WIDEST = 100
+"""Most characters of a line of words."""
 
 
 def text(answer: AnswerData) -> str:
     """The answer as a block of text, warnings last."""
     width = max(len(each.quantity) for each in answer.records)
-    lines = [answer.title, "", *answer.verdict]
+    lines = [fill(answer.title, WIDEST), "", *(fill(each, WIDEST) for each in answer.verdict)]
     if answer.uncertainties:
         lines += ["", "largest uncertainties", *(f"  {each}" for each in answer.uncertainties)]
     shown = without_repeats(answer.records)
@@ -18,5 +23,5 @@ def text(answer: AnswerData) -> str:
     lines += ["", REPEATS] if len(shown) < len(answer.records) else []
     lines += ["", "what was done to the map", *(f"  {step}" for step in answer.face.done)]
     for each in answer.warnings:
-        lines += ["", f"{each.level}: {each.text}"]
+        lines += ["", fill(f"{each.level}: {each.text}", WIDEST)]
     return "\n".join(lines)

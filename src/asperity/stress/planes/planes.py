@@ -23,11 +23,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.core.arguments import number, require_finite
+from asperity.core.arguments import number, own_errors, require_finite
 from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import Grid, Work
@@ -114,7 +115,7 @@ def stress_planes(
         half-space, coated or not, or a layer bonded to a rigid base. The traction of a mirrored map is no
         mirror image: the stress is computed in the cell of the map and its three images, which slide the
         same way, and the planes are cut to the map. Their grids are not mirrored; `find_peaks` takes them
-        with ``boundary="free"``.
+        with ``boundary="free"`` and finds no peaks at the mirror lines, which `analyse_stress` finds.
     sliding_direction : "x", "y" or float
         Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
@@ -140,7 +141,8 @@ def stress_planes(
     stream = PlaneStream(
         contact, depths, poisson, fields, tolerance, threads, work, friction, sliding_direction
     )
-    return named_fields(stream, progress)
+    following = own_errors(partial(next, named_fields(stream, progress), None))
+    return (plane for plane in iter(following, None))  # a generator, which can be closed
 
 
 def named_fields(

@@ -34,7 +34,12 @@ SHAPES = -2 + 0.0325 * (np.arange(80) + 0.5)
 """Shapes over which the average is taken."""
 
 SCALES = np.exp(np.linspace(-1.6, 1.6, 81))
-"""Scales over the mean excess of which the average is taken, all with the same weight beforehand."""
+"""Scales over the mean excess of which the average is taken, their logarithms with the same weight
+beforehand."""
+
+BEYOND = np.exp(np.linspace(-14, 5, 120))
+"""Distance of the end of a bounded tail from the largest excess, over this excess: for shapes below 0 the
+average is taken over these. Equal steps of the scale miss the end, which many peaks determine closely."""
 
 NEGLIGIBLE_WEIGHT = 1e-6
 """Likelihood over the largest one below which shape and scale are left out."""
@@ -143,15 +148,21 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
 
 def _posterior(excesses: Array, dependence: float) -> tuple[Array, Array, Array]:
     """Shapes and scales of the distribution of excesses, and their weights, which add up to one."""
-    shapes, scales = (axis.ravel() for axis in np.meshgrid(SHAPES, SCALES, indexing="ij"))
+    bounded, others = SHAPES[SHAPES < 0], SHAPES[SHAPES > 0]
+    ends = -bounded[:, None] * excesses.max() * (1 + BEYOND)
+    shapes = np.concatenate([np.repeat(bounded, BEYOND.size), np.repeat(others, SCALES.size)])
+    scales = np.concatenate([ends.ravel(), np.tile(SCALES, others.size)])
+    # Steps of the logarithm of the scale.
+    steps = np.tile(BEYOND / (1 + BEYOND) * np.log(BEYOND[1] / BEYOND[0]), bounded.size)
+    steps = np.append(steps, np.full(others.size * SCALES.size, np.log(SCALES[1] / SCALES[0])))
+    held = (scales >= SCALES[0]) & (scales <= SCALES[-1])
+    shapes, scales, steps = shapes[held], scales[held], steps[held]
     argument = 1 + shapes[:, None] * excesses / scales[:, None]
-    held = argument.min(axis=1) > 0
-    shapes, scales, argument = shapes[held], scales[held], argument[held]
     likelihood = -(1 + 1 / shapes) * np.log(argument).sum(axis=1) - excesses.size * np.log(scales)
     mean, deviation, share = SHAPE_PRIOR
     nearly_exponential = np.exp(-0.5 * ((shapes - mean) / deviation) ** 2) / (deviation * np.sqrt(2 * np.pi))
     prior = (1 - share) * nearly_exponential + share / np.ptp(SHAPES)
-    weights = prior * np.exp((likelihood - likelihood.max()) / dependence)
+    weights = prior * steps * np.exp((likelihood - likelihood.max()) / dependence)
     kept = weights > NEGLIGIBLE_WEIGHT * weights.max()
     return shapes[kept], scales[kept], weights[kept] / weights[kept].sum()
 

@@ -22,6 +22,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from asperity.core.arguments import own_errors
 from asperity.core.packages import require
 from asperity.core.types import Array, FilePath
 from asperity.settings.map import MapOptions
@@ -68,6 +69,7 @@ DECLARED = "set format to profile to take it as a map with the same heights for 
 UNREADABLE = "not a height map that can be read"
 
 
+@own_errors
 def read_map(path: FilePath | Any, options: MapOptions | None = None, **given: Any) -> HeightMap:
     """Read a height map.
 
@@ -154,6 +156,8 @@ def open_shared_map(path: FilePath, options: MapOptions, shared: Set[str]) -> Ma
 
 def path_problem(path: FilePath) -> str:
     """Reason why a path does not lead to a file with a map, empty if it may."""
+    if re.search("[\ud800-\udfff]", os.fspath(path)):  # reports and results name it
+        return "its name is not UTF-8; rename it"
     if not os.path.exists(path):  # also of names that are too long, or with a null character
         return "no such file"
     if os.path.isdir(path):

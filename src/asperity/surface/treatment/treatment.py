@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
-from asperity.core.arguments import require_finite
+from asperity.core.arguments import own_errors, require_finite
 from asperity.core.errors import one_line
 from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
@@ -127,6 +127,7 @@ class TreatedMap:
         return replace(self, grid=Grid(self.grid.shape, self.grid.length), boundary="free")
 
 
+@own_errors
 def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
     """The lower face of an indenter, in metres, from a measured map.
 

@@ -1,4 +1,4 @@
-"""A film that carries a part of the load, and run-in: limits, equilibrium and published values."""
+"""A film that carries a part of the load, and running-in: limits, equilibrium and published values."""
 
 import math
 
@@ -25,8 +25,8 @@ def test_no_share_is_the_dry_answer(ground, load):
     """To the bit: every number but the film's."""
     dry = asp.run(ground, STEEL, STEEL, load=load, sliding={"friction": 0.1})
     wet = asp.run(ground, STEEL, STEEL, load=load, sliding={"friction": 0.1}, film={"load_share": 0.0})
-    numbers = [answer.frame().query("group != 'film'").reset_index(drop=True) for answer in (dry, wet)]
-    assert numbers[0].equals(numbers[1])
+    numbers = [[each for each in answer.records if each.topic != "film"] for answer in (dry, wet)]
+    assert numbers[0] == numbers[1]
 
 
 def test_full_film_leaves_the_stress_of_hertz(ground):
@@ -36,7 +36,7 @@ def test_full_film_leaves_the_stress_of_hertz(ground):
     """
     answer = asp.run(ground, STEEL, STEEL, load=BALL, film={"load_share": 0.999})
     depth = 0.481 * answer.case.hertz_contact.narrow
-    (plane,) = asp.stress_planes(answer.loaded_body(answer.contact, "lower"), [depth])
+    (plane,) = asp.stress_planes(answer.loaded(), [depth])
     assert float(np.mean(plane.fields["von_mises"])) == pytest.approx(0.6197 * PRESSURE, rel=2e-3)
 
 
@@ -44,8 +44,7 @@ def test_full_film_leaves_the_stress_of_hertz(ground):
 def test_film_and_asperities_carry_the_load(ground, share):
     """Equilibrium: the mean of σ_zz in every plane is minus the load over the nominal area."""
     answer = asp.run(ground, STEEL, mean_pressure=2e8, film={"load_share": share})
-    loaded = answer.loaded_body(answer.contact, "lower")
-    for plane in asp.stress_planes(loaded, [0.0, 5e-6, 3e-5], fields=("zz",)):
+    for plane in asp.stress_planes(answer.loaded(), [0.0, 5e-6, 3e-5], fields=("zz",)):
         assert plane.fields["zz"].mean() == pytest.approx(-2e8, rel=1e-5)  # tolerance of the contact
     assert answer.contact.mean_pressure == pytest.approx((1 - share) * 2e8, rel=1e-6)
 
@@ -56,7 +55,7 @@ def test_film_lowers_the_cycles(ground):
     worst = []
     for share in (0.0, 0.9):
         answer = asp.run(ground, smooth, STEEL, load=BALL, film={"load_share": share}, cycles={"shifts": 8})
-        worst.append(answer.found["cycles"]["lower"].attrs["worst_dang_van"][0])
+        worst.append(answer.record("maximum Dang Van stress over limit", "lower").value)
     assert worst[0] > worst[1]
 
 
@@ -70,25 +69,25 @@ def test_share_follows_published_correlations(correlation, ratio, asperities):
     assert 1 - film.share == pytest.approx(asperities, abs=2e-5)
 
 
-def test_run_in_ends_at_the_hardness(ground):
+def test_running_in_ends_at_the_hardness(ground):
     """The flattened map touches as the plastic contact did, nowhere with more than the hardness."""
     hardness = 2e9
     plastic = asp.run(ground, asp.Body(young=210e9, poisson=0.3, hardness=hardness), mean_pressure=3e8)
     answer = asp.run(ground, STEEL, mean_pressure=3e8, running_in={"hardness": hardness})
     assert plastic.contact.plastic_area > 0.01
     assert answer.contact.area_fraction == pytest.approx(plastic.contact.area_fraction, rel=5e-3)
-    assert answer.numbers.largest_pressure == pytest.approx(hardness, rel=1e-4)  # tolerance of the contact
-    found = answer.found["running_in"]
-    assert found.depths[0] == pytest.approx(float(plastic.contact.plastic_depth.max()), rel=1e-6)
-    assert found.another < 1e-3
+    assert answer["maximum pressure"].value == pytest.approx(hardness, rel=1e-4)  # tolerance of the contact
+    depth = answer["maximum flattening of the first load"].value
+    assert depth == pytest.approx(float(plastic.contact.plastic_depth.max()), rel=1e-6)
+    assert answer["flattening by another load"].value < 1e-3 * depth
     assert math.isinf(answer.contact.hardness)
 
 
-def test_run_in_below_the_hardness_changes_nothing(ground):
+def test_running_in_below_the_hardness_changes_nothing(ground):
     dry = asp.run(ground, STEEL, mean_pressure=1e8)
     after = asp.run(ground, STEEL, mean_pressure=1e8, running_in={"hardness": 1e11})
     assert np.array_equal(dry.contact.pressure, after.contact.pressure)
-    assert any("flattens nothing" in advice.text for advice in after.advice)
+    assert any("flattens nothing" in each.text for each in after.warnings)
 
 
 @pytest.mark.parametrize(
@@ -101,6 +100,6 @@ def test_run_in_below_the_hardness_changes_nothing(ground):
         ({"running_in": {"hardness": 1e8}}, "running_in.hardness = 100 MPa: more than the mean pressure"),
     ],
 )
-def test_wrong_film_or_run_in_is_refused(ground, groups, message):
+def test_wrong_film_or_running_in_is_refused(ground, groups, message):
     with pytest.raises(SettingsError, match=message.replace("(", r"\(")):
         asp.Case(map=ground, body=STEEL, load={"mean_pressure": 1e8}, **groups)

@@ -1,0 +1,180 @@
+"""An answer is the same before and after its folder, wherever that lies, and its numbers keep their bounds.
+
+Every template and every case of the documentation is answered on maps of 32 × 32 pixels.
+"""
+
+import json
+import math
+import shutil
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from project import ROOT
+
+import asperity as asp
+from asperity.core.errors import DatasetError
+from asperity.core.packages import absent
+from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, case_of_map, load_case, put
+from asperity.engineering.folder import CASE_FILE, DATA
+from asperity.engineering.records import FRACTION
+from asperity.engineering.templates import template, templates
+
+PIXELS, EDGE = 32, 62e-6
+SOURCES = [*sorted((ROOT / "docs/cases").glob("*.yaml")), *templates()]
+FEW_SHIFTS = 16
+
+
+def small_case(source, folder):
+    """A case of the documentation or a template, in a folder with small maps and few shifts."""
+    path = folder / "case.yaml"
+    text = source.read_text("utf-8") if isinstance(source, Path) else template(source)
+    path.write_text(text, encoding="utf-8")
+    content = case_of_map(load_case(path), 0)
+    for seed, keys in enumerate(MAP_FILES):
+        if at(content, keys) is not None:
+            file = folder / f"map_{seed}.txt"
+            height = 1e6 * asp.self_affine((PIXELS, PIXELS), 0.8, EDGE / 2, 8e-6, 1e-7, seed, length=EDGE)
+            size = "\n".join(f"# {name}: {1e6 * EDGE:g} um" for name in ("Width", "Height"))
+            np.savetxt(file, height, header=f"{size}\n# Value units: um", comments="")
+            put(content, keys, str(file))
+    content["map"].pop("points", None)
+    if "shifts" in content.get("cycles", {}):
+        content["cycles"]["shifts"] = FEW_SHIFTS
+    return asp.Case.read({key: group for key, group in content.items() if key not in (OUT, CHECKSUMS)})
+
+
+@pytest.mark.parametrize("source", SOURCES, ids=lambda each: getattr(each, "stem", each))
+def test_answer_is_the_same_after_its_folder(source, tmp_path, without_pictures):
+    case = small_case(source, tmp_path)
+    leak = case.questions.get("leak")
+    if leak is not None and leak.viscosity is not None and absent(["pyamg"]):
+        pytest.skip('pip install "asperity[flow]"')
+    answer = asp.run(case)
+    keeps_its_bounds(answer)
+    answer.write(tmp_path / "answer")
+    is_same(answer, asp.open_answer(tmp_path / "answer"))
+    (tmp_path / "elsewhere").mkdir()
+    moved = shutil.move(tmp_path / "answer", tmp_path / "elsewhere/moved")
+    shutil.rmtree(tmp_path / "answer", ignore_errors=True)
+    for file in tmp_path.glob("map_*.txt"):
+        file.unlink()
+    is_same(answer, asp.open_answer(moved))
+
+
+def is_same(answer, again):
+    """Every part that is kept is equal to the bit, and so are planes and sections that follow from it."""
+    for name in ("records", "verdict", "warnings", "assumptions", "origin", "title", "uncertainties"):
+        assert getattr(again, name) == getattr(answer, name), name
+    assert again.tiles == answer.tiles
+    maps = answer.case.map, answer.case.counter_map
+    assert again.case.with_maps(*maps).written() == answer.case.written()
+    for name in ("height", "pressure", "displacement", "gap", "plastic_depth"):
+        same_values(getattr(again.contact, name), getattr(answer.contact, name))
+    for each in ("approach", "area_fraction", "mean_pressure", "hardness", "solid", "grid", "boundary"):
+        assert getattr(again.contact, each) == getattr(answer.contact, each), each
+    assert again.contact.certificate == replace(answer.contact.certificate, seconds=0.0)
+    for each in fields(answer.face):
+        if each.name != "height":
+            assert getattr(again.face, each.name) == getattr(answer.face, each.name), each.name
+    assert again.tables.keys() == answer.tables.keys()
+    for name, table in answer.tables.items():
+        pd.testing.assert_frame_equal(again.tables[name], table.reset_index(drop=True), check_exact=True)
+    for kept, made in ((again.datasets, answer.datasets), (again.stress, answer.stress)):
+        assert kept.keys() == made.keys()
+        for name, found in made.items():
+            assert {*kept[name].variables} == {*found.variables}
+            for variable in found.variables:
+                same_values(kept[name][variable].values, found[variable].values)
+    for body in answer.case.bodies:
+        for field in answer.case.fields:
+            assert again.extreme(field, body)[:4] == answer.extreme(field, body)[:4]
+            same_values(again.plane(field=field, body=body), answer.plane(field=field, body=body))
+        same_values(again.section("y", body=body), answer.section("y", body=body))
+
+
+def same_values(found, expected):
+    if expected is None:
+        assert found is None
+        return
+    found, expected = np.asarray(found), np.asarray(expected)
+    assert found.shape == expected.shape
+    if expected.dtype.kind == "f":
+        assert found.dtype == expected.dtype
+        np.testing.assert_array_equal(np.signbit(found), np.signbit(expected))
+    np.testing.assert_array_equal(found, expected)
+
+
+def keeps_its_bounds(answer):
+    """Numbers and their intervals lie within their bounds, their positions on the map."""
+    edges = answer.face.grid.length
+    for each in answer.records:
+        low, high, reason = each.bounds
+        if not each.words:
+            assert low <= each.value <= high * (1 + 1e-12), (each, reason)
+            assert low <= each.best <= high * (1 + 1e-12), (each, reason)
+        if each.error > 0:
+            assert all(low <= end <= high for end in each.interval), (each, reason)
+        for at_, edge in zip(each.position[1:], edges, strict=True):
+            assert math.isnan(at_) or 0 <= at_ <= edge, each
+        assert not each.position.depth < 0, each
+        if each.unit == "1" and "fraction" in each.quantity:
+            assert each.bounds == FRACTION, each
+    hardness = answer.contact.hardness
+    pressure = answer["maximum pressure"]
+    assert pressure.value <= hardness * (1 + 1e-6)
+    assert not pressure.interval[1] > hardness
+    for body in answer.stress:
+        von_mises, shear = (
+            answer.record(quantity, body).value
+            for quantity in ("maximum von Mises stress", "maximum shear stress (Tresca)")
+        )
+        assert von_mises * (1 - 1e-6) <= 2 * shear <= 2 / math.sqrt(3) * von_mises * (1 + 1e-6)
+    fraction, area = answer["contact area fraction"], answer["contact area"]
+    assert fraction.errors.keys() == area.errors.keys()
+    for cause, error in area.errors.items():
+        assert error / area.value == pytest.approx(fraction.errors[cause] / fraction.value, rel=1e-12)
+    assert area.best == pytest.approx(fraction.best * answer["nominal area"].value, rel=1e-12)
+
+
+@pytest.fixture
+def written(tmp_path, without_pictures):
+    """Folder of the answer of a map that is given as an array."""
+    height = asp.self_affine((16, 16), 0.8, 32e-6, 16e-6, 1e-7, seed=1, length=64e-6)
+    surface = asp.HeightMap(height, (64e-6, 64e-6), periodic=True, unit="m", name="array")
+    answer = asp.run(surface, {"young": "210 GPa", "poisson": 0.3}, mean_pressure="50 MPa")
+    answer.write(tmp_path / "answer")
+    return answer, tmp_path / "answer"
+
+
+def test_heights_of_an_array_are_kept(written):
+    answer, folder = written
+    is_same(answer, asp.open_answer(folder))
+    again = asp.run(asp.Case.read(asp.open_answer(folder).case.written()))
+    assert again["contact area fraction"] == answer["contact area fraction"]
+
+
+def test_another_format_is_refused_in_one_line(written):
+    _, folder = written
+    plain = json.loads((folder / DATA).read_text("utf-8"))
+    (folder / DATA).write_text(json.dumps(plain | {"format": plain["format"] + 1}), encoding="utf-8")
+    with pytest.raises(DatasetError, match=r"answer\.json: format \d+; format \d+ is read by") as caught:
+        asp.open_answer(folder)
+    assert "\n" not in str(caught.value)
+    assert load_case(folder / CASE_FILE)["body"]["poisson"] == 0.3
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"records": []}'])
+def test_damaged_answer_is_refused_in_one_line(written, content):
+    _, folder = written
+    (folder / DATA).write_text(content, encoding="utf-8")
+    with pytest.raises(DatasetError, match=r"answer\.json: damaged") as caught:
+        asp.open_answer(folder)
+    assert "\n" not in str(caught.value)
+
+
+def test_folder_without_an_answer_is_refused(tmp_path):
+    with pytest.raises(DatasetError, match="the folder of an answer of asperity run is needed"):
+        asp.open_answer(tmp_path)
