@@ -1,5 +1,7 @@
 """One mode of a stack of layers to many digits, from equilibrium and Hooke's law in every layer at once."""
 
+from itertools import pairwise
+
 import mpmath as mp
 import numpy as np
 
@@ -10,7 +12,7 @@ DIGITS = 110
 
 
 class LayeredMode:
-    """Amplitudes of all layers and of an elastic base, from the tractions on top and all interface conditions."""
+    """Amplitudes of all layers and of an elastic base, from the conditions on top and on every interface."""
 
     def __init__(self, qx, qy, solid, top=(0, 0, -1)):
         parts, self.depths = solid.parts, [0.0, *solid.interfaces]
@@ -34,7 +36,7 @@ class LayeredMode:
             # Displacements and stresses differ by the modulus, which pivots have to see.
             values = mp.matrix([*top, *[0] * (len(rows) - 3)])
             found = np.array(list(mp.lu_solve(mp.matrix(rows.tolist()), values)), object)
-            self.amplitudes = [found[a:b] for a, b in zip(firsts, firsts[1:], strict=False)]
+            self.amplitudes = [found[a:b] for a, b in pairwise(firsts)]
 
     def at(self, depth):
         """Stress and displacement; a depth equal to an interface belongs to the layer above it."""

@@ -22,10 +22,14 @@ if "sample" not in POOL or not isinstance(FILES, list):
     sys.exit(f"maps: {config['case']}: the group `sample` and a list of maps are needed")
 
 CASE, OUT = config["case"], config.get("out", POOL.get("out", "pooled"))
-for named in (CASE, OUT, *FILES):
+# Files beside each map: the one that it is pressed on, and the constants of materials.
+COUNTERS = at(POOL, MAP_FILES[1])
+COUNTERS = COUNTERS if isinstance(COUNTERS, list) else [COUNTERS] * len(FILES)
+READ = [list(filter(None, (*pair, POOL.get("materials")))) for pair in zip(FILES, COUNTERS, strict=True)]
+for named in (CASE, OUT, *sum(READ, [])):
     if re.search("[{}]", named):  # Snakemake takes words in braces for wildcards
         sys.exit(f"maps: {named}: a name without braces is needed")
-MAPS = dict(zip(names_of_maps(FILES), FILES, strict=True))
+MAPS = dict(zip(names_of_maps(FILES), READ, strict=True))
 RUN = [sys.executable, "-m", "asperity", "run", CASE, f"--out={OUT}"]
 
 

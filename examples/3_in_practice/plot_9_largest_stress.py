@@ -3,7 +3,7 @@ Largest stress of an area that was not measured
 ===============================================
 
 The largest stress of a map holds for its few square micrometres. A larger area has a higher one:
-peaks above a threshold follow a generalised Pareto distribution, from which ``Sample.largest`` predicts it,
+peaks above a threshold follow a generalised Pareto distribution, from which ``Sample.maximum`` predicts it,
 with an interval, up to a hundred times the area of the maps.
 """
 
@@ -22,9 +22,9 @@ def cell(seed):
 
 
 maps = [asp.HeightMap(cell(seed), (edge, edge), periodic=True) for seed in range(cells)]
-sample = asp.pool_answers([asp.run(each, steel, **load) for each in maps])
+sample = asp.pool([asp.run(each, steel, **load) for each in maps])
 times = np.array([1, 5, 20, 100])
-found = [sample.largest(n * cells * edge**2).set_index("quantity").loc["von_mises"] for n in times]
+found = [sample.maximum(n * cells * edge**2).set_index("quantity").loc["von_mises"] for n in times]
 
 figure, axis = plt.subplots(figsize=(5.5, 3.8), layout="compressed")
 axis.fill_between(times, *([row[end] / 1e9 for row in found] for end in ("low_Pa", "high_Pa")), alpha=0.3)

@@ -2,8 +2,8 @@ r"""
 Several maps of one surface
 ===========================
 
-One map does not show how places of a surface differ, but four maps do: ``pooled`` gives every number as its
-mean with a 95 % interval, from the differences between places and from the pixels. Here each map is a
+One map does not show how positions of a surface differ, but four maps do: ``asp.pool`` gives every number as
+its mean with a 95 % interval, from the differences between positions and from the pixels. Here each map is a
 cut-out of a larger surface with a known contact, so that the result can be checked.
 """
 
@@ -21,7 +21,7 @@ maps = [
     for number, (y, x) in enumerate(places, 1)
 ]
 answers = [asp.run({"file": each, "detrend": "none"}, steel, mean_pressure=200e6) for each in maps]
-sample = asp.pool_answers(answers)
+sample = asp.pool(answers)
 print(sample)
 
 # %%
@@ -39,14 +39,12 @@ plt.show()
 # **Check**: the larger surface, pressed as a whole, is within the interval of the maps: its contact area and
 # its volume above yield per area. The interval is Student's :math:`t s / \sqrt{n}`, with the pixels.
 all_of_it = asp.HeightMap(-whole, (4 * edge, 4 * edge), periodic=True, name="whole")
-truth = asp.pool_answers([asp.run(all_of_it, steel, mean_pressure=200e6)])
-for group, name in (
-    ("contact", "real contact"),
-    ("stress in the elastic body", "volume above yield per area"),
-):
-    found, known = sample.mean(group, name), truth.mean(group, name).value
-    print(f"{name}: {found.value:.4g} ± {found.error:.2g}, the whole surface {known:.4g}")
-    assert abs(found.value - known) < found.error
-areas = [answer.frame().set_index("name")["estimate"]["real contact"] for answer in answers]
+truth = asp.pool([asp.run(all_of_it, steel, mean_pressure=200e6)])
+for quantity in ("contact area fraction", "volume above yield per area"):
+    found, known = sample[quantity], truth[quantity].best
+    print(f"{quantity}: {found.best:.4g} ± {found.error:.2g}, the whole surface {known:.4g}")
+    assert abs(found.best - known) < found.error
+areas = [answer["contact area fraction"].best for answer in answers]
 expected = 3.182 * np.std(areas, ddof=1) / 2
-assert abs(sample.mean("contact", "real contact").of_maps / expected - 1) < 1e-3
+between = sample["contact area fraction"].errors["between measurement positions"]
+assert abs(between / expected - 1) < 1e-3

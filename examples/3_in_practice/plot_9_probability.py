@@ -21,7 +21,7 @@ for seed in (1, 2, 3):
     height = asp.self_affine((64, 64), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=seed, length=edge)
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name=f"ring {seed}")
     answers.append(asp.run(surface, steel, mean_pressure=150e6, cycles=asked))
-sample = asp.pool_answers(answers)
+sample = asp.pool(answers)
 
 # %%
 # The probability on areas up to a square centimetre.
@@ -30,10 +30,10 @@ for area in (1e-6, 1e-5, 1e-4):
     print(f"{area * 1e6:5.0f} mm²: {row.no_crack:.4f}, 95 % between {row.low:.4f} and {row.high:.4f}")
 
 # %%
-# The volume above a share of the limit, for each map: the result if no scatter is given.
+# The volume above a fraction of the limit, for each map: the result if no scatter is given.
 figure, axes = plt.subplots(figsize=(6, 4), layout="compressed")
 for answer in answers:
-    above = answer.found["cycles"]["lower"]["fatigue_volume"]
+    above = answer.datasets["cycles"]["fatigue_volume"]
     axes.semilogy(above["fatigue_share"], above * 1e6, label=answer.face.name)
 axes.set(xlabel="Dang Van stress over limit", ylabel="volume above per area (µm)", ylim=(1e-3, None))
 axes.legend()

@@ -102,7 +102,7 @@ class Page:
 
     def image(self, name):
         found = self.run(IMAGE, name)
-        return found | {"values": np.reshape(found["values"], found["shape"])}
+        return found | {"values": np.reshape(np.array(found["values"], dtype=float), found["shape"])}
 
     def drop(self, content, name):
         self.run(DROP, base64.b64encode(content).decode(), name)
@@ -189,6 +189,7 @@ def page(chromium, app, tmp_path_factory):
 @pytest.fixture
 def example(page):
     """The page with the example map, ready to compute."""
+    page.run("document.getElementById('body.material').value = ''")  # until the server has answered
     page.click("[data-do=example]")
     page.until("document.getElementById('body.material').value === '100Cr6'")
     page.until("!document.getElementById('start').disabled")
@@ -405,7 +406,9 @@ def test_download_and_open_later(page):
     page.run("act('open', arguments[0])", str(folder))
     page.until(f"document.querySelectorAll('[data-do=show] option').length === {number}")
     assert page.run("return document.querySelector('.tiles').innerText") == tiles
-    names = page.run("return [...document.querySelectorAll('[data-do=show] option')].map((each) => each.text)")
+    names = page.run(
+        "return [...document.querySelectorAll('[data-do=show] option')].map((each) => each.text)"
+    )
     assert re.fullmatch(r"\d+: ground_1, mean pressure 40 MPa", names[-1])
     page.run("act('beside', '0')")
     page.until("document.querySelector('article.both')")
@@ -442,7 +445,9 @@ def test_a_sample_is_shown_before_its_maps(example, app):
     assert sample.verdict[0] in article
     assert sample.tiles[0].number() in article
     assert "not known" not in example.run("return document.querySelector('.tiles').innerText")
-    example.run("document.querySelectorAll('article.answer > details').forEach((each) => { each.open = true; })")
+    example.run(
+        "document.querySelectorAll('article.answer > details').forEach((each) => { each.open = true; })"
+    )
     article = example.run("return document.querySelector('article.answer').innerText")
     for name, answer in sample.answers.items():
         assert f"Map {name}" in article

@@ -66,6 +66,39 @@ def test_modes_are_exact(seed):
             assert max(abs(np.array(stress) - exact)) < ACCURACY * (1 + depth) * max(abs(exact))
 
 
+def closed_forms(bottom, h, d, nu):
+    """Z, L, T, V and W of ``docs/method.md``, to 60 digits."""
+    h, d, nu = mp.mpf(h), mp.mpf(d), mp.mpf(nu)
+    t, m, m1, k = h - d, 1 - 2 * nu, 2 - 2 * nu, 3 - 4 * nu
+    (sh, st, sd), (ch, ct, cd) = ([f(x) for x in (h, t, d)] for f in (mp.sinh, mp.cosh))
+    if bottom == "frictionless":
+        n = sh * ch + h
+        z = (sh * ct + d * ch * ct + t * cd) / n
+        along = (sh * ct - d * ch * ct - t * cd) / n
+        shear = (d * ch * st - t * sd) / n
+        return z, along, shear, (1 - nu) * along - nu * z, shear + m1 * sh * st / n
+    n = h * h + m1 * m1 + k * sh * sh
+    z = ((h * t + m * m) * cd + k * ch * ct + d * (m1 * sh * ct + m * ch * st) + t * sd) / n
+    shear = (d * (m1 * ch * ct + m * sh * st) - (h * t + m * m1) * sd) / n
+    v = (k * (m * sh * st - d * ch * st) + t * (m * sd - h * cd)) / n
+    w = (k * (m1 * ch * st + d * sh * st) - t * (m1 * cd + h * sd)) / n
+    return z, (v + nu * z) / (1 - nu), shear, v, w
+
+
+@pytest.mark.parametrize("nu", [-0.9, 0.3, 0.5])
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+def test_one_layer_has_the_closed_forms(bottom, nu):
+    with mp.workdps(60):
+        for h in (1e-6, 0.03, 0.999, 1.001, 8.0, 40.0):
+            for d in (0.0, 0.25 * h, 0.75 * h, h):
+                exact = closed_forms(bottom, h, d, nu)
+                found = asp.Solid(1.0, nu, h, bottom).kernels(1.0, d)
+                for kinds in (slice(0, 3), slice(3, 5)):
+                    scale = max(abs(value) for value in exact[kinds])
+                    for ours, theirs in zip(found[kinds], exact[kinds], strict=True):
+                        assert abs(float(ours) - theirs) <= 4e-15 * (1 + d) * scale
+
+
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 def test_a_layer_may_be_divided(bottom):
     whole = asp.Solid(2.0, 0.3, 0.75, bottom)
@@ -133,25 +166,19 @@ def test_layers_and_interfaces():
     assert slab.description == "2 layers, layer, frictionless bottom"
 
 
-REFUSED = [
+TWO = [(1.0, 1.0, 0.3), (1.0, 1.0, 0.3)]
+
+test_wrong_stacks_are_refused = refuses(
     (lambda: asp.Solid.stack([]), "layers: one"),
     (lambda: asp.Solid.stack([(1.0, 2.0)]), r"layers: \(1.0, 2.0\) is no"),
-    (lambda: asp.Solid.stack([(1.0, 1.0, 0.3), (1.0, 1.0, 0.3)], bottom="free"), "not free"),
-    (lambda: asp.Solid(1.0, 0.3, 1.0, "frictionless", base=SANDWICH), "bonded is needed"),
+    (lambda: asp.Solid.stack(TWO, bottom="free"), "base = Solid.*: one whose bottom is not free"),
+    (lambda: asp.Solid.stack(TWO, base="steel", bottom="free"), "base = 'steel'"),
+    (lambda: asp.Solid(1.0, 0.3, 1.0, "frictionless", base=SANDWICH), "bottom = 'frictionless': bonded"),
     (lambda: asp.Solid(1.0, 0.3, base=SANDWICH), "height = None"),
-    (lambda: SANDWICH.green_tensor(1.0, 0.0), "None is needed"),
-    (
-        lambda: asp.Solid.stack([(1.0, 1.0, 0.3), (1.0, 1.0, 0.3)], bottom="frictionless").shear_kernels(
-            1, 0
-        ),
-        "bottom = 'frictionless'",
-    ),
-]
-
-
-@pytest.mark.parametrize(("call", "message"), REFUSED)
-def test_refused(call, message):
-    refuses(call, message)
+    (lambda: SANDWICH.green_tensor(1.0, 0.0), "base = Solid.*: None is needed"),
+    (lambda: asp.Solid.stack(TWO, bottom="frictionless").shear_kernels(1, 0), "bottom = 'frictionless'"),
+    (lambda: asp.stress.depth_grid(asp.Grid((8, 8)), interface=(0.2, 0.1)), "interface = 0.1"),
+)
 
 
 @pytest.mark.parametrize("solid", [SANDWICH, asp.Solid(1.0, 0.5, 0.02), asp.Solid(1.0, 0.3, 0.1, "free")])

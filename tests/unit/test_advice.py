@@ -24,7 +24,8 @@ class Advised(NamedTuple):
     def given(self):
         """All warnings and notes, those of the questions with the records before them."""
         found = [
-            question.compute(self.stages, lambda *_: None) for question in self.stages.asked.questions.values()
+            question.compute(self.stages, lambda *_: None)
+            for question in self.stages.asked.questions.values()
         ]
         of_questions = [each for one in found for each in one.warnings]
         return advice.advise(self.stages, self.compared, self.stages.records, of_questions)

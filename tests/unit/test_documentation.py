@@ -91,7 +91,9 @@ def test_tables_of_settings_are_current(name):
 def test_case_page_names_every_question():
     page = (ROOT / "docs/cases.md").read_text("utf-8")
     assert len(Case.kinds()) >= 10
-    assert Case.kinds().keys() == {*re.findall(r"^\| `(\w+)` \|.*\|.*\|", page.split("<!--")[0], re.MULTILINE)}
+    assert Case.kinds().keys() == {
+        *re.findall(r"^\| `(\w+)` \|.*\|.*\|", page.split("<!--")[0], re.MULTILINE)
+    }
 
 
 def test_materials_of_the_page_are_known(tmp_path, monkeypatch):

@@ -366,7 +366,7 @@ def test_positions_under_a_word_are_named(tmp_path):
     rows = ["y\\x " + " ".join(f"{x:.2f}" for x in PLACES["rounded"](40))]
     rows += [f"{y:.2f} " + " ".join(map(str, row)) for y, row in zip(range(30), LARGE, strict=True)]
     (tmp_path / "map.txt").write_text("\n".join(rows))
-    with pytest.raises(MapError, match="line 1: it holds positions; delete them, in the first column too"):
+    with pytest.raises(MapError, match="line 1: positions; delete them, in the first column too"):
         read_map(tmp_path / "map.txt")
 
 

@@ -76,7 +76,13 @@ def test_command_report_and_files_show_it(answered):
     assert "It is a toy." in said
     assert "toy pressure" in said
     page = (folder / "out/report.html").read_text("utf-8")
-    for text in ("It is a toy.", "toy pressure", "150 MPa", "toys are for play.", "A line to the toy pressure"):
+    for text in (
+        "It is a toy.",
+        "toy pressure",
+        "150 MPa",
+        "toys are for play.",
+        "A line to the toy pressure",
+    ):
         assert text in page, text
     assert {"toy.nc", "toy.png"} <= {path.name for path in (folder / "out").iterdir()}
     assert "toys,,toy pressure,150" in (folder / "out/answer.csv").read_text("utf-8")

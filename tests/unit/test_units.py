@@ -43,6 +43,7 @@ def test_anything_else_is_refused_with_the_units(value):
         ("700 HV", "700 HV is 6.865 GPa"),  # kgf/mm², 700 · 9.80665 MPa
         ("200HBW10/3000", ""),
         ("200 HB", "200 HB is 1.961 GPa"),
+        ("50 mPa", "did you mean 50 MPa?"),
     ],
 )
 def test_comma_and_hardness_number_get_a_hint(value, hint):

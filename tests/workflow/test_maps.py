@@ -1,5 +1,6 @@
 """Many maps of one surface: a job for each, continued where it stopped, with the numbers of one process."""
 
+import os
 import re
 import shutil
 import sys
@@ -38,6 +39,10 @@ def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
     assert kept.stat().st_mtime_ns == before
     for name in ("sample.csv", "peaks_per_area.csv", f"{names[1]}/answer.csv", f"{names[1]}/peaks.csv"):
         assert (tmp_path / "study" / name).read_bytes() == (tmp_path / "one" / name).read_bytes()
+    os.utime(tmp_path / f"{names[1]}.x3p", (2e9, 2e9))  # as in a copy
+    assert not re.search(r"^answer +\d", snakemake(tmp_path, *arguments, "--dry-run").stdout, re.MULTILINE)
+    (tmp_path / "materials.yaml").write_text("{}", encoding="utf-8")
+    assert re.search(r"^answer +1$", snakemake(tmp_path, *arguments, "--dry-run").stdout, re.MULTILINE)
     logs = (tmp_path / f"study/logs/{names[1]}.log").read_text(encoding="utf-8")
     assert "stress in the elastic body" in logs
     assert not (tmp_path / f"study/logs/{names[0]}.log").exists()

@@ -70,6 +70,8 @@ def test_table_gives_every_default():
 def test_address_is_one_field(tmp_path, monkeypatch):
     """In every file that names it, after another one is given."""
     shutil.copytree(ROOT / "workflow", tmp_path / "workflow")
+    (tmp_path / "docs").mkdir()
+    shutil.copy(ROOT / "docs/make_tables.py", tmp_path / "docs")
     old = MADE["project"]()["urls"]["Repository"]
     named = run(ROOT, "git", "grep", "-lF", old).stdout.split()  # empty where git has no checkout
     assert set(named) <= {*MADE["ADDRESSED"], "codemeta.json"}

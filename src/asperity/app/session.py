@@ -31,6 +31,9 @@ LONGEST_TEXT = 100_000
 DRAWN, LISTED, LEAST = 200, 12, 0.05
 """Most peaks in pictures and in the table, and the least value of a peak over the largest."""
 
+FRAME = ("x", "y", "dw", "dh")
+"""Corner and edges of a picture."""
+
 UNITS = {"length": ("", "nm", "µm", "mm"), "stress": ("", "kPa", "MPa", "GPa")}
 """Units that can be chosen; an empty one suits the values."""
 
@@ -134,7 +137,6 @@ class Session:
         self._profile: Any = None
         self._lines: dict[str, Ends] = {}
         self._number, self._starts = 0, False
-        self._file: str | None = None
         self._map = self._listen(reader, self._of_map)
 
     def _listen(self, worker: Worker, handler: Callable[..., None]) -> Worker:
@@ -294,12 +296,11 @@ class Session:
             self._profile = found
             self._draw("curves")
         elif name == "heights" and found["number"] == self._number:
-            self._heights, frame = found, found["picture"]
-            ends = self._lines.get("profile")
-            if self._file != self.values.get("map.file") or ends is None:
-                self._file = self.values.get("map.file")
-                y = frame["y"] + frame["dh"] / 2
-                ends = (frame["x"], y, frame["x"] + frame["dw"], y)
+            known, self._heights, ends = self._heights, found, self._lines.get("profile")
+            frame = [found["picture"][name] for name in FRAME]
+            if ends is None or known is None or frame != [known["picture"][name] for name in FRAME]:
+                x, y, width, height = frame
+                ends = x, y + height / 2, x + width, y + height / 2
             self._draw("heights")
             self.drag_profile(ends)
         elif name == "check" and found["number"] == self._number:

@@ -27,9 +27,7 @@ except ValueError as error:  # which does not name the variable
 
 NOTICE = "asperity: compiling, once after it is installed, about 20 s"
 
-UNKEPT = (
-    "asperity: compiling; NUMBA_CACHE_DIR can name a folder where the machine code is kept for later runs"
-)
+UNKEPT = "asperity: compiling, in each process if NUMBA_CACHE_DIR names no folder for the machine code"
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("NUMBA_DISABLE_JIT is set: asperity needs compiled loops; unset the variable")

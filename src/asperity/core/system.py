@@ -72,10 +72,8 @@ def is_locked(path: str | os.PathLike[str]) -> bool:
 
         with open(path, "rb") as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except (ImportError, OSError):
-        pass
+    except (ImportError, OSError) as error:
+        return isinstance(error, BlockingIOError)
     return False
 
 

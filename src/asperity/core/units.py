@@ -84,7 +84,8 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
     known, number = DIMENSIONS[dimension], math.nan
     usual = _USUAL.fullmatch(value.strip()) if isinstance(value, str) else None
     if usual and usual[3] == known.unit:  # without pint, whose import takes a quarter of a second
-        number = float(usual[1]) * 10.0 ** _EXPONENTS[usual[2]]
+        if usual[2] + usual[3] != "mPa":  # which is refused: MPa is meant
+            number = float(usual[1]) * 10.0 ** _EXPONENTS[usual[2]]
     else:
         with suppress(Exception):  # pint has errors of many unrelated types for a unit that it does not know
             import pint

@@ -335,7 +335,7 @@ class Solid:
         with np.errstate(over="ignore"):
             if self.layers:
                 unit = (1 + self.poisson) / self.young
-                np.divide(unit * self._filled(False, q, 0.0)[4], q, out=out, where=q > 0)
+                np.divide(unit * self._filled(False, q, 0.0, many=q.size)[4], q, out=out, where=q > 0)
             else:
                 np.divide(2 / self.effective_modulus, q, out=out, where=q > 0)
         _require_finite("surface compliance", out)
@@ -454,13 +454,13 @@ class Solid:
             )
         return ShearKernels(*self._filled(True, q, depth))
 
-    def _filled(self, of_shear: bool, q: ArrayLike, depth: ArrayLike) -> Array:
+    def _filled(self, of_shear: bool, q: ArrayLike, depth: ArrayLike, many: int = MANY) -> Array:
         """Five kernels of every wavenumber and depth, of a pressure or of a shear traction."""
         q, depth = _wavenumbers(q), self._depths(depth)
         shape = _broadcast_shape(q=q, depth=depth)
         depths = depth.reshape(-1) if depth.size == 1 else _flat(depth, shape)
         out = np.empty((5, *shape), q.dtype)
-        fill = fill_interpolated if depth.size == 1 and self.layers and q.size > MANY else fill_kernels
+        fill = fill_interpolated if depth.size == 1 and self.layers and q.size > many else fill_kernels
         fill(of_shear, _flat(q, shape), depths, self._stack, out.reshape(5, -1))
         return out
 

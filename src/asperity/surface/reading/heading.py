@@ -22,9 +22,8 @@ _HEIGHT_UNIT = re.compile(
 """Words and a unit in brackets without a value behind it, or at the end of a line without a number."""
 
 _OF_HEIGHTS = {"value", "values", "data", "daten", *WORDS["heights"]} - {"surface"}
-_NOT_OF_HEIGHTS = {
-    *("width", "breite", "xy", "lateral", "scan", "sample", "stage", "position", "pixel"),
-    *WORDS["others"] | WORDS["pictures"],
+_NOT_OF_HEIGHTS = WORDS["others"] | {
+    *("width", "breite", "xy", "lateral", "scan", "sample", "stage", "position", "pixel")
 }
 
 _PIXEL = re.compile(

@@ -115,10 +115,7 @@ def map_over_axes(values: "xr.DataArray") -> FileContent:
     """
     dims = getattr(values, "dims", ())
     if len(dims) != 2 or not plane_axes(dims) or values.dtype.kind not in "fiu":
-        raise ValueError(
-            "the name of a file, or a DataArray of real numbers over y and x, is needed, not "
-            f"{type(values).__name__} over {shown(dims)}; asperity.HeightMap takes other arrays"
-        )
+        raise ValueError(f"{shown(dims)}: a file, or a DataArray of real numbers over y and x, is needed")
     values = rising(values)
     default = LOWER_FACE if "lower face" in str(values.attrs.get("long_name")) else None
     orientation = str(values.attrs.get("orientation", default))

@@ -191,9 +191,7 @@ class NumberTable:
                 wrong = [word for word in line.split() if not _row(word)[1]]
                 places = np.array(_row(line.partition(" ")[2])[1] or [])
                 if not is_inside and 2 < places.size == columns - 1 and np.all(np.diff(places) > 0):
-                    raise ValueError(
-                        f"line {number + 1}: it holds positions; delete them, in the first column too"
-                    )
+                    raise ValueError(f"line {number + 1}: positions; delete them, in the first column too")
                 if is_inside or (len(line.split()) == columns and 2 * len(wrong) < columns):
                     raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
             elif row and len(row) != (width or len(row)):
