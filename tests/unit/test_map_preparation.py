@@ -82,10 +82,10 @@ def test_answer_says_what_a_filter_does():
     plain = asp.run(surface, body, **load)
     answer = asp.run({"file": surface, "s_filter": "10 um"}, body, **load)
     (note,) = [each for each in answer.warnings if each.subject == "filters"]
-    assert f"{100 * answer.face.treatment.filtered_gradient:.0f} % of the rms gradient" in note.text
+    assert f"{100 * answer.face.treatment.filtered_gradient:.0f} % of Sdq" in note.text
     area = plain["contact area fraction"].value
     assert answer["contact area fraction"].value > 1.5 * area
-    assert f"a real contact of {100 * area:.4g} %" in note.text
+    assert f"a contact area fraction of {100 * area:.4g} %" in note.text
     assert not [each for each in plain.warnings if each.subject == "filters"]
 
 
