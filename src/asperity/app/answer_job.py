@@ -80,8 +80,8 @@ class AnswerJob:
         """What a folder holds in words and numbers, with the pictures of its answer or of its first map."""
         self._whole = found = open_answer(folder)
         maps = {} if isinstance(found, Answer) else found.answers
-        self._answers = maps or {"": found}
-        names = ", ".join(maps) or found.face.name
+        self._answers = {"": found} if isinstance(found, Answer) else maps
+        names = found.face.name if isinstance(found, Answer) else ", ".join(maps)
         return {
             "label": " ".join([f"{names},", *load_in_words(found.case)]),
             "whole": _described(found),
@@ -184,18 +184,22 @@ class AnswerJob:
 
 def _described(found: AnswerData | Sample) -> dict[str, Any]:
     """Words and records of an answer or a sample, as the page shows them; values are those of the maps."""
-    is_answer = isinstance(found, AnswerData)
     shown: list[Record] = without_repeats(found.records)
-    return {
+    of_kind: dict[str, Any]
+    if isinstance(found, AnswerData):
+        of_kind = {"maps": (), "uncertainties": found.uncertainties, "warnings": found.warnings}
+    else:
+        of_kind = {"maps": found.names, "warnings": [Advice(True, "", text) for text in found.warnings]}
+    return of_kind | {
         "title": found.title,
         "verdict": [*found.verdict],
         "tiles": found.tiles[:MOST_TILES],
         "topics": [
-            (heading, [(each, () if is_answer else found.values(each)) for each in records])
+            (
+                heading,
+                [(each, () if isinstance(found, AnswerData) else found.values(each)) for each in records],
+            )
             for heading, records in by_topic(found.case, shown)
         ],
         "bodies": len(found.case.different_bodies),
-        "maps": () if is_answer else found.names,
-        "uncertainties": found.uncertainties if is_answer else (),
-        "warnings": found.warnings if is_answer else [Advice(True, "", text) for text in found.warnings],
     }

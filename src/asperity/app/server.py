@@ -71,7 +71,7 @@ class _Headers(OutputTransform):
 
 
 class _Application(BokehTornado):
-    """Answers only requests with its cookie, whose ``Host``, and ``Origin`` if they have one, name this server.
+    """Answers requests with its cookie, whose ``Host``, and ``Origin`` if there is one, name this server.
 
     Attributes
     ----------
@@ -103,8 +103,8 @@ class _Application(BokehTornado):
         """Reason why a request is not answered; empty if it is."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if host not in self.hosts:
-            own, option = " and ".join(self.hosts), f"--host-header {shown(host)}"
-            return f"asperity app answers {own}, not {shown(host)}: through a tunnel or proxy, start it with {option}"
+            own, given = " and ".join(self.hosts), shown(host)
+            return f"asperity app answers {own}, not {given}: for a tunnel or proxy add --host-header {given}"
         if origin is not None and origin.partition("://")[2] not in self.hosts:
             return "asperity app answers no page of another server"
         given = request.cookies.get(COOKIE)
@@ -189,7 +189,7 @@ class _Download(_OfSession, RequestHandler):
     async def get(self, number: str, name: str) -> None:
         slots = self.session.slots
         slot = slots[int(number)] if int(number) < len(slots) else None
-        files = files_of(slot.folder) if slot is not None and slot.state == "shown" else {}
+        files = files_of(slot.folder) if slot and slot.folder and slot.state == "shown" else {}
         if (report := files.get(name)) is not None:
             self.set_header("Content-Type", "text/html; charset=utf-8")
             self.set_header("Content-Security-Policy", REPORT_POLICY)
@@ -328,7 +328,7 @@ def serve(
 
 
 def _open_browser(address: str, folder: Path) -> None:
-    """Open an address in the browser by a file that only this user can read: arguments are seen by all users."""
+    """Open an address in the browser by a file of this user: arguments are seen by all users."""
     import webbrowser
 
     file = folder / "open.html"

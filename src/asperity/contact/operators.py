@@ -85,9 +85,9 @@ MAX_STEEPNESS = 2.0
 _TILE = 64
 
 # The inverse compliance of a layered solid is used as a stencil if it is positive definite, the sum of its
-# positive weights outside the middle is at most this fraction of the middle, and the longest wave is at most so
-# many times softer than on a half-space as stiff as for the shortest. Otherwise, as under stiff films, a sparse
-# inverse is made for every contact, which takes fewer iterations but more time on large contacts.
+# positive weights outside the middle is at most this fraction of the middle, and q G of the longest wave is at
+# most so many times that of the shortest. Otherwise, as under stiff films, a sparse inverse is made for every
+# contact, which takes fewer iterations but more time on large contacts.
 MAX_OUTWARD, MAX_SOFTNESS = 0.5, 30.0
 
 # Nodes on the edge of a cell of the coarse grid. Found by trial on rough surfaces of 512² nodes: with 32
@@ -98,7 +98,7 @@ CELL_NODES = 16
 # with more than 200 cells on an edge, by 6 / (cells on an edge): the more cells, the more S overestimates
 # the longest waves.
 COARSE_RESIDUAL_DROP = 0.03
-LAYERED_COARSE_GRID = 4, 0.005  # CELL_NODES and COARSE_RESIDUAL_DROP under layers: S is less accurate there
+LAYERED_COARSE_GRID = 4, 0.005  # nodes of a cell, and drop, under layers: S is less accurate there
 MAX_COARSE_ITERATIONS = 50
 
 
