@@ -145,7 +145,11 @@ def test_bodies_are_named_if_they_differ(sound):
 
 def test_friction_on_a_thin_layer_is_warned_of(sound):
     rubber = Body(layers=[{"young": 1e6, "poisson": 0.5, "thickness": 20.37e-6}], base="bonded")
-    layer = {"asked.yielding": None, "asked.body": rubber, "asked.sliding": {"friction": 0.3}}
+    layer = {
+        "asked.yielding": None,
+        "asked.body": rubber,
+        "asked.sliding": {"friction": 0.3, "direction": "x"},
+    }
     advised = changed(sound, layer)
     (found,) = (each for each in advised.given() if each.subject == "friction in the contact")
     assert found.level == "warning"
