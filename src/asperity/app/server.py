@@ -103,8 +103,8 @@ class _Application(BokehTornado):
         """Reason why a request is not answered; empty if it is."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if host not in self.hosts:
-            own, given = " and ".join(self.hosts), shown(host)
-            return f"asperity app answers {own}, not {given}: for a tunnel or proxy add --host-header {given}"
+            own, name = " and ".join(self.hosts), shown(host)
+            return f"asperity app answers {own}, not {name}: for a tunnel or proxy add --host-header {name}"
         if origin is not None and origin.partition("://")[2] not in self.hosts:
             return "asperity app answers no page of another server"
         given = request.cookies.get(COOKIE)
