@@ -119,6 +119,8 @@ SOLIDS: dict[str, Solids] = {
     "very hard film": Solid(1.0, 0.3, 1e-3, base=Solid(1e-5, 0.3)),
     "soft coating": Solid(1.0, 0.4, 0.03, base=Solid(20.0, 0.3)),
     "rubber film": Solid(1.0, 0.5, 3e-3, base=Solid(1e5, 0.3)),
+    "stack": Solid.stack([(0.01, 1.0, 0.2), (0.005, 0.1, 0.5), (0.02, 3.0, 0.3)], base=Solid(0.2, 0.3)),
+    "stack, rigid base": Solid.stack([(0.01, 1.0, 0.3), (0.03, 0.1, 0.4)], bottom="frictionless"),
     "coated bodies": TwoBodies(
         Solid(1.0, 0.3, 0.02, base=Solid(0.1, 0.3)), Solid(0.5, 0.5, 0.1, base=Solid(5.0, 0.3))
     ),

@@ -5,7 +5,6 @@ import io
 from pathlib import Path
 
 import numpy as np
-from samples import HALF_SPACE
 from small_study import CONTACT, LAYER, STRESS, SURFACE
 
 import asperity as asp
@@ -190,6 +189,7 @@ MAPS = [
     ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is of format x3p, its"),
 ]
 
+HALF_SPACE = asp.Solid(1.0, 0.3)
 STEP = {"method": "active_set", "approach": 0.9, "tolerance": 1e-6, "precision": "float64"}
 
 

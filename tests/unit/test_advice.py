@@ -82,7 +82,7 @@ def subjects(advised, level="warning"):
 
 def test_nothing_is_warned_of_in_a_sound_answer(sound):
     assert subjects(sound) == []
-    notes = ["numbers for vanishing pixels", "resolution", "one place of the surface"]
+    notes = ["numbers extrapolated to zero pixel size", "resolution", "one position of the surface"]
     assert subjects(sound, "note") == notes
 
 
@@ -98,8 +98,8 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
         ({"numbers.nominal_pressure": 6.1e9}, "warning", "load beyond the hardness"),
         ({f"{BODY}.yield_stress": None, f"{BODY}.young": 6e9}, "warning", "stress beyond any yield stress"),
         ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
-        ({"numbers.area_fraction": 0.4, "asked.load.area_fraction": 0.4}, "warning", "large real contact"),
-        ({"numbers.area_fraction": 0.25}, "warning", "another real contact"),
+        ({"numbers.area_fraction": 0.4, "asked.load.area_fraction": 0.4}, "warning", "large contact area"),
+        ({"numbers.area_fraction": 0.25}, "warning", "another contact area"),
         ({f"{RECORD}.edge_step": 8.0}, "warning", "edges do not match"),
         (FREE, "warning", "contact at the edge of the map"),
         (
@@ -107,9 +107,9 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
             "warning",
             "spikes carry the load",
         ),
-        ({"numbers.typical_patch_width": 2.6}, "warning", "patches of few pixels"),
+        ({"numbers.typical_patch_width": 2.6}, "warning", "contact spots of few pixels"),
         ({"numbers.contact_nodes": 0}, "warning", "no contact"),
-        ({"numbers.pressure_on_spike": True}, "warning", "largest pressure on a spike"),
+        ({"numbers.pressure_on_spike": True}, "warning", "maximum pressure on a spike"),
         ({"numbers.largest_pressure": 300e9}, "warning", "pressure above Young's modulus"),
         ({"rough.doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "warning", "unit of the map"),
         ({"numbers.peak_to_valley": 3e-4}, "warning", "heights as large as the map"),
@@ -121,7 +121,7 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
         ({"numbers.rms_gradient": 0.5}, "note", "steep slopes"),
         ({f"{RECORD}.altered_fraction": 0.36}, "note", "altered heights"),
         ({f"{RECORD}.filled_fraction": 0.05}, "note", "altered heights"),
-        ({"bodies.lower.limits.reason": "8 nodes"}, "note", "no estimate for vanishing pixels"),
+        ({"bodies.lower.limits.reason": "8 nodes"}, "note", "no extrapolation to zero pixel size"),
         ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "note", "detrend of the map"),
         ({f"{BODY}.young": 210e6, f"{BODY}.yield_stress": None}, "note", "Young's modulus"),
         ({f"{BODY}.poisson": -0.2}, "note", "Poisson's ratio"),
@@ -145,7 +145,11 @@ def test_bodies_are_named_if_they_differ(sound):
 
 def test_friction_on_a_thin_layer_is_warned_of(sound):
     rubber = Body(layers=[{"young": 1e6, "poisson": 0.5, "thickness": 20.37e-6}], base="bonded")
-    layer = {"asked.yielding": None, "asked.body": rubber, "asked.sliding": {"friction": 0.3}}
+    layer = {
+        "asked.yielding": None,
+        "asked.body": rubber,
+        "asked.sliding": {"friction": 0.3, "direction": "x"},
+    }
     advised = changed(sound, layer)
     (found,) = (each for each in advised.given() if each.subject == "friction in the contact")
     assert found.level == "warning"

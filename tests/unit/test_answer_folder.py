@@ -55,10 +55,9 @@ def test_answer_is_the_same_after_its_folder(source, tmp_path, without_pictures)
     answer = asp.run(case)
     keeps_its_bounds(answer)
     answer.write(tmp_path / "answer")
-    is_same(answer, asp.open_answer(tmp_path / "answer"))
+    assert asp.open_answer(tmp_path / "answer").records == answer.records
     (tmp_path / "elsewhere").mkdir()
     moved = shutil.move(tmp_path / "answer", tmp_path / "elsewhere/moved")
-    shutil.rmtree(tmp_path / "answer", ignore_errors=True)
     for file in tmp_path.glob("map_*.txt"):
         file.unlink()
     is_same(answer, asp.open_answer(moved))
@@ -117,8 +116,8 @@ def keeps_its_bounds(answer):
             assert low <= each.best <= high * (1 + 1e-12), (each, reason)
         if each.error > 0:
             assert all(low <= end <= high for end in each.interval), (each, reason)
-        for at_, edge in zip(each.position[1:], edges, strict=True):
-            assert math.isnan(at_) or 0 <= at_ <= edge, each
+        for place, edge in zip(each.position[1:], edges, strict=True):
+            assert math.isnan(place) or 0 <= place <= edge, each
         assert not each.position.depth < 0, each
         if each.unit == "1" and "fraction" in each.quantity:
             assert each.bounds == FRACTION, each

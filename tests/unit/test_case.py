@@ -16,6 +16,7 @@ from asperity.cli.main import main
 from asperity.cli.parser import COMMANDS, arguments
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import case_text, load_case
+from asperity.engineering.show.report import report
 from asperity.engineering.templates import explanation, template, templates
 from asperity.settings.model import SettingsError, described, entries
 
@@ -136,10 +137,9 @@ def test_every_setting_is_explained():
 
 
 @pytest.fixture
-def small_maps(tmp_path, monkeypatch):
+def small_maps(tmp_path, monkeypatch, without_pictures):
     """Three maps of 24 x 24 points of 4 µm in place of the maps of the templates; nothing is drawn."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
     for number in (1, 2, 3):
         height = asp.self_affine((24, 24), 0.8, 48.0, 24.0, rms_height=0.05, seed=number, length=96.0)
         head = "# Width: 96 um\n# Height: 96 um\n# Value units: um"
@@ -159,7 +159,7 @@ def test_template_runs_as_it_is(name, small_maps, capsys):
     Path("case.yaml").write_text(text, encoding="utf-8")
     assert main(["run", "case.yaml", "--out", "out"]) == 0
     printed = capsys.readouterr().out
-    assert "real contact" in printed
+    assert "contact area fraction" in printed
 
 
 def refusal(**groups):
@@ -216,7 +216,7 @@ def test_setting_without_what_it_needs_is_refused(groups, key, text):
     assert text in refusal(**groups)[key]
 
 
-def test_material_by_name_with_other_constants(tmp_path):
+def test_material_by_name_with_other_constants():
     body = asp.Body(material="52100", poisson=0.28)
     known = asp.material("100Cr6").constants
     assert (body.young, body.poisson) == (210e9, 0.28)
@@ -225,10 +225,7 @@ def test_material_by_name_with_other_constants(tmp_path):
     assert coated.hardness is None  # the hardness of the material does not hold for the coated body
     surface = asp.HeightMap(1e-9 * np.random.default_rng(1).normal(size=(16, 16)), (16e-6, 16e-6), name="a")
     answer = asp.run(surface, asp.Body(material="100Cr6", hardness="inf"), mean_pressure=20e6)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.output.pictures", lambda _: [])
-        asp.write_answer(answer, tmp_path)
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = report(answer, drawn=[])
     assert f"young {known['young'].value} ({known['young'].source[:20]}" in page
     assert "hardness 7" not in page
     assert answer.case.written()["body"] == {"material": "100Cr6", "hardness": "inf"}

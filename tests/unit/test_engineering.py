@@ -167,7 +167,7 @@ def test_neighbouring_balls_are_compared_with_one_alone():
         beside[quantity].value / alone[quantity].value - 1
         for quantity in ("maximum pressure", "contact area fraction")
     )
-    assert f"real contact by {100 * area:+.2g} % and the largest pressure by {100 * pressure:+.2g} %" in told
+    assert f"contact area by {100 * area:+.2g} % and the maximum pressure by {100 * pressure:+.2g} %" in told
     assert pressure > 0.01
     assert not [each for each in alone.warnings if each.subject == "neighbouring forms"]
 
@@ -188,7 +188,7 @@ def test_cylinder_along_a_period_is_line_contact():
     von_mises = answer["maximum von Mises stress"].value
     assert von_mises == pytest.approx(0.558 * largest + lateral, rel=0.015)  # seven nodes across the contact
     assert von_mises > 1.03 * 0.558 * largest
-    assert f"{100 * lateral / von_mises:.2g} % of the largest von Mises" in told["mean lateral stress"]
+    assert f"{100 * lateral / von_mises:.2g} % of the maximum von Mises" in told["mean lateral stress"]
 
 
 def test_patches_and_edges_carry_their_load():
@@ -271,8 +271,8 @@ def test_a_spike_under_the_largest_pressure_is_told():
     maps = ({"file": spiky}, {"file": spiky, "despike": 8})
     answers = (run(each, STEEL, mean_pressure=90e6) for each in maps)
     told, removed = ({each.subject for each in answer.warnings} for answer in answers)
-    assert {"largest pressure on a spike", "pressure above Young's modulus"} <= told
-    assert not {"largest pressure on a spike", "despike of the map"} & removed
+    assert {"maximum pressure on a spike", "pressure above Young's modulus"} <= told
+    assert not {"maximum pressure on a spike", "despike of the map"} & removed
 
 
 def test_section_through_the_extreme_value_holds_it(rough):

@@ -77,12 +77,14 @@ def test_smooth_roller_yields_where_hertz_says():
     line = LineHertz(answer.case.hertz_contact.half_width_x, largest)
     depth = line.half_width * np.linspace(0, 3, 30_001)
     exact = von_mises(line.stress(0.0, depth, 0.3))
-    lower = answer.bodies["lower"]
-    assert lower.largest_von_mises == pytest.approx(exact.max(), rel=1e-3)
-    assert lower.depth == pytest.approx(depth[exact.argmax()], rel=0.06)
+    largest = answer["maximum von Mises stress"]
+    assert largest.value == pytest.approx(exact.max(), rel=1e-3)
+    assert largest.position.depth == pytest.approx(depth[exact.argmax()], rel=0.06)
     above = depth[exact > limit]
-    yielded = answer.found["yielding"]["lower"]
-    assert yielded.depths == pytest.approx((above[0], above[-1]), rel=0.02)
-    assert yielded.volume == pytest.approx((above[-1] - above[0]) * edge**2, rel=0.05)
+    deepest = answer["maximum depth above yield"]
+    first = 1e-6 * float(deepest.note.removeprefix("from a depth of ").removesuffix(" µm"))
+    assert (first, deepest.value) == pytest.approx((above[0], above[-1]), rel=0.02)
+    volume = answer["volume above yield"].value
+    assert volume == pytest.approx((above[-1] - above[0]) * edge**2, rel=0.05)
     shear = np.ptp(line.stress(0.0, depth, 0.3)[:, :3], axis=1) / 2
-    assert lower.largest["largest_shear"].value == pytest.approx(shear.max(), rel=2e-3)
+    assert answer["maximum shear stress (Tresca)"].value == pytest.approx(shear.max(), rel=2e-3)

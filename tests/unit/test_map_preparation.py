@@ -81,12 +81,12 @@ def test_answer_says_what_a_filter_does():
     body, load = asp.Body(young=210e9, poisson=0.3), {"mean_pressure": 20e6}
     plain = asp.run(surface, body, **load)
     answer = asp.run({"file": surface, "s_filter": "10 um"}, body, **load)
-    (note,) = [advice for advice in answer.advice if advice.subject == "filters"]
-    assert f"{100 * answer.face.treatment.filtered_gradient:.0f} % of the rms gradient" in note.text
-    assert answer.numbers.area_fraction > 1.5 * plain.numbers.area_fraction
-    assert answer.unfiltered.area_fraction == plain.numbers.area_fraction
-    assert f"a real contact of {100 * plain.numbers.area_fraction:.4g} %" in note.text
-    assert not [advice for advice in plain.advice if advice.subject == "filters"]
+    (note,) = [each for each in answer.warnings if each.subject == "filters"]
+    assert f"{100 * answer.face.treatment.filtered_gradient:.0f} % of Sdq" in note.text
+    area = plain["contact area fraction"].value
+    assert answer["contact area fraction"].value > 1.5 * area
+    assert f"a contact area fraction of {100 * area:.4g} %" in note.text
+    assert not [each for each in plain.warnings if each.subject == "filters"]
 
 
 def test_core_of_a_piecewise_straight_curve():
@@ -127,9 +127,10 @@ def test_line_scan_is_pressed_in_plane_strain(tmp_path):
     body = asp.Body(young=100e9, poisson=0.3)
     pressure = np.pi * asp.Solid(100e9, 0.3).effective_modulus * 2e-7 / 1e-3 * np.sin(np.pi * 0.15) ** 2
     answer = asp.run({"file": path, **known}, body, mean_pressure=pressure)
-    assert answer.numbers.area_fraction == pytest.approx(0.3, abs=2 / 256)  # nodes at both ends
+    assert answer["contact area fraction"].value == pytest.approx(0.3, abs=2 / 256)  # nodes at both ends
     largest = 2 * pressure / np.sin(np.pi * 0.15)  # in the middle of the contact
-    assert answer.numbers.largest_pressure == pytest.approx(largest, rel=5e-3)  # discretisation, O(1 / nodes)
+    # Discretisation, O(1 / nodes).
+    assert answer["maximum pressure"].value == pytest.approx(largest, rel=5e-3)
     assert "line scan: the same heights for all y, which is plane strain" in answer.face.done
     shown = describe_map(path, options).properties
     assert shown["Rq"].startswith("141.4 nm")

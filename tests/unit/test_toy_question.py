@@ -1,4 +1,4 @@
-"""A question needs its class and its field of the case, and nothing else: CLI, files, report, cost and form."""
+"""A question needs its class and its field of the case alone to be in commands, files, cost and the form."""
 
 import json
 import os

@@ -126,10 +126,11 @@ def _write_weights(kernel: Any, place: Any, mirrored: bool, members: Any, weight
             for j in range(i + 1):
                 b = members[k, size - 1 - j]
                 dy, dx = place[0, a] - place[0, b], place[1, a] - place[1, b]
-                value = kernel[dy % ny, dx % nx]
+                dy, dx = dy + ny * (dy < 0), dx + nx * (dx < 0)
+                value = kernel[dy, dx]
                 if mirrored:
                     sy, sx = place[0, a] + place[0, b] + 1, place[1, a] + place[1, b] + 1
-                    value += kernel[sy % ny, dx % nx] + kernel[dy % ny, sx % nx] + kernel[sy % ny, sx % nx]
+                    value += kernel[sy, dx] + kernel[dy, sx] + kernel[sy, sx]
                 if i == j:
                     value *= 1.0 + JITTER
                 for m in range(j):

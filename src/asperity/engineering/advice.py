@@ -33,13 +33,13 @@ STEEP, VERY_STEEP = 0.3, 1.0
 """Rms gradients: linear theory is second order in the slope, 9 % at 0.3; at 1 it does not hold."""
 
 LARGE_AREA = 0.3
-"""Real contact fraction above which contacts merge and the periodic images matter."""
+"""Contact area fraction above which contacts merge and the periodic images matter."""
 
 SMALL_PATCH_SHARE = 0.2
-"""Share of the load on patches of at most four pixels from which spikes are suspected."""
+"""Load fraction on contact spots of at most four pixels from which spikes are suspected."""
 
 FEW_PIXELS_ACROSS = 5
-"""Width of a patch in pixels that resolves its pressure."""
+"""Width of a contact spot in pixels that resolves its pressure."""
 
 EDGE_STEP = 3.0
 """Height step across edges over the step between pixels, above which a warning is given; 1 if periodic."""
@@ -48,10 +48,10 @@ EDGE_LOAD = 0.01
 """Share of the load on the edges of a map with a free boundary above which a warning is given."""
 
 NEIGHBOUR_CHANGE = 0.05
-"""Change of real contact or largest pressure by the periodic images of a form that deserves a warning."""
+"""Change of contact area or maximum pressure by the periodic images of a form that deserves a warning."""
 
 CONFINED = 0.01
-"""Lateral stress of the confined mean pressure over the largest von Mises stress that makes a note."""
+"""Lateral stress of the confined mean pressure over the maximum von Mises stress that makes a note."""
 
 WIDE_SPAN = 0.5
 """Width of a contact over the distance between neighbouring forms above which they influence each other."""
@@ -82,7 +82,7 @@ NOT_SEPARATE = 0.1
 """Change of the Hertz pressure over the map above which the map is too large for a uniform pressure."""
 
 SPIKE_SIZE = math.inf
-"""Uncertainty of a largest pressure on a spike, which is listed before all others."""
+"""Uncertainty of a maximum pressure on a spike, which is listed before all others."""
 
 Found = tuple[bool, str, dict[str, Any]]
 """True for a warning, name in `advice.yaml`, and values for its text in addition to the stages; ``size`` is
@@ -241,7 +241,7 @@ def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
 
 
 def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
-    """Advice on slopes, real contact and edges beyond the theory, and on altered heights."""
+    """Advice on slopes, contact area and edges beyond the theory, and on altered heights."""
     numbers, face, record = stages.numbers, stages.face, stages.face.treatment
     for doubt in stages.rough.doubts:
         subject = doubt.partition(":")[0]

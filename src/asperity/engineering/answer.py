@@ -72,20 +72,6 @@ class Answer(AnswerData):
         DatasetError
             If it cannot be written, or another process writes into it; the earlier answer is still there
             then, or the results of the new one without pictures and report.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
-        >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
-        >>> answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=50e6)
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     names = {path.name for path in answer.write(f"{folder}/ground")}
-        ...     again = asp.open_answer(f"{folder}/ground")["maximum pressure"]
-        >>> names >= {"report.html", "answer.csv", "peaks.csv", "contact.nc"}
-        True
-        >>> again == answer["maximum pressure"]
-        True
         """
         folder = Path(folder)
         try:
@@ -144,6 +130,20 @@ def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample:
     ------
     DatasetError
         If it holds none, or one of another format.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    >>> answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=50e6)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     names = {path.name for path in answer.write(f"{folder}/ground")}
+    ...     again = asp.open_answer(f"{folder}/ground")["maximum pressure"]
+    >>> names >= {"report.html", "answer.csv", "peaks.csv", "contact.nc"}
+    True
+    >>> again == answer["maximum pressure"]
+    True
     """
     folder = Path(folder)
     if SAMPLE_DATA in names_in(folder) and DATA not in names_in(folder):

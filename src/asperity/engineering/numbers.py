@@ -57,8 +57,12 @@ PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
 
 
+PARTS = ("mean pressure", "mean contact pressure", "maximum pressure", "force")
+"""Quantities of which a film carries a part."""
+
+
 def contact_records(
-    numbers: ContactNumbers, limits: xr.Dataset, contact: Contact, of_positions: float
+    numbers: ContactNumbers, limits: xr.Dataset, contact: Contact, of_positions: float, carried: float
 ) -> Iterator[Record]:
     """Numbers of the contact on the map.
 
@@ -70,6 +74,8 @@ def contact_records(
     contact : Contact
     of_positions : float
         Relative error of the contact area between measurement positions; NaN where it is not known.
+    carried : float
+        Fraction of the load that the contact carries; a film carries the rest.
     """
     is_elastic = math.isinf(contact.hardness)
     most = POSITIVE if is_elastic else Bounds(0.0, contact.hardness, "the hardness")
@@ -91,6 +97,8 @@ def contact_records(
         record = _extrapolated(record, limits, quantity)
         if each.name in ("area_fraction", "contact_area"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
+        if carried < 1 and quantity in PARTS:
+            record = replace(record, note="the part of the asperities")
         yield record
 
 

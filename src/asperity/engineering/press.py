@@ -22,8 +22,10 @@ SMALLEST_APPROACH = 1e-7
 """Least approach over the range of heights; their rounding is 1e-16 of it."""
 
 
-def press(face: TreatedMap, case: Scene, progress: Progress | None = None) -> Contact:
-    """The contact of a case.
+def press(
+    face: TreatedMap, case: Scene, progress: Progress | None = None, hardness: float | None = None
+) -> Contact:
+    """The contact of a case, by default with the hardness of its bodies.
 
     Raises
     ------
@@ -32,7 +34,7 @@ def press(face: TreatedMap, case: Scene, progress: Progress | None = None) -> Co
     ConvergenceError
         If the contact does not converge.
     """
-    options = {"hardness": case.hardness, "boundary": face.boundary, **imposed_load(face, case)}
+    options = {"hardness": hardness or case.hardness, "boundary": face.boundary, **imposed_load(face, case)}
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
 
 
@@ -77,5 +79,4 @@ def plastic_contact(face: TreatedMap, case: Scene, contact: Contact) -> Contact 
     hardness = suggested_hardness(case)
     if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
         return None
-    under = case.under(mean_pressure=contact.mean_pressure)
-    return press(face, under.replaced(body=under.body.replaced(hardness=hardness)))
+    return press(face, case.under(mean_pressure=contact.mean_pressure), hardness=hardness)

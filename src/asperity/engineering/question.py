@@ -20,7 +20,7 @@ from asperity.engineering.contact_numbers import ContactNumbers
 from asperity.engineering.continuum import HalfGrid
 from asperity.engineering.face import RoughFace
 from asperity.engineering.places import Blocks
-from asperity.engineering.records import Advice, Record
+from asperity.engineering.records import Advice, Bounds, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Settings
 from asperity.surface.treatment.treatment import TreatedMap
@@ -133,6 +133,8 @@ class Findings:
         Body → numbers for the result of its stress.
     input_errors : mapping
         Quantity and body of a record → its relative error by the tolerances of the inputs.
+    bounds : mapping
+        Quantity of a record of the contact → bounds that it has under this question.
     """
 
     records: Sequence[Record] = ()
@@ -144,6 +146,7 @@ class Findings:
     peaks: Sequence[pd.DataFrame] = ()
     attributes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     input_errors: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    bounds: Mapping[str, Bounds] = field(default_factory=dict)
 
 
 class Question(Settings):

@@ -95,7 +95,7 @@ def answer_of(
         others = {key: answer_of(each).records for key, each in question.other_cases(asked).items()}
         found[name] = question.compute(replace(stages, others=others), parts.next(name))
         stages = replace(stages, records=[*stages.records, *found[name].records])
-    records = _with_inputs(stages.records, found)
+    records = _completed(stages.records, found)
     known = {each.quantity: each.value for each in records if not each.words}
     require_finite("run", known)
     warnings = advise(stages, compared, records, [each for one in found.values() for each in one.warnings])
@@ -190,7 +190,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     """The records that no question asks for."""
     numbers, blocks, contact = pressed.numbers, pressed.blocks, pressed.contact
     of_positions = np.nan if blocks is None else blocks.error(blocks.means(contact.pressure > 0))
-    found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions)]
+    found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions, pressed.asked.carried)]
     found += hertz_records(pressed.asked)
     if compared.plastic is not None:
         is_given = pressed.case.hardness is not None
@@ -200,15 +200,18 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     return found
 
 
-def _with_inputs(records: Sequence[Record], found: Mapping[str, Findings]) -> list[Record]:
-    """The records, those of a topic together, with their errors by the tolerances of the inputs."""
+def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list[Record]:
+    """The records, those of a topic together, with the bounds and errors that questions give to others."""
     relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
-    records = [
-        each.with_error(INPUTS, relative.get((each.quantity, each.body), 0.0) * abs(each.value))
+    bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
+    completed = [
+        replace(each, bounds=bounds.get(each.quantity, each.bounds)).with_error(
+            INPUTS, relative.get((each.quantity, each.body), 0.0) * abs(each.value)
+        )
         for each in records
     ]
-    topics = list(dict.fromkeys((each.topic, each.body) for each in records))
-    return sorted(records, key=lambda each: topics.index((each.topic, each.body)))
+    topics = list(dict.fromkeys((each.topic, each.body) for each in completed))
+    return sorted(completed, key=lambda each: topics.index((each.topic, each.body)))
 
 
 def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from asperity.core.errors import shown
-from asperity.settings.accuracy import KEYS, PARTS, PRESETS
+from asperity.settings.accuracy import PARTS, PRESETS
 from asperity.settings.configuration import Configuration, Contact
 from asperity.settings.model import Entry, Problem, SettingsError, described, entry_of, number
 from asperity.settings.sections import LOAD_LABELS, without_load
@@ -39,16 +39,6 @@ def check(config: Mapping[str, Any]) -> dict[str, Any]:
     if found := [Problem(*each) for each in _contradictions(whole)]:
         raise SettingsError("", found)
     return whole
-
-
-def default(key: str) -> Any:
-    """Default of a setting by its dotted key, None if it has none.
-
-    For a setting of accuracy, its value in the default preset.
-    """
-    if key in KEYS:
-        return getattr(PRESETS[default("accuracy")], KEYS[key])
-    return entry_of(Configuration, key).get("default")
 
 
 def complete(config: Mapping[str, Any]) -> dict[str, Any]:

@@ -48,7 +48,7 @@ LOW_SHARES = 0.5, 0.7
 
 OF_ALL, OF_ONE, OF_PLASTIC = 0.4, 0.6, 1.2
 """Error of the stress at all peaks, and at a single one, over the stated error of the largest stress; factor
-of both under a hardness (`benchmarks/volume.py`)."""
+of both under a hardness (`benchmarks/answers.py`)."""
 
 RESOLVED = 0.14
 """`resolution` below which these errors fall with its square."""

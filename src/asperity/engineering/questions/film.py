@@ -26,19 +26,19 @@ if TYPE_CHECKING:
 
     from asperity.engineering.face import RoughFace
 
-SPREAD = 1.6
-"""Ratio of the largest to the smallest load fraction of asperities by correlations, for Λ from 0.5 to 1."""
+SAME_SHARE = 0.01
+"""Relative difference of correlations below which nothing is said about it."""
 
 
 def _balan(ratio: float) -> float:
-    """M. R. D. Balan, L. Houpert, A. Tufescu, S. Cretu, Lubricants 3 (2015) 222, Eq. A2, doi
+    """M. R. D. Bălan, L. Houpert, A. Tufescu, D. N. Olaru, Lubricants 3 (2015) 222, Eq. A2, doi
     10.3390/lubricants3020222; 0 beyond its zero at Λ = 2.012, where it becomes negative.
     """
     return max(0.0, 1 - 1.21 * ratio**0.64 / (1 + 0.37 * ratio**1.26)) if ratio < 2.012 else 0.0
 
 
 SHARES_OF_ASPERITIES = {"arana": math.erfc, "balan": _balan}
-"""Correlation → share of the load on asperities as a function of Λ.
+"""Correlation → load fraction of the asperities as a function of Λ.
 
 1 − erf Λ: A. Arana, J. Larranaga, I. Ulacia, Proc. IMechE J 233 (2019) 303, Eq. 14, doi
 10.1177/1350650118778655.
@@ -87,14 +87,24 @@ class Film(Question):
         yield from ((key, ": half-spaces are needed with film") for key in case.layers_and_coatings)
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, None]:
-        """The case in which the asperities carry their fraction of the load."""
-        carried, load = 1 - self.share, case.load
+        """The case in which the asperities carry their fraction of the load.
+
+        Where asperities touch, their pressure and that of the film together reach at most the hardness.
+        """
+        carried, load, area = 1 - self.share, case.load, rough.face.grid.area
+        nominal = load.value / area if load.kind == "force" else case.cell_pressure
         if isinstance(load, Hertz):
-            part = {"mean_pressure": carried * case.cell_pressure}
+            nominal = case.cell_pressure
+            part = {"mean_pressure": carried * nominal}
             part |= {name: getattr(load, name) for name in ("radius_x", "radius_y", "at")}
         else:
             part = {load.kind: carried * load.value}
-        return case.replaced(load=part), rough, None
+        softer = {
+            name: body.replaced(hardness=body.hardness - self.share * nominal)
+            for name, body in case.groups_of_bodies.items()
+            if body.hardness is not None
+        }
+        return case.replaced(load=part, **softer), rough, None
 
     def loaded(self, loaded: LoadedSolid, contact: Contact, tractions: xr.Dataset | None) -> LoadedSolid:
         """A body under the pressure of the asperities and the pressure of the film."""
@@ -110,12 +120,15 @@ class Film(Question):
         note, warnings = "", []
         if self.lambda_ratio is not None:
             note = f"by the correlation {self.correlation} at Λ = {self.lambda_ratio:g}"
-            low, high = (1 - share) / SPREAD, min(1.0, (1 - share) * SPREAD)
-            text = f"published correlations of the fraction with Λ differ by a factor of {SPREAD:g}: the "
-            text += f"asperities carry {per_cent(low)} to {per_cent(high)} of the load at Λ = "
-            text += f"{self.lambda_ratio:g}."
-            short = f"film: the load on asperities is known to a factor of {SPREAD:g}"
-            warnings = [Advice(False, "load fraction of the film", text, short, SPREAD - 1)]
+            known = [of(self.lambda_ratio) for of in SHARES_OF_ASPERITIES.values()]
+            low, high = min(known), max(known)
+            size = high / low - 1 if low else math.inf
+            text = f"by the published correlations {', '.join(SHARES_OF_ASPERITIES)} the asperities carry "
+            text += f"{per_cent(low)} to {per_cent(high)} of the load at Λ = {self.lambda_ratio:g}; give "
+            text += "film.load_share where it is known better."
+            short = f"film: asperities carry {per_cent(low)} to {per_cent(high)} of the load by correlations"
+            is_small = size < SAME_SHARE
+            warnings = [] if is_small else [Advice(size > 1, "load fraction of the film", text, short, size)]
         film = share / (1 - share) * carried
         records = [
             fraction("load fraction of the film", share, topic=topic, note=note),

@@ -13,7 +13,7 @@ from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
 from asperity.engineering.press import press
 from asperity.engineering.question import Findings, Question, Stages
-from asperity.engineering.records import Advice, Record, fraction
+from asperity.engineering.records import Advice, Bounds, Record, fraction
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Whole, optional, setting
 from asperity.settings.quantities import Pressure
@@ -70,11 +70,10 @@ class RunningIn(Question):
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, Flattening]:
         """The elastic case and the flattened map."""
         hardness, face = self.hardness or case.hardness or math.inf, rough.face
-        plastic = case.replaced(body=case.body.replaced(hardness=hardness))
         first: Contact | None = None
         depths: list[float] = []
         for number in range(self.loads + 1):  # the last one shows if another load changes anything
-            contact = press(face, plastic)
+            contact = press(face, case, hardness=hardness)
             depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
             first, depths = first or contact, [*depths, depth]
             if number < self.loads:
@@ -85,7 +84,8 @@ class RunningIn(Question):
         done = f"flattened by {times}, by up to {shown_si(depths[0], 'm', 3)} at the first"
         face = replace(face, done=(*face.done, done))
         elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
-        return case.replaced(**elastic), rough._replace(face=face), Flattening(first, depths)
+        case = case.replaced(**elastic, running_in=self.replaced(hardness=hardness))
+        return case, rough._replace(face=face), Flattening(first, depths)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The first contact, the depth of flattening, and the depth by which another load would flatten."""
@@ -106,6 +106,7 @@ class RunningIn(Question):
             verdict=f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}"
             if depth
             else "",
+            bounds={"maximum pressure": Bounds(0.0, first.hardness, "the hardness at running-in")},
             warnings=[] if depth else [Advice(False, "running-in", nothing)],
             assumption="Running-in flattens the surface where the pressure reaches the hardness, without "
             "residual stress, pile-up or wear; numbers hold for the elastic contact after it.",

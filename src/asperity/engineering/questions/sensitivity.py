@@ -28,6 +28,9 @@ TOPIC = "change for one per cent more of an input"
 STEP = 0.01
 """Relative change of an input."""
 
+COUNTED, FEWEST_NODES = ("contact area fraction",), 10
+"""Quantities that count nodes, and the number of nodes from which a change of them is a number."""
+
 
 class Sensitivity(Question):
     """Change of the main numbers of the answer for one per cent of each input.
@@ -67,14 +70,18 @@ class Sensitivity(Question):
             known = {key: found[name] for key, found in values.items() if name in found}
             if own.quantity not in tiles or not (own.value and math.isfinite(own.value)) or not known:
                 continue
+            quantity, nodes = f"{own.quantity}: change", stages.numbers.contact_nodes
+            if own.quantity in COUNTED and STEP * nodes < FEWEST_NODES:
+                words = f"not known, as {100 * STEP:g} % of {nodes} contact nodes is too few to count"
+                records.append(Record(quantity, math.nan, topic=TOPIC, body=own.body, words=words))
+                continue
             changes = {key: value / own.value - 1 for key, value in known.items()}
             parts = [changes[key] / STEP * size for key, size in self.tolerances.items() if key in changes]
             if parts:
                 errors[name] = math.hypot(*parts)
             largest_first = sorted(changes.items(), key=lambda each: -abs(each[1]))
             shown = ", ".join(f"{key} {100 * change:+.2g} %" for key, change in largest_first)
-            quantity, change = f"{own.quantity}: change", largest_first[0][1]
-            records.append(Record(quantity, change, topic=TOPIC, body=own.body, words=shown))
+            records.append(Record(quantity, largest_first[0][1], topic=TOPIC, body=own.body, words=shown))
             rows += [(*name, *each) for each in changes.items()]
         table = pd.DataFrame(rows, columns=["quantity", "body", "input", "change"])
         return Findings(records=records, tables={"sensitivity": table}, input_errors=errors)

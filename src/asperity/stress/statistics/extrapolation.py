@@ -31,7 +31,7 @@ two spacings leave the diagonals of the grid empty.
 These shares hold for isotropic Gaussian surfaces. The errors of others are larger: along a lay neighbouring
 nodes err alike, plateaus and sharp crests have edges that the grid does not resolve. Their shares of the
 change are larger, and two measures of the grid are added (`OF_DEPARTURE`), both in proportion to the
-departure of the surface from an isotropic Gaussian one. `benchmarks/kinds.py` tests it on other kinds of
+departure of the surface from an isotropic Gaussian one. `benchmarks/answers.py` tests it on other
 surfaces than those on which the factors were chosen.
 
 A number whose error would be larger than `LARGEST_ERROR` has no estimate.
@@ -173,6 +173,11 @@ BEYOND_BAND = 0.04
 most 0.02 on band-limited ones, also with two nodes on the shortest wave, 0.08 to 0.8 with creases and
 grooves, and 0.02 to 0.1 where flat parts are cut out of a smooth surface."""
 
+TAIL, LEAST_TAIL, DIRECTED, PEAKED = 0.75, 0.01, 0.8, 3.5
+"""Parallel creases may leave the diagonals empty. They have more than `LEAST_TAIL` of the squared curvature
+in modes above `TAIL` of the largest wavenumber along an edge, in one direction (1 for a single one), and a
+curvature along one axis whose kurtosis is above `PEAKED`; it is 3 on a Gaussian surface."""
+
 OF_BEYOND_BAND = {"gradient_rms_contact": 5.0, **dict.fromkeys((*PERCENTILES, "extreme"), 8.0)}
 """Number → factor of ``beyond_band`` in an addition to its relative error."""
 
@@ -264,13 +269,14 @@ def reason_against_stress(found: xr.Dataset, error: xr.Dataset) -> str:
 
 def second_differences(height: Array, mirrored: bool = False) -> Array:
     """Curvature of periodic or mirrored heights times the squared spacing."""
-    found = -4 * height
-    for axis, nodes in enumerate(height.shape):
-        beyond = [(int(axis == other),) * 2 for other in (0, 1)]
-        around = np.pad(height, beyond, "symmetric" if mirrored else "wrap")
-        found += around.take(range(nodes), axis)
-        found += around.take(range(2, nodes + 2), axis)
-    return found
+    return _second_differences(height, 0, mirrored) + _second_differences(height, 1, mirrored)
+
+
+def _second_differences(height: Array, axis: int, mirrored: bool) -> Array:
+    """Curvature along one axis."""
+    beyond = [(int(axis == other),) * 2 for other in (0, 1)]
+    around, nodes = np.pad(height, beyond, "symmetric" if mirrored else "wrap"), height.shape[axis]
+    return around.take(range(nodes), axis) - 2 * height + around.take(range(2, nodes + 2), axis)
 
 
 def resolution(estimates: xr.Dataset) -> float:
@@ -502,7 +508,8 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
 
     ``unresolved`` is the root of u/(1 + u), where u is the share of the squared gradient over the contact in
     waves that half of the nodes along both edges do not hold. ``beyond_band`` is the share of the squared
-    curvature in modes shorter than two spacings, which a grid holds along its diagonals alone.
+    curvature in modes shorter than two spacings, which a grid holds along its diagonals alone; 1 of parallel
+    creases.
     """
     if results.height is None:
         return {"departure": 0.0, "unresolved": 0.0, "beyond_band": 0.0}
@@ -511,16 +518,25 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     halves = [max((n + 1) // 2, 2) if grid.mirrored else max(n // 2, 4) for n in grid.shape]
     fourier, half = Fourier(grid), Grid((halves[0], halves[1]), grid.length, grid.mirrored)
     modes = fourier.forward(height)
-    # Of the squared curvature, the share in modes shorter than the waves that fit in all directions.
-    power, step_y, step_x = np.abs(modes) ** 2 * grid.wavenumber() ** 4, *grid.spacing
-    beyond = np.hypot(step_y * grid.qy[:, None], step_x * grid.qx) > np.pi * (1 + 1e-9)
-    beyond_band = grid.sum_over_modes(power * beyond) / max(grid.sum_over_modes(power), 1e-300)
+    power = np.abs(modes) ** 2 * grid.wavenumber() ** 4
+    power /= max(grid.sum_over_modes(power), 1e-300)
+    y, x = (
+        np.array(step * q / np.pi) for step, q in zip(grid.spacing, (grid.qy[:, None], grid.qx), strict=True)
+    )
+    tail = power * (np.hypot(y, x) > TAIL)
+    parts = [grid.sum_over_modes(tail * part) for part in (1, y**2 - x**2, 2 * x * y, y**2 + x**2)]
+    directed = np.hypot(parts[1], 0 if grid.mirrored else parts[2]) / max(parts[3], 1e-300)
+    bends = [_second_differences(height, axis, grid.mirrored) for axis in (0, 1)]
+    peaked = max(np.mean(each**4) / max(np.mean(each**2) ** 2, 1e-300) for each in bends)
+    beyond_band = grid.sum_over_modes(power * (np.hypot(y, x) > 1 + 1e-9))
+    if parts[0] > LEAST_TAIL and directed > DIRECTED and peaked > PEAKED:  # parallel creases
+        beyond_band = 1.0
     along_y, along_x = gradient(modes, fourier)
     both, squared = 2 * np.mean(along_y * along_x), along_y**2 + along_x**2
     if grid.mirrored:  # the images have the other sign
         both = 0.0
     anisotropy = np.hypot(np.mean(along_x**2 - along_y**2), both) / max(squared.mean(), 1e-300)
-    bend = second_differences(height, grid.mirrored)
+    bend = bends[0] + bends[1]
     kurtosis = np.mean(bend**4) / max(np.mean(bend**2) ** 2, 1e-300)
     departures = [
         (measure - first) / (last - first)
