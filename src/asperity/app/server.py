@@ -134,10 +134,11 @@ class _Once(RequestHandler):
     def get(self, token: str) -> None:
         application: Any = self.application
         application.tokens.discard(token)
-        if not application.tokens:
-            print(f"{application.address()}  for another browser", flush=True)
         self.set_cookie(COOKIE, application.cookie, path="", httponly=True, samesite="Lax")  # for this folder
         self.redirect("./")
+        if not application.tokens:
+            with suppress(OSError):  # nobody reads the output
+                print(f"{application.address()}  for another browser", flush=True)
 
 
 class _OfSession:
