@@ -103,8 +103,8 @@ class _Application(BokehTornado):
         """Reason why a request is not answered; empty if it is."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if host not in self.hosts:
-            own, given = " and ".join(self.hosts), shown(host)
-            return f"asperity app answers {own}, not {given}: for a tunnel or proxy add --host-header {given}"
+            own, name = " and ".join(self.hosts), shown(host)
+            return f"asperity app answers {own}, not {name}: for a tunnel or proxy add --host-header {name}"
         if origin is not None and origin.partition("://")[2] not in self.hosts:
             return "asperity app answers no page of another server"
         cookie = request.cookies.get(COOKIE)
@@ -134,10 +134,11 @@ class _Once(RequestHandler):
     def get(self, token: str) -> None:
         application: Any = self.application
         application.tokens.discard(token)
-        if not application.tokens:
-            print(f"{application.address()}  for another browser", flush=True)
         self.set_cookie(COOKIE, application.cookie, path="", httponly=True, samesite="Lax")  # for this folder
         self.redirect("./")
+        if not application.tokens:
+            with suppress(OSError):  # nobody reads the output
+                print(f"{application.address()}  for another browser", flush=True)
 
 
 class _OfSession:
