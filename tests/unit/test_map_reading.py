@@ -174,9 +174,7 @@ def test_an_array_over_axes_is_read(tmp_path):
     np.testing.assert_allclose(found.height, 1e-9 * values.values)
     assert found.length == pytest.approx((6e-6, 8e-6))
     for wrong in (values.rename(x="a"), values > 0, values.values):
-        with pytest.raises(
-            ValueError, match="a DataArray of real numbers over y and x, is needed"
-        ):
+        with pytest.raises(ValueError, match="a DataArray of real numbers over y and x, is needed"):
             read_map(wrong)
 
 
