@@ -234,7 +234,7 @@ def checked_certificate(
     caused = norm * math.sqrt(response.largest_own_compliance * float(response.half_compliance.max()))
     scale = rms_height or float(pressure.max()) * problem.nodal_compliance or 1.0
     tolerance = min(MAX_UNDERESTIMATE * rtol * caused / scale, max(MAX_VIOLATION, MAX_UNDERESTIMATE * rtol))
-    lengths = tolerance + rounding * (caused + largest) / scale  # differences of heights may be rounding errors
+    lengths = tolerance + rounding * (caused + largest) / scale  # of which heights may consist
     allowed = {"tension": rounding, "load_imbalance": rtol + rounding}
     excess = max(
         value / (allowed.get(name, lengths) or math.ulp(0)) for name, value in found.violations.items()
