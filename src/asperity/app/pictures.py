@@ -19,7 +19,7 @@ SIGNED = tuple(interp_palette(RdBu11[::-1], 255))
 """Colours of a field with a sign; all palettes are safe for the colour-blind."""
 
 SPIKES = 3.0
-"""Distance from the quartiles of heights, over their range, beyond which heights have the colour of the end."""
+"""Distance from the quartiles of heights, over their range, beyond which all have one colour."""
 
 Ends = tuple[float, float, float, float]
 """Coordinates x, y of the first end of a line and x, y of the second one, in m."""

@@ -107,8 +107,8 @@ class _Application(BokehTornado):
             return f"asperity app answers {own}, not {given}: for a tunnel or proxy add --host-header {given}"
         if origin is not None and origin.partition("://")[2] not in self.hosts:
             return "asperity app answers no page of another server"
-        given = request.cookies.get(COOKIE)
-        is_known = given is not None and secrets.compare_digest(given.value, self.cookie)
+        cookie = request.cookies.get(COOKIE)
+        is_known = cookie is not None and secrets.compare_digest(cookie.value, self.cookie)
         if is_known or request.path.rpartition("/once-")[2] in self.tokens:
             return ""
         return (

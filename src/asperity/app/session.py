@@ -41,7 +41,7 @@ NEEDED = {
     "map.file": "a map",
     "body": "the material of the body, or its Young's modulus and Poisson's ratio",
     "load": "the load",
-    "choose.counter_body": "the kind of the counter body: of a rigid one the contact is smaller than of an elastic one",
+    "choose.counter_body": "the kind of the counter body: a rigid one makes the contact smaller",
 }
 """Key that is missing → what is needed, in words."""
 

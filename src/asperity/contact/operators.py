@@ -85,7 +85,7 @@ MAX_STEEPNESS = 2.0
 _TILE = 64
 
 # The inverse compliance of a layered solid is used as a stencil if it is positive definite, the sum of its
-# positive weights outside the middle is at most this fraction of the middle, and q G of the longest wave is at
+# positive weights outside the middle is at most this fraction of the middle, and q G of the longest wave at
 # most so many times that of the shortest. Otherwise, as under stiff films, a sparse inverse is made for every
 # contact, which takes fewer iterations but more time on large contacts.
 MAX_OUTWARD, MAX_SOFTNESS = 0.5, 30.0

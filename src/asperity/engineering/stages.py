@@ -6,7 +6,7 @@ Each stage adds its results once. A question gets the complete results of the st
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from importlib.metadata import version
@@ -200,18 +200,18 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     return found
 
 
-def _completed(records: list[Record], found: Mapping[str, Findings]) -> list[Record]:
+def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list[Record]:
     """The records, those of a topic together, with the bounds and errors that questions give to others."""
     relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
     bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
-    records = [
+    completed = [
         replace(each, bounds=bounds.get(each.quantity, each.bounds)).with_error(
             INPUTS, relative.get((each.quantity, each.body), 0.0) * abs(each.value)
         )
         for each in records
     ]
-    topics = list(dict.fromkeys((each.topic, each.body) for each in records))
-    return sorted(records, key=lambda each: topics.index((each.topic, each.body)))
+    topics = list(dict.fromkeys((each.topic, each.body) for each in completed))
+    return sorted(completed, key=lambda each: topics.index((each.topic, each.body)))
 
 
 def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
