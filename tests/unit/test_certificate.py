@@ -68,3 +68,12 @@ def test_flat_certificate_is_relative_to_nodal_displacement():
     found = verify_contact(flat, pressure, asp.Solid(2.0, 0.0), approach=approach)
     assert found.penetration == pytest.approx(approach / (3.0 / 16 / 2.0))
     assert found.complementarity == pytest.approx(found.penetration, rel=1e-12)
+
+
+def test_heights_of_rounding_errors_are_flat():
+    """Faces that mesh: their sum is 1e-16 of the heights, less than the rounding errors of the pressure."""
+    waves = np.tile(1e-3 * np.cos(2 * np.pi * np.arange(64) / 64), (4, 1))
+    left = waves + np.roll(waves, 32, 1)
+    assert 0 < np.ptp(left) < 1e-17
+    contact = asp.solve_contact(left, asp.Solid(1.0, 0.3), (1 / 16, 1.0), mean_pressure=1e-3)
+    np.testing.assert_allclose(contact.pressure, 1e-3, rtol=1e-6)

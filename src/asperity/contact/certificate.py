@@ -30,8 +30,8 @@ from asperity.fourier.grid import Edges, Grid
 MAX_UNDERESTIMATE = 10.0
 MAX_ROUNDINGS = 10.0
 
-# No length may be wrong by more than this fraction of the rms height: a stiff solid that is pressed far
-# beyond full contact has a pressure whose tolerance exceeds all differences of the heights.
+# The tolerance of the pressure may change no length by more than this fraction of the rms height: a stiff
+# solid that is pressed far beyond full contact has one that exceeds all differences of the heights.
 MAX_VIOLATION = 1e-2
 
 
@@ -233,8 +233,8 @@ def checked_certificate(
     norm = math.sqrt(sum_parts(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
     caused = norm * math.sqrt(response.largest_own_compliance * float(response.half_compliance.max()))
     scale = rms_height or float(pressure.max()) * problem.nodal_compliance or 1.0
-    lengths = (MAX_UNDERESTIMATE * rtol * caused + rounding * largest) / scale
-    lengths = min(lengths, max(MAX_VIOLATION, MAX_UNDERESTIMATE * rtol))
+    tolerance = min(MAX_UNDERESTIMATE * rtol * caused / scale, max(MAX_VIOLATION, MAX_UNDERESTIMATE * rtol))
+    lengths = tolerance + rounding * (caused + largest) / scale  # of which heights may consist
     allowed = {"tension": rounding, "load_imbalance": rtol + rounding}
     excess = max(
         value / (allowed.get(name, lengths) or math.ulp(0)) for name, value in found.violations.items()
