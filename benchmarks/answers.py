@@ -114,10 +114,10 @@ def measured(contact: asp.Contact, limits: Array) -> tuple[xr.Dataset, list[Exce
 
 def numbers_of(estimates: xr.Dataset) -> Iterator[tuple[str, float, float, float]]:
     """Name, value on the grid, estimate and its error of the numbers of an answer."""
-    chosen = {"real contact": "area_fraction", "rms gradient in contact": "gradient_rms_contact"}
+    chosen = {"real contact": "contact_area_fraction", "rms gradient in contact": "gradient_rms_contact"}
     numbers = {words: estimates[name] for words, name in chosen.items()}
     for words, quantity in (("pressure", "pressure"), ("von Mises", "von_mises")):
-        names = {"p90": "90th", "p99": "99th"} | ({"largest": "largest"} if quantity == "pressure" else {})
+        names = {"p90": "90th", "p99": "99th"} | ({"maximum": "maximum"} if quantity == "pressure" else {})
         for name, share in names.items():
             numbers[f"{words}, {share}"] = estimates[name].sel(quantity=quantity)
     for name in ("mean_depth", "mean_depth_highest"):
@@ -131,7 +131,7 @@ def numbers_of(estimates: xr.Dataset) -> Iterator[tuple[str, float, float, float
 
 def compared(case: Case) -> list[random_cases.Row]:
     """A row for each number and each number of nodes."""
-    elastic = asp.solve_contact(height_of(case, 8), LAYER, area_fraction=case["area"])
+    elastic = asp.solve_contact(height_of(case, 8), LAYER, contact_area_fraction=case["area"])
     load, hardness = elastic.mean_pressure, None
     if "hardness" in str(case["kind"]):
         quantile = np.quantile(elastic.pressure[elastic.pressure > 0], case["share"])
@@ -141,7 +141,7 @@ def compared(case: Case) -> list[random_cases.Row]:
         for nodes in (*NODES, FINEST)
     }
     stress = asp.analyse_stress(contacts[8], quantities=("von_mises",), tolerance=1e-4)
-    limits = np.array(YIELD) * float(stress["largest_von_mises"].max())
+    limits = np.array(YIELD) * float(stress["maximum_von_mises"].max())
     truth, exact_volumes, _ = measured(contacts.pop(FINEST), limits)
     exact = {name: best if np.isfinite(best) else value for name, value, best, _ in numbers_of(truth)}
     rows = []

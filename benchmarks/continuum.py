@@ -36,7 +36,7 @@ def random_surface(generator: np.random.Generator) -> dict[str, float]:
         "wavelengths": int(ratio),
         "cells": int(cells),
         "seed": int(generator.integers(2**31)),
-        "area_fraction": float(small if is_small else generator.uniform(0.2, 0.95)),
+        "contact_area_fraction": float(small if is_small else generator.uniform(0.2, 0.95)),
         "gamma": float(generator.choice([-0.4, 0.4])) if skewed else 0.0,
         "delta": 1.5 if skewed else 0.0,
     }
@@ -63,12 +63,12 @@ def estimated(surface: dict[str, float], nodes: int, **load: float) -> tuple[asp
 
 def compared(surface: dict[str, float]) -> list[random_cases.Row]:
     """Errors of the values on the grid and of the estimates, a row for each output and number of nodes."""
-    contact, estimates = estimated(surface, NODES[-1], area_fraction=surface["area_fraction"])
+    contact, estimates = estimated(surface, NODES[-1], contact_area_fraction=surface["contact_area_fraction"])
     load = contact.mean_pressure
     coarse = {nodes: estimated(surface, nodes, mean_pressure=load)[1] for nodes in NODES[:-1]}
     truth, rows = estimated(surface, FINEST, mean_pressure=load)[1], []
     for nodes, found in {**coarse, NODES[-1]: estimates}.items():
-        known = {"nodes": nodes, "area_fraction": surface["area_fraction"]}
+        known = {"nodes": nodes, "contact_area_fraction": surface["contact_area_fraction"]}
         if found.attrs.get("reason"):
             rows.append({**known, "output": "none", "on_grid": np.nan, "true": np.nan, "stated": np.nan})
             continue
@@ -92,7 +92,7 @@ def cases(generator: np.random.Generator, count: int) -> Iterator[dict[str, floa
 
 def table(rows: pd.DataFrame) -> pd.DataFrame:
     """Errors by nodes, range of areas and output; output none counts surfaces without estimate."""
-    ranges = pd.cut(rows["area_fraction"], AREAS).astype(str)
+    ranges = pd.cut(rows["contact_area_fraction"], AREAS).astype(str)
     every = pd.concat([rows.assign(areas="all"), rows.assign(areas=ranges)])
     columns = ["on_grid_median", "on_grid_p90", "true_median", "true_p90", "stated_median", "covered"]
     return random_cases.covered(every, ["nodes", "areas", "output"], columns)

@@ -34,7 +34,10 @@ def peaks_of(surface: str) -> list[dict[str, np.ndarray]]:
         return asp.surface.johnson(gaussian, gamma, 1.0) if gamma else gaussian
 
     load = np.mean(
-        [asp.solve_contact(height(seed), LAYER, area_fraction=area).mean_pressure for seed in range(5)]
+        [
+            asp.solve_contact(height(seed), LAYER, contact_area_fraction=area).mean_pressure
+            for seed in range(5)
+        ]
     )
     found = []
     for seed in tqdm(range(100, 100 + CELLS), desc=surface):

@@ -109,7 +109,7 @@ def main():
                     height = asp.self_affine(shape, 0.8, 0.5, 8 / options.points, 1e-3, seed)
                     solid = asp.Solid(1.0, poisson)
                     contact = asp.solve_contact(
-                        height, solid, area_fraction=area, boundary=boundary, rtol=1e-9
+                        height, solid, contact_area_fraction=area, boundary=boundary, rtol=1e-9
                     )
                     matrix = compliance(contact, poisson)
                     found += [errors(contact, share, matrix) for share in SHARES]

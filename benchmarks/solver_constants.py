@@ -36,7 +36,7 @@ def cost():
     for hurst in (0.2, 0.8):
         height = rough(POINTS, hurst)
         load = {"mean_pressure": load_on(height, FRACTION)}
-        for imposed in (load, {"area_fraction": 0.01}, {"area_fraction": 0.1}):
+        for imposed in (load, {"contact_area_fraction": 0.01}, {"contact_area_fraction": 0.1}):
             certificate = asp.solve_contact(height, LAYER, **imposed).certificate
             spent.append((certificate.pairs, certificate.iterations))
     return np.mean(spent, axis=0)

@@ -30,7 +30,11 @@ def statistics(hurst: float, nodes: int, loads: dict[tuple[float, int], float]) 
     config, each = read_study(["config/config.yaml"]), []
     for seed in SEEDS:
         surface = make_surface({"hurst": hurst, **BAND, "points": 64 * nodes}, seed)
-        load = {"mean_pressure": loads[hurst, seed]} if (hurst, seed) in loads else {"area_fraction": 0.1}
+        load = (
+            {"mean_pressure": loads[hurst, seed]}
+            if (hurst, seed) in loads
+            else {"contact_area_fraction": 0.1}
+        )
         chosen = {name: config["contact"][name] for name in ("method", "tolerance", "precision")}
         contact = press_surface(surface, config["layer"], chosen | load)
         loads.setdefault((hurst, seed), float(contact["mean_pressure"]))

@@ -43,7 +43,9 @@ def under(pressure: Array) -> asp.LoadedSolid:
 
 def press(points: int) -> asp.LoadedSolid:
     """Contact at ten per cent area with eight nodes on the shortest wave, and the longest wave L/8."""
-    return under(asp.solve_contact(rough(points, HURST), LAYER, area_fraction=0.1, rtol=1e-5).pressure)
+    return under(
+        asp.solve_contact(rough(points, HURST), LAYER, contact_area_fraction=0.1, rtol=1e-5).pressure
+    )
 
 
 def measure_once(path: Path, threads: int) -> None:

@@ -51,7 +51,7 @@ HEIGHTS = (0.5, 1.0)
 """Heights, in cell lengths, of the layers that are replaced by a half-space."""
 
 SHOWN = {
-    "area_fraction": "area at given load",
+    "contact_area_fraction": "area at given load",
     "proportionality": "κ_r",
     "pressure_p99": "p99 of pressure",
     "von_mises_p99": "p99 of von Mises",
@@ -97,13 +97,15 @@ def pressed(
     times.append(time.process_time())
     von_mises = found.sel(quantity="von_mises")
     outputs = {
-        **{name: found[name] for name in ("area_fraction", "gradient_rms_contact", "proportionality")},
+        **{
+            name: found[name] for name in ("contact_area_fraction", "gradient_rms_contact", "proportionality")
+        },
         **{
             f"{kind}_{name}": found[name].sel(quantity=kind)
             for kind in ("pressure", "von_mises")
             for name in ("p90", "p99")
         },
-        "largest_von_mises": von_mises["largest"],
+        "maximum_von_mises": von_mises["largest"],
         "peak_depth": von_mises["mean_depth"],
         "peak_depth_highest": von_mises["mean_depth_highest"],
         **{name: found[name] for name in ("decay_length_depth", "decay_length_plane")},
@@ -116,7 +118,7 @@ def pressed(
 
 def runs(hurst: float, area: float) -> Iterator[tuple[str, str, pd.DataFrame]]:
     """Parameter, setting, and errors of every run of one kind of surface under one load."""
-    load: dict[str, float] = {"area_fraction": area}
+    load: dict[str, float] = {"contact_area_fraction": area}
     estimates = []
     for seed in tqdm(SEEDS, f"H = {hurst}, area {area:.0%}"):
         surface = surface_of(hurst, seed)
@@ -167,9 +169,9 @@ def timed() -> Iterator[pd.DataFrame]:
         changes = {parameter: getattr(preset, parameter) for parameter in VARIED}
         kinds.append(("accuracy", name, preset.points_per_wavelength, changes))
     for parameter, setting, nodes, changes in tqdm(kinds, "times"):
-        found = pressed(surface_of(0.8, 1, 32), nodes, {"area_fraction": max(AREAS)}, **changes)[1]
+        found = pressed(surface_of(0.8, 1, 32), nodes, {"contact_area_fraction": max(AREAS)}, **changes)[1]
         row = found.loc[["seconds"]].rename_axis("output").reset_index()
-        yield row.assign(area_fraction=max(AREAS), parameter=parameter, setting=setting)
+        yield row.assign(contact_area_fraction=max(AREAS), parameter=parameter, setting=setting)
 
 
 def measure() -> pd.DataFrame:
@@ -179,10 +181,10 @@ def measure() -> pd.DataFrame:
         for hurst in EXPONENTS:
             for parameter, setting, errors in runs(hurst, area):
                 table = errors.rename_axis("output").reset_index()
-                rows.append(table.assign(area_fraction=area, parameter=parameter, setting=setting))
+                rows.append(table.assign(contact_area_fraction=area, parameter=parameter, setting=setting))
     rows += timed()  # after all functions have been compiled
     every = pd.concat(rows, ignore_index=True).rename(columns={"estimate": "error"})
-    keys = ["area_fraction", "parameter", "setting", "output"]
+    keys = ["contact_area_fraction", "parameter", "setting", "output"]
     largest = every.groupby(keys, sort=False)[["on_grid", "error"]].max()
     of_seeds = every[every["parameter"] == "seeds"].groupby(keys, sort=False)["error"]
     freedom = len(EXPONENTS) * (len(SEEDS) - 1)
@@ -198,7 +200,7 @@ def percent(value: float) -> str:
 
 def tables(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Tables of the pages by their mark."""
-    at = table[table["area_fraction"] == max(AREAS)].set_index(["parameter", "setting", "output"])
+    at = table[table["contact_area_fraction"] == max(AREAS)].set_index(["parameter", "setting", "output"])
     at = at.sort_index()
     grids = []
     for nodes in GRIDS:
@@ -236,10 +238,12 @@ def write_pages(table: pd.DataFrame) -> None:
 def draw(table: pd.DataFrame) -> Any:
     """Errors of three outputs against the processor time, on the grid and corrected."""
     figure, axes = panels(columns=3, height=60)
-    at = table[(table["area_fraction"] == max(AREAS)) & (table["parameter"] == "points_per_wavelength")]
+    at = table[
+        (table["contact_area_fraction"] == max(AREAS)) & (table["parameter"] == "points_per_wavelength")
+    ]
     by_grid = at.pivot(index="setting", columns="output", values=["on_grid", "error"])
     by_grid = by_grid.loc[[str(nodes) for nodes in GRIDS]]
-    for axis, name in zip(axes, ("area_fraction", "von_mises_p99", "peak_depth"), strict=True):
+    for axis, name in zip(axes, ("contact_area_fraction", "von_mises_p99", "peak_depth"), strict=True):
         for kind, text, marker in (("on_grid", "on the grid", "o"), ("error", "corrected", "s")):
             seconds, errors = by_grid[kind, "seconds"], 100 * by_grid[kind, name]
             axis.loglog(seconds, errors, marker=marker, label=text)

@@ -27,7 +27,7 @@ def load_of(height, fraction=0.05):
 def hardened(height, share, solid=HALF_SPACE, **settings):
     """A contact whose hardness is a share of its largest pressure without one."""
     settings = {"mean_pressure": load_of(height)} | settings
-    largest = asp.solve_contact(height, solid, **settings).max_pressure
+    largest = asp.solve_contact(height, solid, **settings).maximum_pressure
     return asp.solve_contact(height, solid, hardness=share * largest, **settings)
 
 
@@ -56,7 +56,7 @@ def invariants(stress):
     third, second, first = np.moveaxis(np.linalg.eigvalsh(tensor), -1, 0)
     squares = (first - second) ** 2 + (second - third) ** 2 + (third - first) ** 2
     fields = {"principal_1": first, "principal_2": second, "principal_3": third}
-    fields |= {"largest_shear": (first - third) / 2, "von_mises": np.sqrt(squares / 2)}
+    fields |= {"maximum_shear": (first - third) / 2, "von_mises": np.sqrt(squares / 2)}
     return fields | {"hydrostatic": (xx + yy + zz) / 3}
 
 

@@ -26,7 +26,7 @@ REFERENCE = Path("tests/reference/quick.json")
 
 _OF_SURFACE = ("rms_gradient", "skewness", "kurtosis")
 _OF_CONTACT = (
-    *("area_fraction", "mean_pressure", "gradient_rms_contact", "approach", "proportionality"),
+    *("contact_area_fraction", "mean_pressure", "gradient_rms_contact", "approach", "proportionality"),
     *("load_exponent", "proportionality_change", "patches", "patch_radius"),
 )
 OF_SEED = {
@@ -36,7 +36,7 @@ OF_SEED = {
 """Name of a number in the reference → variable of stage statistics."""
 
 OF_POISSON = {
-    "profile.largest": "seed_largest_von_mises",
+    "profile.maximum": "seed_maximum_von_mises",
     "profile.reference_depth": "seed_reference_depth",
     "decay.depth": "seed_decay_length_depth",
     "decay.plane": "seed_decay_length_plane",
@@ -56,7 +56,7 @@ OF_PEAKS = {
 OF_UNIFORM_MODE = ("von_mises", "xx")
 """Quantities that another condition of the mean (q = 0) mode changes."""
 
-PERCENTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "largest": 1.0}
+PERCENTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "maximum": 1.0}
 """Name of a number in the reference → level of the quantiles of the peaks."""
 
 
@@ -78,7 +78,7 @@ TOLERANCES = (
     Tolerance(r"statement\.", 1e-2, "differences of distributions, and of numbers that are nearly the same"),
     Tolerance(r"surface\.", 1e-10, "sums over a given sample, equal except for rounding"),
     Tolerance(
-        r"contact\.(area_fraction|patch)|.*\.count|profile\.reference_depth",
+        r"contact\.(contact_area_fraction|patch)|.*\.count|profile\.reference_depth",
         1e-3,
         "counts of nodes, with an allowance of one node in a thousand; neither change moves any",
     ),

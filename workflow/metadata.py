@@ -34,7 +34,7 @@ ADDRESSED = (
 )
 SHOWN = """accuracy seeds results fft_engine figures studies surfaces.NAME.hurst surfaces.NAME.rms_height
 surfaces.NAME.wavelength_long surfaces.NAME.wavelength_short measured.NAME.file layer.poisson layer.height
-contact.area_fraction stress.poisson"""
+contact.contact_area_fraction stress.poisson"""
 MARK = "<!-- parameters: python workflow/metadata.py -->\n"
 
 

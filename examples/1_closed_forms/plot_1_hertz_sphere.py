@@ -24,26 +24,26 @@ steel = asp.Solid(young=210e9, poisson=0.3)  # Pa; without a height it is a half
 grid = asp.Grid((128, 128), 0.3e-3)
 height = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
 contact = asp.solve_contact(height, steel, grid.length, force=force, boundary="free")
-print(f"largest pressure {contact.max_pressure / 1e9:.3f} GPa")
+print(f"largest pressure {contact.maximum_pressure / 1e9:.3f} GPa")
 print(f"largest violation of the conditions of contact {contact.certificate.worst:.1e}")
 
 # %%
 # The stress below the ball, in a section through its axis.
 stress = asp.analyse_stress(contact, depths=np.linspace(0, 0.25e-3, 51), quantities=("von_mises",))
 contact_radius = np.cbrt(3 * force * radius / (4 * steel.effective_modulus))
-largest_pressure = 3 * force / (2 * np.pi * contact_radius**2)
+maximum_pressure = 3 * force / (2 * np.pi * contact_radius**2)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), layout="compressed")
 y, x = grid.coordinates()
 middle = grid.shape[0] // 2
 r = x - (x[0] + x[-1]) / 2
-left.plot(r / contact_radius, contact.pressure[middle] / largest_pressure, ".", label="computed")
+left.plot(r / contact_radius, contact.pressure[middle] / maximum_pressure, ".", label="computed")
 inside = np.linspace(-1, 1, 201)
 left.plot(inside, np.sqrt(1 - inside**2), label="Hertz")
 left.set(xlabel="x/a", ylabel="p/p₀")
 left.legend()
-profile = stress["largest_von_mises"].isel(poisson=0).values
-right.plot(stress["plane_depth"] / contact_radius, profile / largest_pressure)
+profile = stress["maximum_von_mises"].isel(poisson=0).values
+right.plot(stress["plane_depth"] / contact_radius, profile / maximum_pressure)
 right.plot(0.481, 0.620, "o", label="Huber: 0.620 p₀ at 0.48 a")
 right.set(xlabel="depth/a", ylabel="largest von Mises stress/p₀")
 right.legend()
@@ -52,7 +52,7 @@ plt.show()
 # %%
 # **Check**: pressure, contact area and the largest von Mises stress with its depth.
 deepest = int(profile.argmax())
-assert abs(contact.max_pressure / largest_pressure - 1) < 0.002
-assert abs(contact.area_fraction * grid.area / (np.pi * contact_radius**2) - 1) < 0.02
-assert abs(profile[deepest] / largest_pressure - 0.620) < 0.002
+assert abs(contact.maximum_pressure / maximum_pressure - 1) < 0.002
+assert abs(contact.contact_area_fraction * grid.area / (np.pi * contact_radius**2) - 1) < 0.02
+assert abs(profile[deepest] / maximum_pressure - 0.620) < 0.002
 assert abs(float(stress["plane_depth"][deepest]) / contact_radius - 0.481) < 0.04

@@ -21,7 +21,9 @@ ball = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
 contact = asp.solve_contact(ball, pair, grid.length, force=force, boundary="free")
 hertz = Hertz.from_load(force, radius, pair.effective_modulus)
 print(f"E* of the pair {pair.effective_modulus / 1e9:.1f} GPa")
-print(f"largest pressure {contact.max_pressure / 1e6:.0f} MPa, Hertz {hertz.largest_pressure / 1e6:.0f} MPa")
+print(
+    f"largest pressure {contact.maximum_pressure / 1e6:.0f} MPa, Hertz {hertz.maximum_pressure / 1e6:.0f} MPa"
+)
 
 # %%
 # ``in_body`` gives the body whose stress is asked for. The curve is Huber's solution on the axis.
@@ -44,7 +46,7 @@ plt.show()
 # %%
 # **Check**: the pressure is that of Hertz for the pair, the stress in each body that of its own Poisson's
 # ratio, and exchanging the bodies changes no pressure.
-assert abs(contact.max_pressure / hertz.largest_pressure - 1) < 0.003
+assert abs(contact.maximum_pressure / hertz.maximum_pressure - 1) < 0.003
 for found, expected in largest.values():
     assert abs(found / expected - 1) < 0.005
 assert largest["lower"][0] < largest["upper"][0]

@@ -27,7 +27,7 @@ hertz = Hertz.from_load(20.0, 10e-3, steel.effective_modulus)
 # pressure.
 y, x = (axis - (axis[0] + axis[-1]) / 2 for axis in grid.coordinates())
 pressed = asp.LoadedSolid(hertz.pressure(np.hypot(y[:, None], x)), grid, steel, "free")
-a, p0 = hertz.contact_radius, hertz.largest_pressure
+a, p0 = hertz.contact_radius, hertz.maximum_pressure
 
 # %%
 # Sections through the axis without and with friction. The other body moves to the right.

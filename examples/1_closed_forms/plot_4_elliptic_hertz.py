@@ -34,8 +34,8 @@ plt.show()
 
 # %%
 # **Check**: largest pressure, semi-axes, and the largest von Mises stress below the middle.
-print(f"p₀ {contact.max_pressure / 1e6:.0f} MPa, closed form {hertz.largest_pressure / 1e6:.0f} MPa")
-assert abs(contact.max_pressure / hertz.largest_pressure - 1) < 0.005
+print(f"p₀ {contact.maximum_pressure / 1e6:.0f} MPa, closed form {hertz.maximum_pressure / 1e6:.0f} MPa")
+assert abs(contact.maximum_pressure / hertz.maximum_pressure - 1) < 0.005
 touching = contact.pressure > 0
 widths = [
     np.ptp(np.nonzero(touching.any(axis=other))[0]) * step
@@ -43,7 +43,7 @@ widths = [
 ]
 assert abs(widths[0] - 2 * hertz.semi_minor) < 2 * grid.spacing[0]
 assert abs(widths[1] - 2 * hertz.semi_major) < 2 * grid.spacing[1]
-peak = hertz.largest_von_mises_on_axis(steel.poisson)
+peak = hertz.maximum_von_mises_on_axis(steel.poisson)
 depths = np.linspace(0.8, 1.2, 9) * peak.depth
 largest = max(plane.fields["von_mises"].max() for plane in asp.stress_planes(contact, depths))
 assert abs(largest / peak.value - 1) < 0.01

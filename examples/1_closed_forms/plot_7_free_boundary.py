@@ -24,8 +24,8 @@ forces = [Hertz(a, 20.0, solid.effective_modulus).load for a in contact_radius]
 errors = {}
 for boundary in ("free", "periodic"):
     path = asp.solve_load_path(ball, solid, grid.length, forces=forces, boundary=boundary)
-    hertz = [Hertz(a, 20.0, solid.effective_modulus).largest_pressure for a in contact_radius]
-    errors[boundary] = np.array([contact.max_pressure for contact in path]) / hertz - 1
+    hertz = [Hertz(a, 20.0, solid.effective_modulus).maximum_pressure for a in contact_radius]
+    errors[boundary] = np.array([contact.maximum_pressure for contact in path]) / hertz - 1
 
 figure, axes = plt.subplots(figsize=(6, 3.6), layout="compressed")
 for boundary, error in errors.items():

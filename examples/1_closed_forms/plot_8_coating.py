@@ -30,7 +30,9 @@ for name, ratio in {"soft coating": 0.25, "no coating": 1.0, "hard coating": 4.0
     ).paraboloid(contact_radius, radius)
     contacts[name] = asp.solve_contact(height, solid, grid, force=single.load)
     expected[name] = float(single.pressure(0.0))
-    print(f"{name}: largest pressure {contacts[name].max_pressure / expected[name]:.4f} of the expected one")
+    print(
+        f"{name}: largest pressure {contacts[name].maximum_pressure / expected[name]:.4f} of the expected one"
+    )
 
 # %%
 # The stress below the middle. Depths hold both faces of the interface: ``layer.interface`` is the lower face
@@ -44,7 +46,7 @@ figure, axes = plt.subplots(1, 2, figsize=(8, 3.8), sharey=True, layout="compres
 for name, section in sections.items():
     middle = section.sel(x=0.5)
     for axis, field in zip(axes, ("xx", "von_mises"), strict=True):
-        axis.plot(middle[field] / contacts[name].max_pressure, depths / thickness, label=name)
+        axis.plot(middle[field] / contacts[name].maximum_pressure, depths / thickness, label=name)
 for axis, label in zip(axes, (r"$\sigma_{xx}/p_0$", r"von Mises stress/$p_0$"), strict=True):
     axis.axhline(1, color="0.6", lw=0.8)
     axis.set(xlabel=label)
@@ -70,10 +72,10 @@ plt.show()
 # on the interface, and the strain under the middle, where both lateral stresses are equal.
 faces = [thickness, np.nextafter(thickness, 1)]
 for name, contact in contacts.items():
-    np.testing.assert_allclose(contact.max_pressure, expected[name], rtol=2e-3)
+    np.testing.assert_allclose(contact.maximum_pressure, expected[name], rtol=2e-3)
     above, below = (sections[name].sel(depth=face) for face in faces)
     for field in ("zz", "xz"):
-        np.testing.assert_allclose(above[field], below[field], atol=1e-5 * contact.max_pressure)
+        np.testing.assert_allclose(above[field], below[field], atol=1e-5 * contact.maximum_pressure)
     strain = [
         ((1 - poisson) * face["xx"] - poisson * face["zz"]).sel(x=0.5).item() / young
         for face, young in ((above, contact.layer.young), (below, base.young))
@@ -81,5 +83,5 @@ for name, contact in contacts.items():
     np.testing.assert_allclose(*strain, rtol=1e-4)
 hard = sections["hard coating"]
 assert hard["xx"].sel(depth=faces[0]).max() > 0 > hard["xx"].sel(depth=faces[1], x=0.5)
-pressures = [contact.max_pressure for contact in contacts.values()]
+pressures = [contact.maximum_pressure for contact in contacts.values()]
 assert pressures == sorted(pressures)

@@ -18,7 +18,7 @@ solid, radius, half = asp.Solid(young=1.0, poisson=0.3), 1.0, 0.1
 ball = asp.stress.HertzContact.from_radii(
     radius, radius, solid.effective_modulus, force=4 / 3 * half**3 / 0.91
 )
-largest, wave = ball.largest_pressure, half / 6
+largest, wave = ball.maximum_pressure, half / 6
 
 # %%
 # The whole ball with a wave along x in complete contact, whose pressure has half of p₀ as amplitude.

@@ -25,7 +25,7 @@ for hurst in exponents:
     inside = (wavenumber > 2 * np.pi * 4.5) & (wavenumber < 2 * np.pi * 31)
     slopes.append(np.polyfit(np.log(wavenumber[inside]), np.log(power[inside]), 1)[0])
     left.loglog(wavenumber[inside], power[inside], label=f"H = {hurst}")
-    contact = asp.solve_contact(height, solid, area_fraction=0.1)
+    contact = asp.solve_contact(height, solid, contact_area_fraction=0.1)
     stress = asp.analyse_stress(contact, quantities=("von_mises",), tolerance=1e-4)
     found = asp.stress.select_peaks(stress, "von_mises", selection="under_contact")
     value = found["peak_value"] / (contact.solid.effective_modulus * contact.gradient_rms_contact)

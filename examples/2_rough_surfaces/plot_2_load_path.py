@@ -22,7 +22,7 @@ scaled = np.array([0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0])
 contacts = list(
     asp.solve_load_path(height, solid, mean_pressures=scaled * solid.effective_modulus * gradient)
 )
-area = np.array([contact.area_fraction for contact in contacts])
+area = np.array([contact.contact_area_fraction for contact in contacts])
 kappa = area / scaled
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="compressed")
@@ -39,7 +39,8 @@ plt.show()
 for contact in contacts[::3]:
     inside = contact.mean_contact_pressure / (solid.effective_modulus * contact.gradient_rms_contact)
     print(
-        f"area {contact.area_fraction:.3f}, pressure inside {inside:.3f} E*ḡ_r, gap {contact.gap.mean():.2e}"
+        f"area {contact.contact_area_fraction:.3f}, pressure inside {inside:.3f} E*ḡ_r, "
+        f"gap {contact.gap.mean():.2e}"
     )
 
 # %%

@@ -16,7 +16,7 @@ depths = asp.stress.depth_grid(asp.Grid((192, 192)), height=0.25)
 stresses, gradients = [], []
 for seed in range(1, 5):
     height = asp.self_affine((192, 192), 0.8, 1 / 4, 1 / 24, rms_height=1e-3, seed=seed)
-    contact = asp.solve_contact(height, solid, area_fraction=0.1)
+    contact = asp.solve_contact(height, solid, contact_area_fraction=0.1)
     stresses.append(
         asp.analyse_stress(
             contact, depths, poisson=[0.0, 0.33, 0.5], quantities=("von_mises",), tolerance=1e-4

@@ -35,7 +35,10 @@ plt.show()
 # %%
 # At one load the sharp surface has the smaller area and the higher pressure.
 for name, contact in contacts.items():
-    print(f"{name:9s} area {contact.area_fraction:.3f}  largest pressure {contact.max_pressure:.4f} E*")
+    print(
+        f"{name:9s} area {contact.contact_area_fraction:.3f}  "
+        f"maximum pressure {contact.maximum_pressure:.4f} E*"
+    )
 
 # %%
 # **Check**: the moments to the scatter of one sample, the same rms height, and the order of areas and
@@ -45,5 +48,5 @@ assert abs(moments["sharp"].skewness + 0.9) < 0.25
 for moment in moments.values():
     assert abs(moment.rms_height / 1e-3 - 1) < 1e-12
 sharp, middle, blunt = contacts.values()
-assert sharp.area_fraction < middle.area_fraction < blunt.area_fraction
+assert sharp.contact_area_fraction < middle.contact_area_fraction < blunt.contact_area_fraction
 assert sharp.mean_contact_pressure > middle.mean_contact_pressure > blunt.mean_contact_pressure

@@ -25,7 +25,7 @@ def highest_peaks(nodes: int) -> float:
     """The 99th percentile of the von Mises peaks with a number of nodes on the shortest wavelength."""
     points = round(nodes / wavelength_short)
     height = asp.self_affine((points, points), 0.8, 1 / 4, wavelength_short, rms_height=1e-3, seed=1)
-    contact = asp.solve_contact(height, solid, area_fraction=0.1)
+    contact = asp.solve_contact(height, solid, contact_area_fraction=0.1)
     depths = asp.stress.depth_grid(contact.grid, height=0.1, spacing=0.25)
     stress = asp.analyse_stress(contact, depths, quantities=("von_mises",), tolerance=1e-4)
     return float(

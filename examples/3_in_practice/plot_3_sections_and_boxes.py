@@ -30,7 +30,7 @@ plt.show()
 # %%
 # A plane of constant depth.
 figure, axes = plt.subplots(figsize=(4.6, 3.8), layout="compressed")
-asp.views.plot_plane(contact, depth=5e-6, field="largest_shear", axes=axes, unit_system="SI")
+asp.views.plot_plane(contact, depth=5e-6, field="maximum_shear", axes=axes, unit_system="SI")
 plt.show()
 
 # %%
@@ -49,12 +49,12 @@ print(block.sizes)
 # **Check**: the surface bears the contact pressure, σ_zz = −p; every plane bears the whole load
 # (equilibrium); and the box holds what the section holds where they meet.
 whole = list(asp.stress_planes(contact, depths, fields=("zz",)))
-assert np.abs(whole[0].fields["zz"][0] + contact.pressure).max() < 1e-5 * contact.max_pressure
+assert np.abs(whole[0].fields["zz"][0] + contact.pressure).max() < 1e-5 * contact.maximum_pressure
 for plane in whole:
     assert abs(plane.fields["zz"].mean() / -contact.mean_pressure - 1) < 1e-5
 cut = asp.stress_section(contact, along="x", at=float(block["y"][7]), depths=depths).isel(poisson=0)
 np.testing.assert_allclose(
     block["von_mises"].isel(poisson=0, y=7),
     cut["von_mises"].isel(x=slice(0, block.sizes["x"])),
-    atol=1e-5 * contact.max_pressure,
+    atol=1e-5 * contact.maximum_pressure,
 )

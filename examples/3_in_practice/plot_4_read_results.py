@@ -22,7 +22,7 @@ contact, stress, table, field = (
     str(Path(folder.name) / name) for name in ("contact.nc", "stress.nc", "peaks.csv", "field.vti")
 )
 height = asp.self_affine((128, 128), 0.8, 50e-6, 12.5e-6, rms_height=0.2e-6, seed=1, length=200e-6)
-solved = asp.solve_contact(height, asp.Solid(210e9, 0.3), 200e-6, area_fraction=0.1)
+solved = asp.solve_contact(height, asp.Solid(210e9, 0.3), 200e-6, contact_area_fraction=0.1)
 solved.to_netcdf(contact)
 found = asp.analyse_stress(solved, poisson=[0.0, 0.3, 0.5]).assign_attrs(unit_system="SI")
 asp.write_result(found, stress, "Stress under a rough surface", {"seed": 1})

@@ -18,10 +18,12 @@ load = 100e6
 elastic = asp.solve_contact(height, steel, 100e-6, mean_pressure=load)
 contact = asp.solve_contact(height, steel, 100e-6, mean_pressure=load, hardness=4.5e9)
 print(
-    f"elastic: {100 * elastic.area_fraction:.2f} % real contact, at most {elastic.max_pressure / 1e9:.1f} GPa"
+    f"elastic: {100 * elastic.contact_area_fraction:.2f} % in contact, "
+    f"at most {elastic.maximum_pressure / 1e9:.1f} GPa"
 )
 print(
-    f"plastic: {100 * contact.area_fraction:.2f} %, {100 * contact.plastic_load:.0f} % of the load at 4.5 GPa"
+    f"plastic: {100 * contact.contact_area_fraction:.2f} %, "
+    f"{100 * contact.plastic_load:.0f} % of the load at 4.5 GPa"
 )
 
 # %%
@@ -43,12 +45,12 @@ plt.show()
 shares = []
 for hardness in (20e9, 10e9, 4.5e9, 2e9, 1e9, 0.5e9):
     found = asp.solve_contact(height, steel, 100e-6, mean_pressure=load, hardness=hardness)
-    shares.append((hardness, found.area_fraction, found.plastic_load))
+    shares.append((hardness, found.contact_area_fraction, found.plastic_load))
 hardness, area, plastic = np.array(shares).T
 figure, axis = plt.subplots(figsize=(5, 3.5), layout="compressed")
 axis.loglog(hardness / 1e9, area, "o-", label="real contact")
 axis.loglog(hardness / 1e9, load / hardness, "k--", label="load / hardness")
-axis.axhline(elastic.area_fraction, color="C1", label="elastic")
+axis.axhline(elastic.contact_area_fraction, color="C1", label="elastic")
 axis.set(xlabel="hardness (GPa)", ylabel="share of the area")
 axis.legend()
 plt.show()

@@ -40,7 +40,7 @@ yovanovich = 1.25 * factor * (loads / hardness) ** 0.95
 # A hardness enlarges real contact and conductance. Both curves lie within a quarter of their correlation.
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="compressed")
 for curve, name, style in ((elastic, "elastic", "o-"), (plastic, "hardness 2.5 GPa", "s-")):
-    left.loglog(loads / 1e6, curve["area_fraction"], style, label=name)
+    left.loglog(loads / 1e6, curve["contact_area_fraction"], style, label=name)
     right.loglog(loads / 1e6, curve["thermal_conductance"], style, label=name)
 right.loglog(loads / 1e6, mikic, "--", label="Mikic, elastic")
 right.loglog(loads / 1e6, yovanovich, ":", label="Yovanovich, plastic")
@@ -68,4 +68,4 @@ print(f"conductance ~ load^{exponent:.2f}; over Mikic {ratios.min():.2f} to {rat
 assert 0.8 < exponent < 1.1
 assert 0.75 < ratios.min() < ratios.max() < 1.25
 assert np.all(np.abs(plastic["thermal_conductance"].values / yovanovich - 1) < 0.25)
-assert np.all(plastic["area_fraction"].values >= elastic["area_fraction"].values)
+assert np.all(plastic["contact_area_fraction"].values >= elastic["contact_area_fraction"].values)

@@ -54,7 +54,7 @@ plt.show()
 # the surface, and elastic shakedown ends at 4 k, with the yield stress k in shear (Johnson 1985, Sec. 9.3).
 cell = (1e-3 / 64, 1e-3)
 roller = asp.surface.add_cylinder(np.zeros((16, 1024)), cell, 0.01, axis="y")
-line = asp.solve_contact(roller, steel, cell, area_fraction=0.1)
+line = asp.solve_contact(roller, steel, cell, contact_area_fraction=0.1)
 largest, half = line.pressure.max(), 0.05e-3
 cycles = asp.stress.stress_cycles(line, half * np.linspace(0.4, 0.6, 11), yield_stress=np.sqrt(3) * 1e9)
 shear, depth, _ = cycles.attrs["worst_shear_range"]

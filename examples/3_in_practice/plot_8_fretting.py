@@ -45,7 +45,7 @@ for name, solid, mu in (
     ("sliding", contact.in_body("lower"), friction),
 ):
     stress = asp.analyse_stress(solid, quantities=("von_mises",), friction=mu, tolerance=1e-4)
-    largest[name] = float(stress["largest_von_mises"].max())
+    largest[name] = float(stress["maximum_von_mises"].max())
     print(f"{name}: largest von Mises stress {largest[name] / 1e9:.2f} GPa")
 
 # %%

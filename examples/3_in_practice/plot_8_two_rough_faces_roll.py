@@ -30,7 +30,7 @@ along = asp.engineering.MovingContact(
 )
 # %%
 # Through a line contact of p₀ = 1 GPa: pressure and phase of the counter-face change with the position.
-hertz = asp.stress.HertzContact.from_radii(8e-3, np.inf, pair.effective_modulus, largest_pressure=1e9)
+hertz = asp.stress.HertzContact.from_radii(8e-3, np.inf, pair.effective_modulus, maximum_pressure=1e9)
 through = asp.engineering.MovingContact(
     ring, -honed, pair, length, shifts=31, hertz=hertz, slide_to_roll=0.05, **common
 )

@@ -44,7 +44,7 @@ plt.show()
 # rise with the power m + 1 of p₀. Two areas survive together with the product of their probabilities.
 flat, cycles = np.zeros((16, 16)), []
 for pressure in (1e9, 1.5e9):
-    hertz = asp.stress.HertzContact.from_radii(8e-3, np.inf, 115e9, largest_pressure=pressure)
+    hertz = asp.stress.HertzContact.from_radii(8e-3, np.inf, 115e9, maximum_pressure=pressure)
     passage = asp.engineering.MovingContact(flat, flat, asp.Solid(210e9, 0.3), edge, shifts=41, hertz=hertz)
     depths = hertz.half_width_x * np.linspace(0, 2, 41)
     found = asp.stress.stress_cycles(passage.in_body("lower"), depths, **limits)

@@ -22,7 +22,7 @@ paths = [asp.contact.percolation(contact) for contact in contacts]
 flows = [asp.contact.film_flow(contact, viscosity, fall, "x") for contact in contacts]
 for contact, path, flow in zip(contacts, paths, flows, strict=True):
     print(
-        f"{contact.mean_pressure / 1e6:.2f} MPa: contact {100 * contact.area_fraction:.0f} %, "
+        f"{contact.mean_pressure / 1e6:.2f} MPa: contact {100 * contact.contact_area_fraction:.0f} %, "
         f"constriction {path.constriction[1] * 1e9:.0f} nm, leakage {flow.flow_rate * 1e18:.4g} µm³/s"
     )
 
@@ -48,7 +48,7 @@ assert max(flow.conservation_error for flow in flows) < 1e-4
 assert np.all(np.diff(rates) < 0)
 assert np.all(np.diff([path.constriction[1] for path in paths]) < 0)
 roller = asp.surface.add_cylinder(np.zeros((64, 64)), length, 1e-3, axis="x")
-line = asp.solve_contact(roller, rubber, length, area_fraction=0.3)
+line = asp.solve_contact(roller, rubber, length, contact_area_fraction=0.3)
 along = asp.contact.film_flow(line, viscosity, fall, "x")
 gap = np.where(line.pressure > 0, 0, line.gap)
 assert abs(along.flow_rate / (np.mean(gap**3) * fall / (12 * viscosity)) - 1) < 1e-6

@@ -50,7 +50,7 @@ FILES = [Path(f"docs/challenge{name}.csv") for name in ("", "_pressures", "_stre
 TOLERANCE = 1e-4
 """Tolerance of the stress in planes on coarser grids, which are in single precision."""
 
-SECOND_ORDER = ("mean_gap", "max_pressure")
+SECOND_ORDER = ("mean_gap", "maximum_pressure")
 """Numbers whose error falls with the square of the spacing."""
 
 
@@ -94,10 +94,10 @@ def contacts(config: Mapping[str, Any], surface: tuple[Array, Grid], points: int
         edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
         rows.append(
             {
-                "area_fraction": contact.area_fraction,
+                "contact_area_fraction": contact.contact_area_fraction,
                 "boundary": edges / touching.size,
                 "mean_gap": float(contact.gap.mean()) / rms_height,
-                "max_pressure": contact.max_pressure / unit,
+                "maximum_pressure": contact.maximum_pressure / unit,
                 "error": contact.certificate.worst,
                 "seconds": time.process_time() - start,
             }
@@ -141,7 +141,7 @@ def stress_on(
     loaded = LoadedSolid(pressure, grid, solid)
     stress = analyse_stress(loaded, poisson=config["poisson"], tolerance=TOLERANCE)
     seconds = time.process_time() - start
-    for name in ("peak_value", "largest_von_mises", "mean_von_mises"):
+    for name in ("peak_value", "maximum_von_mises", "mean_von_mises"):
         stress[name] = stress[name] / unit
     results = OnGrid(pressure, load, np.nan, grid, stress)
     numbers = numbers_on(results)
@@ -150,8 +150,8 @@ def stress_on(
         for name in PERCENTILES:
             numbers[f"{name}_limit"], numbers[f"{name}_error"] = best[name], error[name]
     numbers = numbers.sel(quantity="von_mises").merge(
-        stress[["largest_von_mises", "mean_von_mises"]].rename(
-            largest_von_mises="profile_largest", mean_von_mises="profile_mean"
+        stress[["maximum_von_mises", "mean_von_mises"]].rename(
+            maximum_von_mises="profile_largest", mean_von_mises="profile_mean"
         )
     )
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
@@ -214,7 +214,7 @@ def limits(data: xr.Dataset) -> pd.DataFrame:
     data = data.drop_vars("density")
     coarse, fine = (data.isel(points=number) for number in (0, 1))
     limit = fine.copy()
-    limit["area_fraction"] = fine["area_fraction"] - BOUNDARY_SHARE * fine["boundary"]
+    limit["contact_area_fraction"] = fine["contact_area_fraction"] - BOUNDARY_SHARE * fine["boundary"]
     for name in SECOND_ORDER:
         limit[name] = fine[name] + (fine[name] - coarse[name]) / 3
     for name in ("seconds", "memory_GB", "error"):
@@ -251,7 +251,7 @@ def draw(rows: pd.DataFrame, densities: pd.DataFrame) -> Figure:
         some = rows[rows["points"] == points]
         look = {"color": f"C{number - 1}", "ls": "", "marker": markers[number], "ms": 3}
         marks = look if points else {"color": "k", "lw": 1.2}
-        area.plot(some["load"], some["area_fraction"] / some["load"], label=name, **marks)
+        area.plot(some["load"], some["contact_area_fraction"] / some["load"], label=name, **marks)
         gap.plot(some["mean_gap"], some["load"], label=name, **marks)
         stiff.plot(*stiffness(some), label=name, **marks)
     area.set(xscale="log", xlabel=r"$\bar{p} / E^*\bar{g}$", ylabel=r"$a_r\, E^*\bar{g} / \bar{p}$")
@@ -274,14 +274,14 @@ def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
     grids = sorted(points for points in set(rows["points"]) if points)
     tables = {points: of_grid.set_index("load") for points, of_grid in rows.groupby("points")}
     limit, middle, finest = tables[0], tables[grids[1]], tables[grids[-1]]
-    better = finest["area_fraction"] - BOUNDARY_SHARE * finest["boundary"]
+    better = finest["contact_area_fraction"] - BOUNDARY_SHARE * finest["boundary"]
     shown = pd.DataFrame(
         {
             "mean pressure / E*ḡ": limit.index,
-            "area, %": 100 * limit["area_fraction"],
-            f"area on {grids[-1]}², %": 100 * finest["area_fraction"],
+            "area, %": 100 * limit["contact_area_fraction"],
+            f"area on {grids[-1]}², %": 100 * finest["contact_area_fraction"],
             "mean gap / rms height": limit["mean_gap"],
-            "largest pressure / E*ḡ": limit["max_pressure"],
+            "largest pressure / E*ḡ": limit["maximum_pressure"],
         }
     )
     best, fine = (stress[stress["points"] == points].set_index("poisson") for points in (0, grids[-1]))
@@ -306,8 +306,8 @@ def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
         Path(__file__).with_name("page.md.j2"),
         loads=len(limit),
         grids=grids,
-        area=float((limit["area_fraction"] / better - 1).abs().max()),
-        uncorrected=float((middle["area_fraction"] / better - 1).abs().max()),
+        area=float((limit["contact_area_fraction"] / better - 1).abs().max()),
+        uncorrected=float((middle["contact_area_fraction"] / better - 1).abs().max()),
         gap=float((limit["mean_gap"] / finest["mean_gap"] - 1).abs().max()),
         contacts=markdown(shown.iloc[:: max(1, len(shown) // 4)]),
         peaks=markdown(peaks),

@@ -57,7 +57,7 @@ def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed:
     height = shaped(gaussian, distribution)
     reference, own = (asp.roughness_parameters(each) for each in (gaussian, height))
     contact = asp.solve_contact(
-        height, asp.Solid(1.0, config["poisson"]), area_fraction=config["area_fraction"]
+        height, asp.Solid(1.0, config["poisson"]), contact_area_fraction=config["contact_area_fraction"]
     )
     stress = asp.analyse_stress(contact, quantities=("von_mises", "pressure"))
     found = asp.continuum_limit(contact, stress).sel(quantity="von_mises").squeeze("poisson", drop=True)
@@ -67,7 +67,10 @@ def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed:
     ratio = best["gradient_rms_contact"] / reference.rms_gradient
     both = np.hypot(error["p99"], error["gradient_rms_contact"])
     numbers_and_errors = {
-        "kappa": (best["area_fraction"] * reference.rms_gradient / load, error["area_fraction"]),
+        "kappa": (
+            best["contact_area_fraction"] * reference.rms_gradient / load,
+            error["contact_area_fraction"],
+        ),
         "kappa_contact": (best["proportionality"], error["proportionality"]),
         "gradient_contact": (ratio, error["gradient_rms_contact"]),
         "p90": (best["p90"] / unit, error["p90"]),

@@ -93,14 +93,16 @@ def numbers_of(parameters: Mapping[str, Any], seed: int, settings: Mapping[str, 
     """Height and depth of the high peaks of one seed over every scale, under all areas."""
     surface, contact_settings = make_surface(parameters, seed), settings["contact"]
     found = []
-    for area in sorted({*contact_settings["path_area_fractions"], contact_settings["area_fraction"]}):
-        of_area = {**contact_settings, "area_fraction": area, "path_area_fractions": []}
+    for area in sorted(
+        {*contact_settings["path_contact_area_fractions"], contact_settings["contact_area_fraction"]}
+    ):
+        of_area = {**contact_settings, "contact_area_fraction": area, "path_contact_area_fractions": []}
         contact = press_surface(surface, settings["layer"], of_area)
         layer = settings["layer"]
         stress = compute_stress(contact, layer, settings["stress"])[layer["lateral"]]
         high = seed_statistics(surface, contact, stress).sel(quantity="von_mises", level=0.99, drop=True)
         scaled, depth = high["seed_peak_quantile"], high["seed_mean_depth_highest"]
-        slope, touching = high["seed_gradient_rms_contact"], high["seed_area_fraction"]
+        slope, touching = high["seed_gradient_rms_contact"], high["seed_contact_area_fraction"]
         lengths = {"wavelength": parameters["wavelength_short"], "patch_radius": high["seed_patch_radius"]}
         lengths |= contact_lengths(surface["height"].values, contact)
         numbers = {

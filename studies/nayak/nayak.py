@@ -93,7 +93,7 @@ def contacts(surface: Mapping[str, float], points: int, seeds: int, loads: Seque
             touching = contact.pressure > 0
             of_load = {
                 "mean_pressure": contact.mean_pressure,
-                "area_fraction": contact.area_fraction,
+                "contact_area_fraction": contact.contact_area_fraction,
                 "boundary_length": boundary_integral(touching, np.ones_like(squared), grid),
                 "squared_gradient_contact": float(squared[touching].sum()) / squared.size,
                 "squared_gradient_boundary": boundary_integral(touching, squared, grid),
@@ -141,7 +141,7 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
 def proportionality(data: xr.Dataset, spacing: float, corrected: bool) -> dict[str, xr.DataArray]:
     """Area fraction, κ and κ_r of each seed and load; `corrected`: without the strip along the boundary."""
     strip = STRIP * spacing * corrected
-    area = data["area_fraction"] - strip * data["boundary_length"]
+    area = data["contact_area_fraction"] - strip * data["boundary_length"]
     squared = data["squared_gradient_contact"] - strip * data["squared_gradient_boundary"]
     per_load = area / data["mean_pressure"]
     return {

@@ -203,7 +203,7 @@ def imposed_quantity(case: ExtremeCase, unit_height: Array, layer: Solid) -> dic
     """Imposed area fraction, approach or mean pressure, as a keyword of `asperity.solve_contact`."""
     kind, amount = case.imposed
     if kind == "area":
-        return {"area_fraction": amount}
+        return {"contact_area_fraction": amount}
     if kind == "approach":
         lowest = float(unit_height.min())
         return {"approach": case.rms_gradient * (lowest + amount * (float(unit_height.mean()) - lowest))}

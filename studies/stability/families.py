@@ -213,7 +213,7 @@ def family_arguments(case: FamilyCase) -> tuple[Array, Solids, dict[str, Any], d
     imposed = {
         "load": {"mean_pressure": value * modulus},
         "force": {"force": value * modulus},
-        "area": {"area_fraction": value},
+        "area": {"contact_area_fraction": value},
         "approach": {"approach": float(height.min() + value * (height.mean() - height.min()))},
     }[kind]
     dtype, rtol = case.precision

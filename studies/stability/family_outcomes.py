@@ -14,7 +14,7 @@ SOLVED = (CHECKED, CERTIFIED)
 ACCEPTABLE = (*SOLVED, REFUSED)
 """Outcomes that are no defect."""
 
-REFUSALS = ("area_fraction = ", "approach = ", "dtype = ")
+REFUSALS = ("contact_area_fraction = ", "approach = ", "dtype = ")
 """Beginnings of the messages that refuse problems without a solution: full contact beyond the hardness, an
 approach to the mean height on a solid without uniform displacement, and heights that single precision
 cannot hold."""

@@ -96,7 +96,7 @@ def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance
         known["approach"] -= lowest
     if "force" in known:
         known = {"mean_pressure": known["force"] / contact.grid.area}
-    known.pop("area_fraction", None)
+    known.pop("contact_area_fraction", None)
     touching = pressure > 0
     if touching.any():
         displacement = contact.displacement.astype(float)
@@ -126,9 +126,9 @@ def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance
     # On a solid that bends, a larger load may close fewer nodes.
     bends = contact.solid.height is not None and contact.solid.height < 0.1 * min(contact.grid.length)
     if (
-        "area_fraction" in imposed
+        "contact_area_fraction" in imposed
         and not bends
-        and not area_is_nearest(contact, imposed["area_fraction"], whole)
+        and not area_is_nearest(contact, imposed["contact_area_fraction"], whole)
     ):
         return SolutionCheck(violation, reason="another load has a number of contact nodes that is nearer")
     error, noise = energy_error(contact, height, pressure, rounding, **known)
@@ -251,14 +251,14 @@ def free_compliance(shape: tuple[int, int], spacing: tuple[float, float]) -> tup
     return matrix, factor, float(np.trace(cho_solve(factor, np.eye(row.size))))
 
 
-def area_is_nearest(contact: Contact, area_fraction: float, height: Array) -> bool:
+def area_is_nearest(contact: Contact, contact_area_fraction: float, height: Array) -> bool:
     """True if no other load has a number of contact nodes nearer to the imposed one, on these heights.
 
     The contact is solved under loads farther and farther in the direction of the imposed number, until the
     number changes.
     """
     size, pressure = contact.grid.size, contact.pressure
-    wanted, nodes = max(1, round(area_fraction * size)), int(np.count_nonzero(pressure))
+    wanted, nodes = max(1, round(contact_area_fraction * size)), int(np.count_nonzero(pressure))
     together = int(np.count_nonzero(height == height.min()))
     if nodes == 0 or abs(nodes - wanted) <= max(1, AREA_ERROR * wanted) or wanted < nodes == together:
         return nodes > 0

@@ -41,12 +41,12 @@ def elastic(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
     solid = asp.Solid(1.0, 0.0)
     for contact in asp.solve_load_path(height, solid, mean_pressures=[gradient * p for p in config["loads"]]):
         half = solved_on_half(contact)
-        area = continuum_on_grids(contact, half, None, "lower")["area_fraction"]
+        area = continuum_on_grids(contact, half, None, "lower")["contact_area_fraction"]
         wavenumber, power = asp.surface.spectrum(contact.pressure / gradient)
         row = {
             "area": area.sel(kind="estimate", drop=True),
             "area_error": area.sel(kind="error", drop=True),
-            "area_grid": contact.area_fraction,
+            "area_grid": contact.contact_area_fraction,
             "pressure_spectrum": ("wavenumber", power),
             "certificate": contact.certificate.worst,
         }
@@ -132,12 +132,12 @@ def percolation(config: Mapping[str, Any], height: Array, gradient: float) -> xr
         closed = None
         for _ in range(settings["steps"]):
             middle = (low + high) / 2
-            contact = asp.solve_contact(height, asp.Solid(1.0, 0.0), area_fraction=middle)
+            contact = asp.solve_contact(height, asp.Solid(1.0, 0.0), contact_area_fraction=middle)
             if percolates(contact, axis):
                 low = middle
             else:
                 high, closed = middle, contact
-        best = asp.continuum_limit(closed)["area_fraction"] if closed else None
+        best = asp.continuum_limit(closed)["contact_area_fraction"] if closed else None
         found.append([high, np.nan if best is None else float(best.sel(kind="estimate"))])
     critical = np.array(found)
     return xr.Dataset({"critical_grid": ("axis", critical[:, 0]), "critical_area": ("axis", critical[:, 1])})
@@ -164,11 +164,13 @@ def profile(config: Mapping[str, Any], height: Array, gradient: float) -> xr.Dat
         theirs = closed_forms.pressure_power(load * gradient, rings, power) / gradient**2
         theory = closed_forms.stress_covariance(rings, theirs, poisson, depths)
         row["gaussian"] = closed_forms.von_mises_profile(ours, load, poisson, SHARES)
-        row["sparse"] = closed_forms.von_mises_profile(ours, load, poisson, SHARES, contact.area_fraction)
+        row["sparse"] = closed_forms.von_mises_profile(
+            ours, load, poisson, SHARES, contact.contact_area_fraction
+        )
         area = float(closed_forms.elastic_area(load))
         row["spectrum"] = closed_forms.von_mises_profile(theory, load, poisson, SHARES, area)
         found = {name: (("depth", "number"), values) for name, values in row.items()}
-        rows.append(xr.Dataset(found | {"area": contact.area_fraction}))
+        rows.append(xr.Dataset(found | {"area": contact.contact_area_fraction}))
     names = ["rms", *(f"p{100 * share:g}" for share in SHARES)]
     coordinates = {"load": settings["loads"], "depth": settings["depths"], "number": names}
     return xr.concat(rows, "load").assign_coords(coordinates)

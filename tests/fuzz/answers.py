@@ -31,7 +31,7 @@ LOADS = {
     "steps": "--mean-pressure 50MPa --set load_curve.loads=[5MPa] --set load_curve.steps=3",
     "force": "--force 10mN",
     "approach": "--approach 40nm",
-    "area": "--area-fraction 0.1",
+    "area": "--contact-area-fraction 0.1",
 }
 SECOND = "--counter-young 70GPa --counter-poisson 0.33"
 OPTIONS = {
@@ -125,7 +125,7 @@ def made_folder():
     np.savetxt(folder / "mine.txt", height, header=head, comments="", fmt="%.6f")
     np.savetxt(folder / "other.txt", 2 * height[::-1], header=head, comments="", fmt="%.6f")
     (folder / "case.yaml").write_text(CASE)
-    (folder / "foreign.yaml").write_text("contact: {area_fraction: 0.1}\n")
+    (folder / "foreign.yaml").write_text("contact: {contact_area_fraction: 0.1}\n")
     (folder / "notes.txt").write_text("precious\n")
     (folder / "used").mkdir()
     (folder / "used/peaks.csv").write_text("precious\n")

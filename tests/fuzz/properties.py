@@ -57,7 +57,7 @@ LOAD_ERROR = 1e-5
 # Contacts
 
 PLURALS = {
-    "area_fraction": "area_fractions",
+    "contact_area_fraction": "contact_area_fractions",
     "mean_pressure": "mean_pressures",
     "force": "forces",
     "approach": "approaches",
@@ -117,7 +117,7 @@ def require_kept(contact, kind, value):
         is_reached = math.isclose(getattr(contact, kind), value, rel_tol=LOAD_ERROR)
         require(is_reached, f"the {kind} is another")
         require(contact.control_error <= LOAD_ERROR, "the control error is another")
-    elif kind == "area_fraction":
+    elif kind == "contact_area_fraction":
         nodes = np.count_nonzero(contact.pressure)
         error = abs(nodes / contact.pressure.size / value - 1)
         require(math.isclose(contact.control_error, error, abs_tol=1e-9), "the control error is another")
@@ -137,7 +137,7 @@ def reach(contact):
 def rounding(contact):
     """Rounding error of the heights, over the scale of the certificate."""
     nodal_compliance = min(contact.grid.spacing) / contact.solid.effective_modulus
-    scale = float(np.std(contact.height, dtype=float)) or float(contact.max_pressure) * nodal_compliance
+    scale = float(np.std(contact.height, dtype=float)) or float(contact.maximum_pressure) * nodal_compliance
     largest = float(np.abs(contact.height).max())
     return 10 * float(np.finfo(contact.pressure.dtype).eps) * largest / scale if scale else 0.0
 
@@ -222,7 +222,7 @@ dilute_contacts = st.fixed_dictionaries(
         "kind": st.sampled_from(["rough", "steps", "punch", "spikes", "bowl"]),
         "boundary": st.sampled_from(["periodic", "mirrored", "free"]),
         "solid": st.sampled_from(families.HALF_SPACES),
-        "control": st.sampled_from(["mean_pressure", "force", "approach", "area_fraction"]),
+        "control": st.sampled_from(["mean_pressure", "force", "approach", "contact_area_fraction"]),
         "load": power_of_ten(-7, -4),
         "hardness": st.none() | st.floats(1.01, 30),
         "precision": st.sampled_from(families.FAMILY_LEVELS["precision"]),
@@ -257,7 +257,7 @@ def try_dilute(case):
     try:
         dilute.MAX_AREA, dilute.MIN_POINTS = 0.0, 128
         whole = asp.solve_contact(height, solid, grid, mean_pressure=load, **settings)
-        if not 0 < whole.area_fraction < usual[0]:
+        if not 0 < whole.contact_area_fraction < usual[0]:
             return "dense"
         dilute.MAX_AREA = usual[0]
         control = case["control"]
@@ -267,7 +267,7 @@ def try_dilute(case):
         raise
     finally:
         dilute.MAX_AREA, dilute.MIN_POINTS = usual
-    if control == "area_fraction":
+    if control == "contact_area_fraction":
         require(found.control_error <= max(whole.control_error, 1e-2), "the area is another")
         return
     error = np.linalg.norm(found.pressure - whole.pressure) / np.linalg.norm(whole.pressure)
@@ -278,7 +278,7 @@ def try_dilute(case):
 # Stress
 
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
-FIELDS = (*COMPONENTS, "von_mises", "largest_shear", "principal_1", "hydrostatic")
+FIELDS = (*COMPONENTS, "von_mises", "maximum_shear", "principal_1", "hydrostatic")
 names = st.lists(choice(*FIELDS), min_size=1, max_size=3, unique_by=repr)
 depths = among(st.lists(st.floats(0, 1), min_size=1, max_size=4, unique=True).map(sorted), wrong)
 sliding = ("friction", "sliding_direction")
@@ -470,7 +470,7 @@ def try_run(case):
     require_finite(**numbers)
     for body in answer.bodies.values():
         position = (body.depth, body.y, body.x)
-        require_finite(von_mises=body.largest_von_mises)
+        require_finite(von_mises=body.maximum_von_mises)
         is_whole = np.all(np.isfinite(position)) or np.all(np.isnan(position))
         require(is_whole, "a part of the position is not finite")
     require(answer.text().strip(), "the answer is empty")
@@ -515,7 +515,7 @@ def try_map(case):
     random_input.require_answered(["info", str(path)], {}, FOLDER)
     try:
         surface = asp.prepare_map(path, periodic="mirrored", detrend="tilt")
-        asp.solve_contact(surface.height, asp.Solid(1.0, 0.3), surface.grid, area_fraction=0.2)
+        asp.solve_contact(surface.height, asp.Solid(1.0, 0.3), surface.grid, contact_area_fraction=0.2)
     except (ValueError, asp.ConvergenceError) as error:
         if isinstance(error, ValueError) and not is_refusal(error):
             raise
@@ -546,7 +546,7 @@ method = 'gfmd': active_set is needed
 approach = .*: less than the mean
 hardness = .*: more than the mean pressure
 \w+ = .*: rising values are needed with a hardness
-area_fraction = .*: less is needed
+contact_area_fraction = .*: less is needed
 boundary = 'free': half-spaces are needed
 dtype = 'float32': cannot hold
 mean_pressure = .*: at least .*float32
@@ -576,7 +576,7 @@ conduction: conductivity or resistivity of both bodies
 (counter_)?body\.layers: not accepted
 load_curve\.loads = .*: a list of rising values
 (counter_)?body\.hardness = .*: more than the pressure
-area_fraction = .*: less is needed
+contact_area_fraction = .*: less is needed
 load\.approach = .*: (less than|a length from)
 load\.(mean_pressure|force) = .*: a mean pressure of less
 length = .*: spacings of the nodes

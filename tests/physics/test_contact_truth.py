@@ -24,8 +24,8 @@ def test_hertz_without_images_converges():
             exact = Hertz(contact_radius=radius, curvature_radius=2.0, effective_modulus=3.0)
             solid = asp.Solid(3.0, 0.0)
             contact = solve_contact(r**2 / 4, solid, force=exact.load, boundary="free", rtol=1e-8)
-            width = np.sqrt(contact.area_fraction / np.pi) / radius - 1
-            largest = contact.max_pressure / exact.largest_pressure - 1
+            width = np.sqrt(contact.contact_area_fraction / np.pi) / radius - 1
+            largest = contact.maximum_pressure / exact.maximum_pressure - 1
             approach = (contact.approach - contact.height.min()) / exact.approach - 1
             rows.append((difference(contact.pressure, exact.pressure(r)), width, largest, approach))
         errors.append(np.sqrt(np.mean(np.square(rows), axis=0)))
@@ -44,7 +44,7 @@ def test_load_of_flat_square_punch():
     stiffness = []
     for points in (32, 64, 128):
         contact = solve_contact(np.zeros((points, points)), UNIT, approach=1e-3, boundary="free")
-        assert contact.area_fraction == 1
+        assert contact.contact_area_fraction == 1
         stiffness.append(contact.force / 1e-3)
         assert contact.stiffness == pytest.approx(stiffness[-1], rel=1e-6)  # linear: solver error
     exact = np.pi * 0.366787
@@ -78,12 +78,12 @@ def test_free_pressure_is_that_of_direct_solution(shape, length, fraction):
     np.testing.assert_allclose(contact.pressure, by_approach, rtol=0, atol=1e-7 * by_load.max())
 
 
-@pytest.mark.parametrize("area_fraction", [0.01, 0.3])
+@pytest.mark.parametrize("contact_area_fraction", [0.01, 0.3])
 @pytest.mark.parametrize(("shape", "length"), [((3, 200), (1.0, 1e4)), ((24, 24), (1.0, 1e-2))])
-def test_pressure_on_narrow_pixels_is_direct(shape, length, area_fraction):
+def test_pressure_on_narrow_pixels_is_direct(shape, length, contact_area_fraction):
     """Pixels 100 and 150 times as long as wide. Solver error."""
     height = 1e-3 * np.random.default_rng(0).standard_normal(shape)
-    contact = solve_contact(height, UNIT, length, area_fraction=area_fraction)
+    contact = solve_contact(height, UNIT, length, contact_area_fraction=contact_area_fraction)
     modes = mode_compliance(UNIT, asp.Grid(shape, length))
     exact = pivot(height, modes, mean_pressure=contact.mean_pressure)
     assert difference(contact.pressure, exact) < 1e-5

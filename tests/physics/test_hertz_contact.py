@@ -36,12 +36,12 @@ def test_line_contact_against_point_forces(traction):
 def test_ball_against_closed_forms(friction):
     """To rounding; the mean over directions converges slowly in the surface around the contact only."""
     ball = Hertz(1.0, 5.0)
-    contact = asp.stress.HertzContact(ball.largest_pressure, 1.0, 1.0)
+    contact = asp.stress.HertzContact(ball.maximum_pressure, 1.0, 1.0)
     x = np.array([0.0, 0.3, -0.6, 0.95, 1.4])
     found = contact.stress(0.2, x, HALF_SPACE, friction)
     for depth in DEPTHS:
         exact = SlidingSphere(ball, friction).stress(0.2, x, depth, 0.3)
-        error = np.abs(found(depth) - exact).max(axis=1) / ball.largest_pressure
+        error = np.abs(found(depth) - exact).max(axis=1) / ball.maximum_pressure
         assert error[:4].max() < 1e-11
         assert error[4] < (1e-11 if depth > 1 / 40 else 1e-3)
 
@@ -103,12 +103,12 @@ def test_radii_and_loads():
     """Johnson (1985), Eqs. 4.22 to 4.24, 4.43 to 4.45: p0 of a ball; p0 = E* b / (2R) of a roller."""
     ball = asp.stress.HertzContact.from_radii(0.1, 0.1, 2.0, force=3.0)
     assert ball.half_width_x == pytest.approx((0.75 * 3 * 0.1 / 2) ** (1 / 3), rel=1e-9)
-    assert ball.largest_pressure == pytest.approx(1.5 * 3 / (np.pi * ball.half_width_x**2), rel=1e-9)
-    again = asp.stress.HertzContact.from_radii(0.1, 0.1, 2.0, largest_pressure=ball.largest_pressure)
+    assert ball.maximum_pressure == pytest.approx(1.5 * 3 / (np.pi * ball.half_width_x**2), rel=1e-9)
+    again = asp.stress.HertzContact.from_radii(0.1, 0.1, 2.0, maximum_pressure=ball.maximum_pressure)
     assert again.half_width_y == pytest.approx(ball.half_width_y, rel=1e-9)
-    roller = asp.stress.HertzContact.from_radii(np.inf, 0.1, 2.0, largest_pressure=0.5)
+    roller = asp.stress.HertzContact.from_radii(np.inf, 0.1, 2.0, maximum_pressure=0.5)
     assert (roller.half_width_x, roller.half_width_y) == (np.inf, pytest.approx(0.05, rel=1e-9))
-    shear, depth = roller.largest_shear(0.3)
+    shear, depth = roller.maximum_shear(0.3)
     assert shear / 0.5 == pytest.approx(0.300, abs=1e-3)  # Johnson, section 4.2
     assert depth / 0.05 == pytest.approx(0.786, abs=2e-3)
 
@@ -166,7 +166,7 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
     np.testing.assert_allclose(stress["mean_von_mises"].values[0], exact, rtol=3e-3)
     forced = a_case(kind="force", load=200.0)
     ellipse = EllipticHertz.from_load(200.0, 50e-3, 5e-3, forced.solid.effective_modulus)
-    assert forced.cell_pressure == pytest.approx(ellipse.largest_pressure, rel=1e-9)
+    assert forced.cell_pressure == pytest.approx(ellipse.maximum_pressure, rel=1e-9)
     rows = {row.name: row.value for row in answer.rows}
     assert rows["half-width along x"] == contact.half_width_x
     assert not any(
@@ -191,8 +191,8 @@ def test_a_published_ball_bearing_is_met():
     np.testing.assert_allclose(found, published, rtol=1e-2)
     np.testing.assert_allclose(found, here, rtol=5e-4, atol=5e-5)
     contact = asp.stress.HertzContact.from_radii(3.7764e-3, 182.66e-3, 210e9 / 0.91 / 2, force=5000 / 9)
-    np.testing.assert_allclose(contact.largest_pressure, 1746e6, rtol=1e-3)
-    np.testing.assert_allclose(contact.largest_shear(0.3), (546e6, 88e-6), rtol=5e-3)
+    np.testing.assert_allclose(contact.maximum_pressure, 1746e6, rtol=1e-3)
+    np.testing.assert_allclose(contact.maximum_shear(0.3), (546e6, 88e-6), rtol=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -233,7 +233,7 @@ test_wrong_argument_is_refused = refuses(
         lambda: asp.stress.HertzContact(1.0, np.inf, np.inf),
         "half_width_y = inf.*at most one of them infinite",
     ),
-    (lambda: asp.stress.HertzContact.from_radii(1.0, 1.0, 1.0), "exactly one of largest_pressure and force"),
+    (lambda: asp.stress.HertzContact.from_radii(1.0, 1.0, 1.0), "exactly one of maximum_pressure and force"),
     (
         lambda: a_case(radius_x=np.inf, radius_y=np.inf),
         "load.radius_y = inf: at most one of the radii is infinite",

@@ -98,7 +98,7 @@ def test_passage_of_rough_faces_sees_place_and_shift(body):
         steps = round(share * place[number] * 16)
         contact = asp.solve_contact(np.roll(high, steps, 1) - low, PAIR, mean_pressure=pressure)
         expected = np.roll(contact.pressure, 0 if body == "lower" else -steps, 1)
-        np.testing.assert_allclose(moving.pressures[number], expected, atol=3e-5 * contact.max_pressure)
+        np.testing.assert_allclose(moving.pressures[number], expected, atol=3e-5 * contact.maximum_pressure)
         line = LineHertz(3.0, 6e-3).stress(place[number], 0.5, 0.3, (0.1 if body == "lower" else -0.1, 0.0))
         mean = pressure * moving.layer.uniform_stress()
         mean[4] += pressure * 0.1 * (1, -1)[body == "upper"]

@@ -37,7 +37,7 @@ def test_pressure_agrees_with_other_programs(program, boundary):
 def test_plastic_pressure_is_that_of_contact_mechanics(share):
     height = rough((256, 256))
     load = load_of(height, 0.02)
-    hardness = share * asp.solve_contact(height, UNIT, mean_pressure=load).max_pressure
+    hardness = share * asp.solve_contact(height, UNIT, mean_pressure=load).maximum_pressure
     ours = asp.solve_contact(height, UNIT, mean_pressure=load, hardness=hardness, rtol=1e-10).pressure
     theirs, _ = PEERS["contact_mechanics"](height, load, 1e-11, "periodic", hardness)
     np.testing.assert_allclose(ours, theirs, atol=1e-7 * hardness)

@@ -12,11 +12,11 @@ from asperity.reference.sliding_sphere import SlidingSphere
 
 SPHERE = Hertz(contact_radius=0.3, curvature_radius=2.0, effective_modulus=1.7)
 SLIDING = SlidingSphere(SPHERE, friction=0.4)
-TRACTION = 0.4 * SPHERE.largest_pressure
+TRACTION = 0.4 * SPHERE.maximum_pressure
 
 
 def ellipse(ratio):
-    return EllipticHertz(semi_major=1.3, semi_minor=1.3 * ratio, largest_pressure=0.7, effective_modulus=2.1)
+    return EllipticHertz(semi_major=1.3, semi_minor=1.3 * ratio, maximum_pressure=0.7, effective_modulus=2.1)
 
 
 def test_load_approach_and_pressure_belong_together():
@@ -85,7 +85,7 @@ def test_load_and_curvatures_belong_together(ratio):
     contact = ellipse(ratio)
     radius_x, radius_y = contact.curvature_radii
     found = EllipticHertz.from_load(contact.load, radius_x, radius_y, 2.1)
-    found = found.semi_major, found.semi_minor, found.largest_pressure
+    found = found.semi_major, found.semi_minor, found.maximum_pressure
     assert found == pytest.approx((1.3, 1.3 * ratio, 0.7), rel=1e-12)
     assert contact.load == pytest.approx(np.pi * 1.3**2 * ratio * contact.mean_contact_pressure, rel=1e-12)
 
@@ -96,7 +96,7 @@ def test_peak_on_the_axis_is_the_largest(ratio, poisson):
     contact = ellipse(ratio)
     depth = np.linspace(0, 3 * contact.semi_minor, 30001)
     values = von_mises(contact.stress_on_axis(depth, poisson))
-    peak = contact.largest_von_mises_on_axis(poisson)
+    peak = contact.maximum_von_mises_on_axis(poisson)
     assert values.max() * (1 - 1e-12) <= peak.value <= values.max() * (1 + 1e-7)
     assert peak.depth == pytest.approx(depth[values.argmax()], abs=2e-4 * contact.semi_minor)
 
@@ -109,7 +109,7 @@ def test_array_of_spheres_is_the_fourier_sum():
     q = np.hypot(kx, ky)
     q[0, n] = 1.0
     s = q * 0.2
-    pressure = 2 * np.pi * contact.largest_pressure * 0.2**2 * (np.sin(s) - s * np.cos(s)) / s**3
+    pressure = 2 * np.pi * contact.maximum_pressure * 0.2**2 * (np.sin(s) - s * np.cos(s)) / s**3
     mode = np.where(ky > 0, 2, 1) * 2 / q * pressure
     mode[0, n] = 0.0
     for y, x in ((0.0, 0.2), (0.5, 0.5), (0.1, 0.3)):

@@ -74,7 +74,9 @@ def test_gap_around_a_valley_has_its_volume():
     # The volume ∫ 2π r w dr, integrated first over r from 0 to t.
     volume = 2 * mp.pi * 4 / (mp.pi * mp.mpf(YOUNG)) * mp.quad(lambda t: t * inner(t), [0, edge])
     assert CROSSED.nearly_complete_mean_gap(load) == pytest.approx(float(volume), rel=1e-10)
-    assert CROSSED.nearly_complete_area_fraction(load) == pytest.approx(float(1 - mp.pi * edge**2), rel=1e-12)
+    assert CROSSED.nearly_complete_contact_area_fraction(load) == pytest.approx(
+        float(1 - mp.pi * edge**2), rel=1e-12
+    )
 
 
 SPHERE = Hertz(1.0, 1.0)

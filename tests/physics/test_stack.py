@@ -201,7 +201,7 @@ def test_many_wavenumbers_are_interpolated_to_rounding(solid):
 @pytest.fixture(scope="module")
 def contact():
     height = asp.self_affine((64, 64), 0.8, 0.25, 0.25 / 8, rms_height=1e-3, seed=1)
-    return asp.solve_contact(height, SANDWICH, area_fraction=0.1)
+    return asp.solve_contact(height, SANDWICH, contact_area_fraction=0.1)
 
 
 def test_pressure_is_direct(contact):
@@ -301,7 +301,7 @@ def test_sparse_inverse_is_near_the_dense_one(contrast, mirrored):
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.5])
-@pytest.mark.parametrize("load", [{"area_fraction": 0.2}, {"mean_pressure": 2e-3}])
+@pytest.mark.parametrize("load", [{"contact_area_fraction": 0.2}, {"mean_pressure": 2e-3}])
 def test_stiff_film_as_thin_as_a_pixel(nu, load):
     """Contacts that ended with an error, or did not end, with a stencil as preconditioner."""
     height = asp.self_affine((64, 64), 0.8, 0.25, 1 / 16, rms_height=1e-3, seed=1)
@@ -329,5 +329,5 @@ def test_a_stiff_layer_beyond_full_contact(ratio, approach):
     assert contact.certificate.worst < 1e-2
     if approach > 0:
         mean = (approach - height.mean()) / pair.uniform_compliance()
-        assert contact.area_fraction == 1
+        assert contact.contact_area_fraction == 1
         assert contact.mean_pressure == pytest.approx(mean, rel=1e-12)

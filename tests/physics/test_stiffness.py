@@ -29,7 +29,7 @@ def test_stiffness_is_that_of_a_difference_quotient(solid, boundary, share):
     load = 0.3 * load_of(height)
     settings = {"boundary": boundary, "rtol": 1e-12}
     if share:
-        largest = asp.solve_contact(height, solid, mean_pressure=load, boundary=boundary).max_pressure
+        largest = asp.solve_contact(height, solid, mean_pressure=load, boundary=boundary).maximum_pressure
         settings["hardness"] = share * largest
     contact = asp.solve_contact(height, solid, mean_pressure=load, **settings)
     assert bool(contact.plastic_area) == bool(share)
@@ -44,9 +44,9 @@ def test_stiffness_is_that_of_a_difference_quotient(solid, boundary, share):
 
 def test_full_contact_has_that_of_the_solid():
     height = rough((32, 32))
-    assert asp.solve_contact(height, HALF_SPACE, area_fraction=1.0).stiffness == np.inf
+    assert asp.solve_contact(height, HALF_SPACE, contact_area_fraction=1.0).stiffness == np.inf
     uniform = float(LAYER.uniform_compliance())
-    assert asp.solve_contact(height, LAYER, area_fraction=1.0).stiffness == pytest.approx(1 / uniform)
+    assert asp.solve_contact(height, LAYER, contact_area_fraction=1.0).stiffness == pytest.approx(1 / uniform)
     assert asp.solve_contact(height, LAYER, mean_pressure=0.0).stiffness == 0.0
 
 
@@ -75,7 +75,7 @@ def test_other_nodes_touch_beyond_the_interval(solid, boundary, nodes):
         contact = asp.solve_contact(HEIGHT, solid, mean_pressure=load, boundary=boundary, rtol=1e-10)
         return np.count_nonzero(contact.pressure)
 
-    contact = asp.solve_contact(HEIGHT, solid, area_fraction=nodes / HEIGHT.size, boundary=boundary)
+    contact = asp.solve_contact(HEIGHT, solid, contact_area_fraction=nodes / HEIGHT.size, boundary=boundary)
     low, high = contact.load_interval
     assert low <= contact.mean_pressure <= high
     assert touching((1 + 1e-4) * low) == nodes or low == 0
@@ -101,7 +101,7 @@ def test_a_node_yields_beyond_the_interval():
 
 def test_loads_of_both_methods_are_within_one_interval():
     """They may differ by as much as the interval is wide, here 15 %."""
-    settings = {"area_fraction": 3 / HEIGHT.size}
+    settings = {"contact_area_fraction": 3 / HEIGHT.size}
     one, other = (
         asp.solve_contact(HEIGHT, HALF_SPACE, method=name, **settings) for name in ("active_set", "gfmd")
     )

@@ -23,7 +23,7 @@ def hertz(radius, points, centre):
 @pytest.mark.parametrize(
     ("poisson", "largest", "depth"), [(0.0, 0.7696, 0.3819), (0.3, 0.6200, 0.4809), (0.5, 0.5327, 0.5479)]
 )
-def test_largest_von_mises_stress_and_its_depth(poisson, largest, depth):
+def test_maximum_von_mises_stress_and_its_depth(poisson, largest, depth):
     radius = 0.02
     depths = radius * np.arange(0.3, 0.66, 0.02)
     planes = asp.stress_planes(hertz(radius, 512, (0.5, 0.5)), depths, poisson, tolerance=1e-5)

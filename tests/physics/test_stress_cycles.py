@@ -74,7 +74,7 @@ def test_reversed_torsion_and_bending_reach_their_limits(ratio):
 
 def rough(points, boundary="periodic"):
     height = asp.self_affine((points, points), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    return asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.1, boundary=boundary)
+    return asp.solve_contact(height, asp.Solid(1.0, 0.3), contact_area_fraction=0.1, boundary=boundary)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -124,7 +124,7 @@ def line():
     """A cylinder along y, 102 nodes wide: the largest pressure and the half-width of the contact."""
     length = (EDGE / 64, EDGE)
     height = asp.surface.add_cylinder(np.zeros((16, NODES)), length, 1.0, axis="y")
-    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), length, area_fraction=0.1)
+    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), length, contact_area_fraction=0.1)
     return contact, float(contact.pressure.max()), 0.05
 
 
@@ -175,7 +175,9 @@ def test_point_contact():
     """Johnson (1985), section 9.4: shakedown near 4.68 k; first yield at 2.8 k by von Mises."""
     nodes, radius = 256, 1.0
     height = asp.surface.add_sphere(np.zeros((nodes, nodes)), EDGE, radius)
-    contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), EDGE, boundary="free", area_fraction=0.02)
+    contact = asp.solve_contact(
+        height, asp.Solid(1.0, 0.3), EDGE, boundary="free", contact_area_fraction=0.02
+    )
     largest, half = float(contact.pressure.max()), np.sqrt(0.02 / np.pi)
     depths = half * np.linspace(0.2, 0.7, 21)
     cycles = asp.stress.stress_cycles(contact, depths, yield_stress=np.sqrt(3), tolerance=1e-4)

@@ -30,8 +30,8 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 
 CONFIGS = [
     ("contact: {tolerance: '1e-6'}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed"),
-    ("contact: {area: 0.1}", "contact.area: unknown key; did you mean area_fraction?"),
-    ("contact: {young: 0.1}", "contact.young: unknown key; known here are method, area_fraction"),
+    ("contact: {area: 0.1}", "contact.area: unknown key; did you mean contact_area_fraction?"),
+    ("contact: {young: 0.1}", "contact.young: unknown key; known here are method, contact_area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
     ("surfaces: {hurst_02: {wavelength_short: 0.5}}", "wavelength_short = 0.5: at most wavelength_long = 0."),
@@ -53,7 +53,10 @@ CONFIGS = [
     ('surfaces: {hurst_02: {label: "\\e[31mred"}}', "label = '\\x1b[31mred': text that can be printed is ne"),
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
-    ("contact: {area_fraction: 0.1, approach: 0.1}", "contact.approach = 0.1: not accepted together with"),
+    (
+        "contact: {contact_area_fraction: 0.1, approach: 0.1}",
+        "contact.approach = 0.1: not accepted together with",
+    ),
     ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-06 with"),
     ("", "overlay.yaml: keys with values are needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
@@ -63,7 +66,10 @@ CONFIGS = [
     ("surfaces: {hurst_02: {label: 'a $ sign'}}", "mathematics between two dollar signs is needed"),
     ("seeds: !!python/object/apply:os.system ['touch pwned']", "overlay.yaml: YAML is needed; could not det"),
     (MERGES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
-    (f"contact: {{area_fraction: {':'.join(['59'] * 10_000)}}}", "overlay.yaml: at most 2000 characters are"),
+    (
+        f"contact: {{contact_area_fraction: {':'.join(['59'] * 10_000)}}}",
+        "overlay.yaml: at most 2000 characters are",
+    ),
     ("contact: " + "[" * 40 + "]" * 40, "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
 ]
 
@@ -75,7 +81,9 @@ STAGES = ("surface", "contact", "stress", "statistics")
 def make_chain(folder):
     """Results of one surface, contact, stress and statistics, made in a folder by the stages of the study."""
     surface = make_surface(SMALL, 1)
-    contact = press_surface(surface, LAYER, CONTACT | {"area_fraction": 0.2, "path_area_fractions": [0.2]})
+    contact = press_surface(
+        surface, LAYER, CONTACT | {"contact_area_fraction": 0.2, "path_contact_area_fractions": [0.2]}
+    )
     stress = compute_stress(contact, LAYER, STRESS)[LAYER["lateral"]]
     statistics = surface_statistics([SeedResults(1, surface, contact, stress)], 60, 1000, 0.95)
     settings = {"name": "small", "seed": 1, "surface": SMALL, "layer": LAYER, "stress": STRESS}
@@ -94,8 +102,12 @@ COMMANDS = [
     ("solve s.nc", 2, "invalid choice: 'solve'"),
     ("study init", 2, "the following arguments are required: FOLDER"),
     ("view {contact} gap --ot x.png", 2, "--ot: not accepted; did you mean --out?"),
-    (f"plan {SPECTRUM} --area-fraction {HUGE}", 2, "999...: a number is needed"),
-    (f"plan {SPECTRUM} --area-fraction 3", 1, "contact.area_fraction = 3.0: a number > 0 and ≤ 1 is needed"),
+    (f"plan {SPECTRUM} --contact-area-fraction {HUGE}", 2, "999...: a number is needed"),
+    (
+        f"plan {SPECTRUM} --contact-area-fraction 3",
+        1,
+        "contact.contact_area_fraction = 3.0: a number > 0 and ≤ 1 is needed",
+    ),
     ("view {contact} plane --poisson 7", 1, "--poisson = 7.0: a number > -1 and ≤ 0.5 is needed"),
     ("view {contact} gap --fft-engine \u00fc\x1b[31m", 1, "--fft-engine = 'ü\\x1b[31m': ducc0 or pyfftw o"),
     ("view {folder}/none.nc gap", 1, "none.nc: no such file"),
@@ -136,9 +148,17 @@ COMMANDS = [
         "--approach = '-3nm': a length > 0 with its unit (nm, um, mm, m) is needed",
     ),
     (f"{RUN} --force -.5 N", 2, "--force = '-.5 N': a force > 0 with its unit (mN, N, kN) is needed"),
-    (f"{RUN} --area-fraction -1e-3", 2, "--area-fraction = -0.001: a number > 0 and ≤ 1 is needed"),
+    (
+        f"{RUN} --contact-area-fraction -1e-3",
+        2,
+        "--contact-area-fraction = -0.001: a number > 0 and ≤ 1 is needed",
+    ),
     (f"{RUN} --set load.hertz_pressure=1GPa", 2, "load.hertz_pressure: needs radius_x"),
-    (f"{RUN} --set load.radius_x=5mm --area-fraction 0.1", 2, "--area-fraction: hertz_pressure, force or m"),
+    (
+        f"{RUN} --set load.radius_x=5mm --contact-area-fraction 0.1",
+        2,
+        "--contact-area-fraction: hertz_pressure, force or m",
+    ),
     # exports
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
     ("export {folder}", 1, "{folder}: a folder; a file in it is needed, such as {folder}/contact.nc"),
@@ -205,12 +225,12 @@ CALLS = [
     (lambda of: asp.surface.with_moments(asp.self_affine((64, 64), **BAND), 1.0, 2.0), "no Johnson curve"),
     (lambda of: press_surface(of("surface"), LAYER, STEP), "approach = 0.9: less than 0.0"),
     (
-        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, area_fraction=10**400),
-        "area_fraction = 1",
+        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, contact_area_fraction=10**400),
+        "contact_area_fraction = 1",
     ),
     (
-        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, area_fraction=-0.1),
-        "area_fraction = -0.1",
+        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, contact_area_fraction=-0.1),
+        "contact_area_fraction = -0.1",
     ),
     (lambda of: asp.analyse_stress(loaded(of), poisson=[0.2, 0.2]), "poisson = 0.2: given 2 times"),
     (lambda of: asp.stress.pool_peaks([of("stress")] * 2, [0.1], bins=20), "gradients"),

@@ -21,7 +21,9 @@ def chain_in_si(chain, tmp_path_factory):
     """The same in SI, with an edge of 512 µm and a modulus of 200 GPa, by the functions of the library."""
     folder, grid = tmp_path_factory.mktemp("si"), asp.Grid((64, 64), EDGE)
     height = EDGE * dataset.read(chain["surface"])["height"].values
-    contact = asp.solve_contact(height, asp.Solid(200e9 * (1 - 0.33**2), 0.33), grid, area_fraction=0.2)
+    contact = asp.solve_contact(
+        height, asp.Solid(200e9 * (1 - 0.33**2), 0.33), grid, contact_area_fraction=0.2
+    )
     stress = asp.analyse_stress(contact, poisson=[0.0, 0.33]).assign_attrs(poisson_contact=0.33)
     results = {
         "surface": surface_dataset(height, grid),

@@ -35,7 +35,7 @@ VOCABULARY = """
     plan run info verify view export gap section plane peaks y=0.5 depth=max --young --set --periodic
     map.radius=1mm body.hardness= 1e-300 1e300 1e400 --material 100Cr6 --mean-pressure --case
     load_curve.loads=[1] --friction --counter-young 70GPa --physical-size --field --peaks --surface --profile
-    --poisson --detrend --unit --help --version --out --area-fraction --spacing --channel --missing
+    --poisson --detrend --unit --help --version --out --contact-area-fraction --spacing --channel --missing
     --body upper --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3
     --hardness --save --counter-material --counter-map --sliding-direction 1GPa s.yaml
     9 16 24 -- - = % %s { float32 bonded von_mises {surface} {contact} {stress} {statistics} {folder}/none.nc

@@ -23,8 +23,8 @@ LAYER = {
 }
 CONTACT = {
     "method": "active_set",
-    "area_fraction": 0.1,
-    "path_area_fractions": [0.05, 0.08, 0.1, 0.15],
+    "contact_area_fraction": 0.1,
+    "path_contact_area_fractions": [0.05, 0.08, 0.1, 0.15],
     "tolerance": 1e-6,
     "precision": "float64",
 }

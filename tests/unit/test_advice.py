@@ -45,7 +45,7 @@ def sound():
     """An answer without advice: both grids resolve its surface."""
     height = asp.self_affine((128, 128), 0.8, 16e-6, 8e-6, rms_height=1e-8, seed=1, length=128e-6)
     surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, unit="m", name="ground")
-    found = advised(surface, STEEL, area_fraction=0.05)
+    found = advised(surface, STEEL, contact_area_fraction=0.05)
     limits = found.stages.bodies["lower"].limits
     alike = limits.where(limits["kind"] != "on_half", limits.sel(kind="on_grid"))
     changes = {"bodies.lower.limits": alike.assign_attrs(limits.attrs)}
@@ -98,8 +98,12 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
         ({"numbers.nominal_pressure": 6.1e9}, "warning", "load beyond the hardness"),
         ({f"{BODY}.yield_stress": None, f"{BODY}.young": 6e9}, "warning", "stress beyond any yield stress"),
         ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
-        ({"numbers.area_fraction": 0.4, "asked.load.area_fraction": 0.4}, "warning", "large contact area"),
-        ({"numbers.area_fraction": 0.25}, "warning", "another contact area"),
+        (
+            {"numbers.contact_area_fraction": 0.4, "asked.load.contact_area_fraction": 0.4},
+            "warning",
+            "large contact area",
+        ),
+        ({"numbers.contact_area_fraction": 0.25}, "warning", "another contact area"),
         ({f"{RECORD}.edge_step": 8.0}, "warning", "edges do not match"),
         (FREE, "warning", "contact at the edge of the map"),
         (
@@ -110,7 +114,7 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
         ({"numbers.typical_patch_width": 2.6}, "warning", "contact spots of few pixels"),
         ({"numbers.contact_nodes": 0}, "warning", "no contact"),
         ({"numbers.pressure_on_spike": True}, "warning", "maximum pressure on a spike"),
-        ({"numbers.largest_pressure": 300e9}, "warning", "pressure above Young's modulus"),
+        ({"numbers.maximum_pressure": 300e9}, "warning", "pressure above Young's modulus"),
         ({"rough.doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "warning", "unit of the map"),
         ({"numbers.peak_to_valley": 3e-4}, "warning", "heights as large as the map"),
         ({f"{BODY}.young": 210e12}, "warning", "Young's modulus"),
@@ -135,7 +139,7 @@ def test_bodies_are_named_if_they_differ(sound):
     def told(upper):
         height = sound.stages.face.height
         surface = asp.HeightMap(height, (128e-6, 128e-6), periodic=True, orientation="lower face", unit="m")
-        answer = run(surface, STEEL.replaced(yield_stress=1e8), upper, area_fraction=0.05)
+        answer = run(surface, STEEL.replaced(yield_stress=1e8), upper, contact_area_fraction=0.05)
         return [each.text for each in answer.warnings if each.subject == "stress beyond yield"]
 
     assert ["of the upper body" in text for text in told(STEEL.replaced(yield_stress=1e8))] == [False]
@@ -161,7 +165,7 @@ def test_a_change_of_rounding_errors_is_not_told(sound):
     limits = sound.stages.bodies["lower"].limits.copy(deep=True)
     for kind, value in (("on_grid", 1e-3), ("on_half", 1e-17)):
         limits["gradient_rms_contact"].loc[{"kind": kind}] = value
-    limits["largest"].loc[{"kind": "on_grid", "quantity": "pressure"}] *= 1.2
+    limits["maximum"].loc[{"kind": "on_grid", "quantity": "pressure"}] *= 1.2
     advised = changed(sound, {"bodies.lower.limits": limits})
     (found,) = (each for each in advised.given() if each.subject.startswith("limited by the resol"))
     assert "rms gradient" not in found.text

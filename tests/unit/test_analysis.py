@@ -90,7 +90,7 @@ def test_profile_and_covariance_are_those_of_the_planes(contact, exact):
         covariance = np.mean(planes * planes[best], axis=(1, 2)) - mean * mean[best]
         lag, plane = asp.stress.autocorrelation(planes[best], contact.grid)
         np.testing.assert_allclose(here["mean_von_mises"], mean, rtol=1e-12)
-        np.testing.assert_allclose(here["largest_von_mises"], largest, rtol=1e-12)
+        np.testing.assert_allclose(here["maximum_von_mises"], largest, rtol=1e-12)
         assert here["reference_depth"] == depths[best]
         np.testing.assert_allclose(here["covariance_depth"], covariance, rtol=1e-9, atol=1e-15)
         np.testing.assert_allclose(here["covariance_plane"], plane, rtol=1e-9, atol=1e-15)
@@ -104,10 +104,10 @@ def test_coarse_planes_keep_the_statistics(contact, exact, tolerance):
     assert coarse["plane_points"][-1] < exact["plane_points"][-1]
     assert (exact["reference_depth"] > exact["plane_depth"][1]).all()
     np.testing.assert_array_equal(coarse["reference_depth"], exact["reference_depth"])
-    scale, shares = float(exact["largest_von_mises"].max()), [0.1, 0.5, 0.9, 0.99]
+    scale, shares = float(exact["maximum_von_mises"].max()), [0.1, 0.5, 0.9, 0.99]
     # Coarse nodes miss the very top of a plane.
-    largest = exact["largest_von_mises"]
-    np.testing.assert_allclose(coarse["largest_von_mises"], largest, rtol=0.03, atol=1e-4 * scale)
+    largest = exact["maximum_von_mises"]
+    np.testing.assert_allclose(coarse["maximum_von_mises"], largest, rtol=0.03, atol=1e-4 * scale)
     for name in ("mean_von_mises", "covariance_depth", "covariance_plane"):
         largest = float(np.abs(exact[name]).max())
         np.testing.assert_allclose(coarse[name], exact[name], rtol=0, atol=1e-4 * largest)
@@ -162,7 +162,7 @@ def test_layer_is_followed_to_its_bottom(bottom):
 def test_no_pressure_has_no_peaks_and_no_stress(contact):
     data = asp.analyse_stress(replace(contact, pressure=0 * contact.pressure), poisson=RATIOS)
     assert data.sizes["peak"] == 0
-    assert not data["largest_von_mises"].any()
+    assert not data["maximum_von_mises"].any()
     assert asp.stress.select_peaks(data, "von_mises", 0.33, "under_contact").sizes["peak"] == 0
 
 

@@ -72,7 +72,15 @@ def is_same(answer, again):
     assert again.case.with_maps(*maps).written() == answer.case.written()
     for name in ("height", "pressure", "displacement", "gap", "plastic_depth"):
         same_values(getattr(again.contact, name), getattr(answer.contact, name))
-    for each in ("approach", "area_fraction", "mean_pressure", "hardness", "solid", "grid", "boundary"):
+    for each in (
+        "approach",
+        "contact_area_fraction",
+        "mean_pressure",
+        "hardness",
+        "solid",
+        "grid",
+        "boundary",
+    ):
         assert getattr(again.contact, each) == getattr(answer.contact, each), each
     assert again.contact.certificate == replace(answer.contact.certificate, seconds=0.0)
     for each in fields(answer.face):

@@ -60,7 +60,7 @@ CASES = {
         | {"fatigue_torsion": "300 MPa", "fatigue_bending": "480 MPa", "residual_stress": "-400 MPa"},
         "cycles": {"fatigue_scatter": 0.1, "fatigue_volume": "100 mm3"},
         "running_in": {"loads": 1, "hardness": "7 GPa"},
-        "film": {"load_share": 0.5},
+        "film": {"load_fraction": 0.5},
         "sample": {"area": "10 mm2"},
     },
 }
@@ -180,7 +180,7 @@ def test_all_problems_are_found_at_once():
     assert found["body.young"].startswith(" = '210': a pressure > 0 with its unit")
     assert found["body.poisson"] == " = 0.7: a number > -1 and ≤ 0.5 is needed"
     assert found["body.yeild_stress"] == ": unknown key; did you mean yield_stress?"
-    assert found["load.mean_pressure, hertz_pressure, force, approach, area_fraction"].endswith(
+    assert found["load.mean_pressure, hertz_pressure, force, approach, contact_area_fraction"].endswith(
         "exactly one of them is needed, mean_pressure and force given"
     )
     assert found["lek"] == ": unknown key; did you mean leak?"

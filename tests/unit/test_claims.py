@@ -161,7 +161,7 @@ def test_roles_follow_the_parameters():
 
 def test_tractions_and_poissons_ratio():
     """On a half-space they do not feel it; on a slab the longest wave feels the bottom."""
-    area = xr.Dataset({"solved_area_fraction": (("poisson", "path"), np.full((3, 2), 0.1))})
+    area = xr.Dataset({"solved_contact_area_fraction": (("poisson", "path"), np.full((3, 2), 0.1))})
     evidence = Evidence({}, {"load_area": area})
     wanted = ("tractions_of_poisson", "slab_tractions_of_poisson")
     found = {c.identifier: judge(c, evidence) for c in CLAIMS if c.identifier in wanted}
@@ -274,7 +274,7 @@ def made_statistics(hurst, layer=LAYER, others=("free",)):
     """Numbers of one seed of a surface, under several conditions of the mean mode."""
     band = {"wavelength_long": 0.25, "wavelength_short": 0.0625, "rms_height": 1e-3, "points": 64}
     surface = make_surface({"hurst": hurst, **band}, 1)
-    contact = press_surface(surface, layer, CONTACT | {"path_area_fractions": []})
+    contact = press_surface(surface, layer, CONTACT | {"path_contact_area_fractions": []})
     stress = stress_of_seed(contact, layer, STRESS, others, [*SOUGHT, "xy"])
     return seed_statistics(surface, contact, stress).expand_dims(seed=[1]).assign_attrs(stress.attrs)
 

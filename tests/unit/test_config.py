@@ -80,25 +80,29 @@ def test_a_load_replaces_that_beneath(load):
     assert complete(complete(config))["contact"] == contact
     alone = complete({"surfaces": PAPER["surfaces"], "contact": load})["contact"]
     assert imposed_load(alone) == imposed_load(contact)
-    assert "path_area_fractions" not in alone
+    assert "path_contact_area_fractions" not in alone
 
 
 def test_settings_that_are_left_out_get_their_defaults():
     config = copy.deepcopy(PAPER)
-    del config["layer"], config["measured"]["fault"]["detrend"], config["contact"]["path_area_fractions"]
+    del (
+        config["layer"],
+        config["measured"]["fault"]["detrend"],
+        config["contact"]["path_contact_area_fractions"],
+    )
     del config["stress"]["poisson"], config["measured"]["fault"]["wavelength_short"]
     check(config)
     whole = complete(config)
     assert whole["layer"] == {**PAPER["layer"], "half_space_tolerance": 0.05}
     assert not {"detrend", "points"} & whole["measured"]["fault"].keys()  # by the map
-    assert whole["contact"]["path_area_fractions"] == [whole["contact"]["area_fraction"]]
+    assert whole["contact"]["path_contact_area_fractions"] == [whole["contact"]["contact_area_fraction"]]
     assert whole["stress"]["poisson"] == [whole["layer"]["poisson"]]
 
 
 def test_the_command_checks_and_names_the_folder(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     overlay = tmp_path / "overlay.yaml"
-    overlay.write_text("contact: {area_fraction: 0.05}")
+    overlay.write_text("contact: {contact_area_fraction: 0.05}")
     assert main(["check", "config/config.yaml", str(overlay)]) == 0
     assert main(["results", "config/quick.yaml"]) == 0
     assert main(["results", "config/quick.yaml", "--results", "~//x/"]) == 0

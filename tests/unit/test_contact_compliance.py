@@ -17,10 +17,10 @@ SOLIDS = [HALF_SPACE, asp.Solid(1.0, 0.3, height=0.5), THIN, asp.Solid(1.0, 0.5,
 SOLIDS += [asp.Solid(3.0, 0.2, 0.02, base=HALF_SPACE), asp.Solid(0.2, 0.5, 0.02, base=HALF_SPACE)]
 
 
-def lowest_nodes(shape, area_fraction=0.1):
+def lowest_nodes(shape, contact_area_fraction=0.1):
     """The lowest nodes of a rough surface: patches of many sizes, far apart."""
     height = asp.self_affine((512, 512), 0.8, 1 / 8, 8 / 512, 1.0, seed=1)[: shape[0], : shape[1]].reshape(-1)
-    return np.flatnonzero(height < np.quantile(height, area_fraction)).astype(np.uint32)
+    return np.flatnonzero(height < np.quantile(height, contact_area_fraction)).astype(np.uint32)
 
 
 def displacement(response, nodes, pressure):

@@ -29,11 +29,11 @@ def test_controls_and_methods_agree(solid, boundary):
         by_load = solve_contact(height, solid, mean_pressure=load_of(height), **settings)
         truth = truth or by_load
         by_approach = solve_contact(height, solid, approach=truth.approach, **settings)
-        by_area = solve_contact(height, solid, area_fraction=truth.area_fraction, **settings)
+        by_area = solve_contact(height, solid, contact_area_fraction=truth.contact_area_fraction, **settings)
         assert by_load.approach == pytest.approx(truth.approach, abs=1e-7 * height.std())
         for contact in (by_load, by_approach):
             contact.certificate.check(1e-7)
-            assert np.abs(contact.pressure - truth.pressure).max() < 1e-6 * truth.max_pressure
+            assert np.abs(contact.pressure - truth.pressure).max() < 1e-6 * truth.maximum_pressure
         assert np.count_nonzero(by_area.pressure) == np.count_nonzero(truth.pressure)
         # On this grid the area changes by one node per few thousandths of the load.
         assert by_area.mean_pressure == pytest.approx(truth.mean_pressure, rel=0.02)
@@ -57,7 +57,7 @@ def mirrored():
 )
 def test_nearest_possible_area_is_met(height, together, fraction, rtol):
     """On symmetric surfaces several nodes touch together."""
-    contact = solve_contact(height, HALF_SPACE, area_fraction=fraction, rtol=rtol)
+    contact = solve_contact(height, HALF_SPACE, contact_area_fraction=fraction, rtol=rtol)
     count, wanted = np.count_nonzero(contact.pressure), round(fraction * height.size)
     assert count % together == 0
     assert abs(count - wanted) <= max(together / 2, 1e-4 * wanted)
@@ -70,7 +70,7 @@ def test_fields_of_the_solution_are_consistent(method):
     height = rough()
     contact = solve_contact(height, SLAB, mean_pressure=load_of(height), method=method)
     np.testing.assert_allclose(contact.gap, height + contact.displacement - contact.approach, atol=1e-15)
-    assert contact.area_fraction == np.count_nonzero(contact.pressure) / height.size
+    assert contact.contact_area_fraction == np.count_nonzero(contact.pressure) / height.size
     assert contact.mean_pressure == pytest.approx(load_of(height), rel=1e-6)
     assert contact.mean_contact_pressure == pytest.approx(contact.pressure[contact.pressure > 0].mean())
     assert 0 < contact.gradient_rms_contact < 2 * asp.roughness_parameters(height).rms_gradient
@@ -119,7 +119,7 @@ def test_full_contact_is_flat(method):
     """Exact solution: û = −ĥ for every mode but the uniform one."""
     height = rough()
     contact = solve_contact(height, HALF_SPACE, mean_pressure=2.0, method=method, rtol=1e-12)
-    assert contact.area_fraction == 1
+    assert contact.contact_area_fraction == 1
     assert np.abs(contact.displacement + height - contact.approach).max() < 1e-8 * height.std()
     contact.certificate.check(1e-7)
     for solid in (HALF_SPACE, SLAB, INCOMPRESSIBLE):
@@ -135,8 +135,8 @@ def test_full_area_is_least_load_of_full_contact(method, dtype, fraction):
     wavenumber = 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
     q = np.hypot(wavenumber[:, None], wavenumber)
     zero_mean = np.fft.ifft2(-np.fft.fft2(height) * HALF_SPACE.effective_modulus * q / 2).real
-    contact = solve_contact(height, HALF_SPACE, area_fraction=fraction, method=method, dtype=dtype)
-    assert contact.area_fraction == 1
+    contact = solve_contact(height, HALF_SPACE, contact_area_fraction=fraction, method=method, dtype=dtype)
+    assert contact.contact_area_fraction == 1
     assert contact.mean_pressure == pytest.approx(-zero_mean.min(), rel=1e-5)
 
 
@@ -152,7 +152,7 @@ def test_first_contact_and_lift_off(solid, boundary):
     apart.certificate.check(0.0)
     for contact in (touching, apart):
         assert not contact.pressure.any()
-        assert contact.area_fraction == 0
+        assert contact.contact_area_fraction == 0
         assert np.isnan(contact.gradient_rms_contact)
 
 
@@ -162,7 +162,7 @@ def test_first_contact_and_lift_off(solid, boundary):
 @pytest.mark.parametrize(
     ("kind", "values", "settings"),
     [
-        ("area_fractions", [0.05, 0.07], {}),
+        ("contact_area_fractions", [0.05, 0.07], {}),
         ("mean_pressures", [2e-4, 0.0, 4e-4], {}),
         ("forces", [3e-4, 1e-4], {"boundary": "free"}),
         ("approaches", [-4e-3, -1e-3, -5e-4], {}),
@@ -183,12 +183,12 @@ def test_path_is_its_contacts_one_by_one(kind, values, settings):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("kind", ["approach", "mean_pressure", "area_fraction"])
+@pytest.mark.parametrize("kind", ["approach", "mean_pressure", "contact_area_fraction"])
 @pytest.mark.parametrize("scale", [1e6, -1.0])
 def test_huge_start_and_tension_change_nothing(scale, kind, method):
     height = rough()
     cold = solve_contact(height, HALF_SPACE, mean_pressure=load_of(height))
-    start = np.random.default_rng(1).random(height.shape) * scale * cold.max_pressure
+    start = np.random.default_rng(1).random(height.shape) * scale * cold.maximum_pressure
     contact = solve_contact(height, HALF_SPACE, **{kind: getattr(cold, kind)}, initial=start, method=method)
     assert contact.mean_pressure == pytest.approx(cold.mean_pressure, rel=1e-2)
 
@@ -218,13 +218,13 @@ def pressed(height=FLAT, solid=HALF_SPACE, **settings):
     return solve_contact(height, solid, **{"mean_pressure": 0.1} | settings)
 
 
-def covering(height, area_fraction=0.1, **settings):
-    return solve_contact(height, HALF_SPACE, area_fraction=area_fraction, **settings)
+def covering(height, contact_area_fraction=0.1, **settings):
+    return solve_contact(height, HALF_SPACE, contact_area_fraction=contact_area_fraction, **settings)
 
 
 test_wrong_argument_is_refused = refuses(
     (lambda: solve_contact(FLAT, HALF_SPACE), "exactly one of"),
-    (lambda: covering(FLAT, 0.0), "area_fraction = 0.0"),
+    (lambda: covering(FLAT, 0.0), "contact_area_fraction = 0.0"),
     (
         lambda: solve_contact(FLAT, HALF_SPACE, force=-1.0),
         r"force = -1.0: 0 or a number from 1e-150 to 1e\+150 is n",
@@ -249,12 +249,12 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(method="gfmd", boundary="free"), "method = 'gfmd': active_set is needed for boundary ="),
     (lambda: covering(1e-60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
     (
-        lambda: solve_contact(NOISE[:3], HALF_SPACE, (1e-6, 1.0), area_fraction=0.1),
+        lambda: solve_contact(NOISE[:3], HALF_SPACE, (1e-6, 1.0), contact_area_fraction=0.1),
         r"length = .*: spacings .* by a factor of at most 300 are needed in a periodic cell, and here by 1",
     ),
     (lambda: pressed(hardness=0.1), "hardness = 0.1: more than the mean pressure 0.1"),
     (lambda: pressed(hardness=1.0, method="gfmd"), ".*active_set is needed"),
-    (lambda: covering(NOISE, 1.0, hardness=1e-3), "area_fraction = 1: less is needed"),
+    (lambda: covering(NOISE, 1.0, hardness=1e-3), "contact_area_fraction = 1: less is needed"),
     (lambda: pressed(solid=PAIR).in_body("left"), "body = 'left': 'lower' or 'upper' is needed"),
     (lambda: pressed().in_body("upper"), "body = 'upper': 'lower', because the indenter is rigid, is needed"),
     # before the first of the loads is solved

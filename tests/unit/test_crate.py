@@ -20,7 +20,7 @@ STUDY = ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"]
 @pytest.fixture
 def results(tmp_path):
     height = asp.self_affine((32, 32), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     (tmp_path / "contact").mkdir()
     contact.to_netcdf(tmp_path / "contact/seed1.nc")
     (tmp_path / "claims.csv").write_text("identifier,value\na,1\n")

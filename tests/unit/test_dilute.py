@@ -106,13 +106,13 @@ def test_pressure_is_that_of_the_whole_grid(solid, options, seed, solved_twice):
     grid = asp.Grid(shape, (1.0, shape[1] / shape[0]), options.get("mirrored", False))
     options = {name: value for name, value in options.items() if name != "mirrored"} | {"length": grid}
     found, whole = solved_twice(height, solid, mean_pressure=load, **options)
-    assert 0 < whole.area_fraction < dilute.MAX_AREA
+    assert 0 < whole.contact_area_fraction < dilute.MAX_AREA
     assert difference(found.pressure, whole.pressure) < 5 * options.get("rtol", 1e-6)
     assert found.certificate.pairs < whole.certificate.pairs
     approach = asp.solve_contact(height, solid, approach=whole.approach, **options)
     assert difference(approach.pressure, whole.pressure) < 2e2 * options.get("rtol", 1e-6)
-    area = asp.solve_contact(height, solid, area_fraction=whole.area_fraction, **options)
-    assert area.area_fraction == pytest.approx(whole.area_fraction, rel=1e-3)
+    area = asp.solve_contact(height, solid, contact_area_fraction=whole.contact_area_fraction, **options)
+    assert area.contact_area_fraction == pytest.approx(whole.contact_area_fraction, rel=1e-3)
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -159,7 +159,7 @@ def test_dilute_contact_takes_five_pairs():
     height = asp.self_affine((1024, 1024), 0.8, 0.25, 8 / 1024, rms_height=1e-3, seed=1)
     for load in (4e-5, 3.5e-4):
         contact = asp.solve_contact(height, HALF_SPACE, mean_pressure=load)
-        assert 1e-4 < contact.area_fraction < 0.01
+        assert 1e-4 < contact.contact_area_fraction < 0.01
         assert contact.certificate.pairs < 5
 
 
@@ -168,6 +168,6 @@ def test_an_area_that_a_flat_cannot_have_is_sought_on_the_whole_grid(small_grids
     height = np.ones((256, 256))
     height[:4, :6] = 0
     grid = asp.Grid(height.shape, (256.0, 256.0), mirrored=True)
-    contact = asp.solve_contact(height, HALF_SPACE, grid, area_fraction=48 / height.size, rtol=1e-3)
+    contact = asp.solve_contact(height, HALF_SPACE, grid, contact_area_fraction=48 / height.size, rtol=1e-3)
     assert np.count_nonzero(contact.pressure) == 24
     assert contact.certificate.pairs < 25

@@ -91,7 +91,7 @@ def test_sliding_sphere_is_as_hamilton_goodman_say():
     depth = radius * np.concatenate([[0.0], np.linspace(0.05, 1.2, 47)])
     stress = sphere.stress(place[:, None], place, depth[:, None, None], STEEL.poisson)
     fields = invariants(stress * MODULUS)
-    expected = {name: fields[name].max() for name in ("von_mises", "largest_shear", "principal_1")}
+    expected = {name: fields[name].max() for name in ("von_mises", "maximum_shear", "principal_1")}
     expected |= {name: fields[name].min() for name in ("principal_3", "hydrostatic")}
     for field, value in expected.items():
         # The tension behind the contact has a cusp at its edge, which the pixels cut off.
@@ -152,7 +152,7 @@ def test_stress_between_nodes_is_that_of_fourier_series(rough):
     depths = np.linspace(0.4e-6, 1.2e-6, 9)
     planes = asp.stress_planes(replace(solid, pressure=series, grid=fine), depths, tolerance=0)
     exact = max(plane.fields["von_mises"].max() for plane in planes)
-    at_nodes = float(rough.stress["lower"]["largest_von_mises"].max())
+    at_nodes = float(rough.stress["lower"]["maximum_von_mises"].max())
     assert rough["maximum von Mises stress"].value == pytest.approx(exact, rel=0.04)
     assert at_nodes < 0.9 * exact
 
@@ -263,7 +263,7 @@ def test_peaks_are_those_of_the_map(rough):
     assert (places <= grid.length[0] - 0.49 * grid.spacing[0]).all()
 
 
-def test_a_spike_under_the_largest_pressure_is_told():
+def test_a_spike_under_the_maximum_pressure_is_told():
     surface = a_rough_map()
     height = surface.height.copy()
     height[20, 30] += 30e-6

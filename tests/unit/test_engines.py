@@ -110,7 +110,7 @@ def test_engines_agree_on_contact_and_stress(boundary, mirrored, monkeypatch):
         assert contact.to_dataset().attrs["fft_engine"] == stress.attrs["fft_engine"] == contact.fft_engine
     pressures = [contact.pressure for contact, _ in found]
     assert np.ptp(pressures, axis=0).max() < 1e-8 * pressures[0].max()
-    largest = [float(stress["largest_von_mises"].max()) for _, stress in found]
+    largest = [float(stress["maximum_von_mises"].max()) for _, stress in found]
     assert largest == pytest.approx(3 * largest[:1], rel=1e-6)
 
 

@@ -45,7 +45,7 @@ def test_rough_contact_against_fine_planes(over_yield, allowed):
     A relative error of the stress of 0.004 is 1.5 · 0.004/0.05 of the volume of a small ellipsoid.
     """
     height = asp.self_affine((64, 64), 0.8, 0.5, 1 / 8, 1e-3, seed=1)
-    solid = asp.LoadedSolid.of(asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.2))
+    solid = asp.LoadedSolid.of(asp.solve_contact(height, asp.Solid(1.0, 0.3), contact_area_fraction=0.2))
     depths, fine = asp.stress.depth_grid(solid.grid, 0.3), Grid((256, 256))
     pressure = Fourier(fine).inverse(resample(Fourier(solid.grid).forward(solid.pressure), solid.grid, fine))
     found = planes_of(solid, depths)

@@ -108,7 +108,7 @@ def test_surface_fields_are_an_image_and_a_table(tmp_path):
 def test_a_contact_writes_what_the_command_exports(tmp_path):
     height = asp.self_affine((32, 32), 0.8, 20e-6, 8e-6, rms_height=1e-7, seed=1, length=40e-6)
     grid = asp.Grid((32, 32), 40e-6)
-    contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), grid, area_fraction=0.1)
+    contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), grid, contact_area_fraction=0.1)
     contact.to_netcdf(tmp_path / "contact.nc")
     contact.to_vtk(tmp_path / "surface.vti")
     contact.to_vtk(tmp_path / "box.vti", ("xx",), depth=(0, 2e-6), y=(0, 20e-6))

@@ -38,7 +38,7 @@ def pillars():
 @pytest.fixture(scope="module")
 def on_two_grids():
     """Estimates on 8 and on 32 nodes."""
-    coarse = contact_on(8, area_fraction=0.08)
+    coarse = contact_on(8, contact_area_fraction=0.08)
     fine = contact_on(32, mean_pressure=coarse.mean_pressure)
     return asp.continuum_limit(coarse, stress_of(coarse)), asp.continuum_limit(fine, stress_of(fine))
 
@@ -46,7 +46,7 @@ def on_two_grids():
 @pytest.mark.parametrize(
     ("output", "tolerance"),
     [
-        ("area_fraction", 0.01),
+        ("contact_area_fraction", 0.01),
         ("gradient_rms_contact", 0.009),
         ("proportionality", 0.015),
         ("p90", 0.03),
@@ -77,7 +77,7 @@ def test_stated_errors_cover_the_true_ones(hurst, waves, area):
         contact = asp.solve_contact(height, LAYER, **load)
         return contact, asp.continuum_limit(contact, stress_of(contact))
 
-    contact, found = estimates(8, area_fraction=area)
+    contact, found = estimates(8, contact_area_fraction=area)
     truth = estimates(32, mean_pressure=contact.mean_pressure)[1].sel(kind="estimate")
     true = abs(found.sel(kind="estimate") / truth - 1)
     over = np.concatenate([(true[name] / found[name].sel(kind="error")).values.ravel() for name in found])
@@ -89,7 +89,7 @@ def test_stated_errors_cover_the_true_ones(hurst, waves, area):
 
 @pytest.mark.parametrize("area", [0.98, 1.0])
 def test_no_estimate_where_almost_all_is_in_contact(area):
-    found = asp.continuum_limit(contact_on(4, area_fraction=area))
+    found = asp.continuum_limit(contact_on(4, contact_area_fraction=area))
     assert "out of contact, and 200 are needed" in found.attrs["reason"]
 
 
@@ -115,7 +115,7 @@ def ridges():
 
 def at_hardness():
     contact = asp.solve_contact(
-        contact_on(8, area_fraction=0.2).height, LAYER, area_fraction=0.2, hardness=0.01
+        contact_on(8, contact_area_fraction=0.2).height, LAYER, contact_area_fraction=0.2, hardness=0.01
     )
     assert contact.plastic_area > 0
     return contact
@@ -131,25 +131,30 @@ def worn(nodes, **load):
 
 
 CASES = {
-    "elastic, in a periodic cell": (lambda: contact_on(8, area_fraction=0.2), ""),
+    "elastic, in a periodic cell": (lambda: contact_on(8, contact_area_fraction=0.2), ""),
     "the pressure reaches a hardness": (at_hardness, ""),
     "ridges are straight": (ridges, ""),
-    "creases, steps or noise": (lambda: worn(8, area_fraction=0.2), ""),
+    "creases, steps or noise": (lambda: worn(8, contact_area_fraction=0.2), ""),
     "flat or stepped heights touch": (
         lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5),
         "flat or stepped",
     ),
     "fewer than 200 nodes touch, or do not": (
-        lambda: contact_on(8, area_fraction=0.005),
+        lambda: contact_on(8, contact_area_fraction=0.005),
         "nodes are in contact, and 200",
     ),
-    "free boundary": (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
+    "free boundary": (lambda: contact_on(4, contact_area_fraction=0.3, boundary="free"), "boundary is free"),
 }
 """Contact as the page calls it, how it is made, and the reason against all of its estimates."""
 ROWS = re.findall(
     r"^\| (.+?) \| ((?:(?:yes|no) \| ?){4})$", (ROOT / "docs/continuum.md").read_text("utf-8"), re.MULTILINE
 )
-NUMBERS = (["area_fraction", "gradient_rms_contact"], ["largest"], ["mean_depth"], ["decay_length_depth"])
+NUMBERS = (
+    ["contact_area_fraction", "gradient_rms_contact"],
+    ["maximum"],
+    ["mean_depth"],
+    ["decay_length_depth"],
+)
 """The columns of the page."""
 
 
@@ -160,7 +165,7 @@ def test_page_says_which_numbers_have_an_estimate(name, says):
     found = asp.continuum_limit(contact, stress_of(contact))
     assert reason in found.attrs.get("reason", "")
     assert bool(reason) == ("reason" in found.attrs)
-    assert np.isfinite(found["area_fraction"].sel(kind="on_grid"))
+    assert np.isfinite(found["contact_area_fraction"].sel(kind="on_grid"))
     known = [bool(found[each].sel(kind="estimate").to_array().notnull().any()) for each in NUMBERS]
     assert ["yes" if each else "no" for each in known] == re.findall("yes|no", says)
 
@@ -172,19 +177,19 @@ def test_page_has_all_reasons_against_an_estimate():
 @pytest.mark.parametrize("nodes", [2, 4, 8])
 def test_extremes_on_creases_have_no_estimate(nodes):
     """They grow with every refinement; a smooth surface on as many nodes has estimates."""
-    found = asp.continuum_limit(contact := worn(nodes, area_fraction=0.4), stress_of(contact))
+    found = asp.continuum_limit(contact := worn(nodes, contact_area_fraction=0.4), stress_of(contact))
     assert "extreme stresses grow with every refinement" in found.attrs["reason_of_stress"]
-    assert found[["p90", "p99", "largest"]].sel(kind="estimate").to_array().isnull().all()
-    assert np.isfinite(found["area_fraction"].sel(kind="error"))
-    smooth = asp.continuum_limit(contact := contact_on(nodes, area_fraction=0.4), stress_of(contact))
+    assert found[["p90", "p99", "maximum"]].sel(kind="estimate").to_array().isnull().all()
+    assert np.isfinite(found["contact_area_fraction"].sel(kind="error"))
+    smooth = asp.continuum_limit(contact := contact_on(nodes, contact_area_fraction=0.4), stress_of(contact))
     assert "reason_of_stress" not in smooth.attrs
-    assert np.isfinite(smooth["largest"].sel(kind="estimate")).all()
+    assert np.isfinite(smooth["maximum"].sel(kind="estimate")).all()
 
 
 def test_stress_on_a_crease_grows_with_every_refinement():
-    finest = worn(32, area_fraction=0.2)
-    largest = [worn(nodes, mean_pressure=finest.mean_pressure).max_pressure for nodes in (4, 8, 16)]
-    largest.append(finest.max_pressure)
+    finest = worn(32, contact_area_fraction=0.2)
+    largest = [worn(nodes, mean_pressure=finest.mean_pressure).maximum_pressure for nodes in (4, 8, 16)]
+    largest.append(finest.maximum_pressure)
     assert (np.diff(largest) > 0.05 * np.array(largest[:-1])).all()
 
 
@@ -207,7 +212,7 @@ def extremes_on(nodes, **load):
 
 def test_extremes_have_one_error_that_covers_the_true_one():
     """Against 16 nodes; the largest peak and the volume above yield use the same error."""
-    fine, truth, exact = extremes_on(16, area_fraction=0.2)
+    fine, truth, exact = extremes_on(16, contact_area_fraction=0.2)
     for nodes in (2, 4):
         _, found, volume = extremes_on(nodes, mean_pressure=fine.mean_pressure)
         for name in DIRECTION:
@@ -220,7 +225,7 @@ def test_extremes_have_one_error_that_covers_the_true_one():
 
 def test_volume_without_peaks_has_an_error_where_the_stress_may_reach_the_limit():
     """Error of the volume above 0 if, and only if, the largest stress and its error reach the limit."""
-    contact, found, _ = extremes_on(4, area_fraction=0.2)
+    contact, found, _ = extremes_on(4, contact_area_fraction=0.2)
     largest = float(found["extreme"].sel(field="von_mises", kind="on_grid"))
     error, depths = extreme_error(found, "von_mises"), asp.stress.depth_grid(contact.grid, 0.5)
     planes = list(asp.stress_planes(contact, depths))
@@ -235,7 +240,7 @@ def test_volume_without_peaks_has_an_error_where_the_stress_may_reach_the_limit(
 
 def test_fewer_contact_nodes_leave_the_error_unknown():
     """It is not zero."""
-    _, found, volume = extremes_on(8, area_fraction=0.005)
+    _, found, volume = extremes_on(8, contact_area_fraction=0.005)
     assert "200 are needed" in found.attrs["reason"]
     assert np.isnan(volume.error(found, 1))
     assert np.isnan(extreme_error(found, "von_mises"))
@@ -254,7 +259,7 @@ def test_straight_ridges_are_within_the_error(points, phase):
     load = np.pi * LAYER.effective_modulus * 1e-3 * np.sin(np.pi * 0.03 / 2) ** 2
     contact = asp.solve_contact(height, LAYER, mean_pressure=load)
     found = asp.continuum_limit(contact, stress_of(contact))
-    _, _, estimate, error = found["area_fraction"].values
+    _, _, estimate, error = found["contact_area_fraction"].values
     assert abs(estimate - 0.03) <= estimate * error
     assert "ridges are straight" in found.attrs["reason_of_stress"]
     assert found["p99"].sel(kind="estimate").isnull().all()
@@ -266,7 +271,7 @@ def test_only_other_surfaces_have_a_least_error(kind):
     height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=5)
     length = (4.0, 1.0) if kind == "lay" else 1.0  # the same heights, four times as long along y
     height = asp.surface.johnson(height, 0.6, 1.0) if kind == "skewed" else height
-    least = asp.continuum_limit(asp.solve_contact(height, LAYER, length, area_fraction=0.1)).attrs[
+    least = asp.continuum_limit(asp.solve_contact(height, LAYER, length, contact_area_fraction=0.1)).attrs[
         "least_error"
     ]
     assert (least > 0) == (kind != "gaussian")
@@ -275,10 +280,10 @@ def test_only_other_surfaces_have_a_least_error(kind):
 def test_a_number_whose_error_exceeds_it_has_no_estimate():
     """Narrow tips of squared heights, with two nodes on the shortest wave: no depths."""
     height = -(asp.self_affine((96, 96), 0.8, 1 / 4, 1 / 32, rms_height=1.0, seed=1) ** 2)
-    contact = asp.solve_contact(1e-3 * height, LAYER, area_fraction=0.1)
+    contact = asp.solve_contact(1e-3 * height, LAYER, contact_area_fraction=0.1)
     found = asp.continuum_limit(contact, stress_of(contact))
     error, estimate = (found.sel(kind=kind) for kind in ("error", "estimate"))
-    assert np.isfinite(error["area_fraction"])
+    assert np.isfinite(error["contact_area_fraction"])
     assert estimate[["mean_depth", "mean_depth_highest"]].to_array().isnull().all()
     assert not (error.to_array() > 1).any()
     assert (error.isnull() == estimate.isnull()).to_array().all()
@@ -286,11 +291,11 @@ def test_a_number_whose_error_exceeds_it_has_no_estimate():
 
 def test_waves_below_four_nodes_are_estimated_too():
     """Two nodes on the shortest wave against eight; the area on two errs by a third."""
-    coarse = contact_on(2, area_fraction=0.3)
+    coarse = contact_on(2, contact_area_fraction=0.3)
     fine = asp.continuum_limit(contact_on(8, mean_pressure=coarse.mean_pressure))
-    truth = float(fine["area_fraction"].sel(kind="estimate"))
+    truth = float(fine["contact_area_fraction"].sel(kind="estimate"))
     found = asp.continuum_limit(coarse)
-    on_grid, _, estimate, error = found["area_fraction"].values
+    on_grid, _, estimate, error = found["contact_area_fraction"].values
     assert found.attrs["lost_gradient"] > 0.2
     assert abs(estimate / truth - 1) < min(error, 0.5 * abs(on_grid / truth - 1))
 
@@ -313,10 +318,10 @@ def test_one_mirrored_node_grows_with_its_pixel():
     grid = Grid(height.shape, mirrored=True)
     contact = asp.solve_contact(1e-3 * height, LAYER, grid, mean_pressure=1e-6)
     half, _ = solve_on_half(contact.height, LAYER, grid, mean_pressure=1e-6)
-    assert half.area_fraction == pytest.approx(4 * contact.area_fraction)
+    assert half.contact_area_fraction == pytest.approx(4 * contact.contact_area_fraction)
 
 
-CONTACT = asp.solve_contact(rough(), LAYER, area_fraction=0.1)
+CONTACT = asp.solve_contact(rough(), LAYER, contact_area_fraction=0.1)
 
 
 test_wrong_argument_is_refused = refuses(

@@ -22,7 +22,7 @@ def noise(shape=(32, 32)):
 def test_units_by_powers_of_two_change_no_bit(boundary, heights, lengths, moduli):
     """Multiplication by a power of two is exact, also far beyond the range of single precision."""
     height, by = 0.01 * noise(), [2.0**exponent for exponent in (heights, lengths, moduli)]
-    settings = {"area_fraction": 0.1, "boundary": boundary}
+    settings = {"contact_area_fraction": 0.1, "boundary": boundary}
     one = asp.solve_contact(height, HALF_SPACE, **settings)
     other = asp.solve_contact(height * by[0], asp.Solid(by[2], 0.3), by[1], **settings)
     np.testing.assert_array_equal(other.pressure, one.pressure * (by[0] / by[1] * by[2]))
@@ -34,9 +34,9 @@ def test_units_by_powers_of_two_change_no_bit(boundary, heights, lengths, moduli
 @pytest.mark.parametrize(
     ("height", "settings", "bound"),
     [
-        (1e-3 * (noise() + 1000), {"area_fraction": 0.1}, 1e-5),
-        (rough((32, 32)), {"area_fraction": 0.01, "method": "gfmd"}, 1e-6),
-        (rough((32, 32)), {"area_fraction": 0.1, "method": "gfmd"}, 1e-6),
+        (1e-3 * (noise() + 1000), {"contact_area_fraction": 0.1}, 1e-5),
+        (rough((32, 32)), {"contact_area_fraction": 0.01, "method": "gfmd"}, 1e-6),
+        (rough((32, 32)), {"contact_area_fraction": 0.1, "method": "gfmd"}, 1e-6),
         (rough(), {"mean_pressure": 1e-3, "rtol": 1e-4}, 1e-3),
         (rough(), {"mean_pressure": 1e-3, "rtol": 1e-4, "boundary": "free"}, 1e-3),
         (rough(), {"mean_pressure": 1e-3, "rtol": 1e-4, "method": "gfmd"}, 1e-3),
@@ -68,7 +68,7 @@ def test_single_precision_is_refined_in_double(height, settings, bound):
 )
 def test_smallest_area_is_the_lowest_level(height, fraction, method):
     """Of steps, a flat surface, a tilted plane and a rough surface."""
-    contact = asp.solve_contact(height, HALF_SPACE, area_fraction=fraction, method=method)
+    contact = asp.solve_contact(height, HALF_SPACE, contact_area_fraction=fraction, method=method)
     contact.certificate.check(1e-4)
     lowest = height == height.min()
     np.testing.assert_array_equal(contact.pressure > 0, lowest)
@@ -93,9 +93,12 @@ test_argument_out_of_range_is_refused = refuses(
         "height = .*: real numbers are neede",
     ),
     (lambda: asp.Body(young=HUGE, poisson=0.3), r"young = 10+\.\.\.: a pressure > 0 with its unit"),
-    (lambda: asp.solve_contact(1e80 * EIGHT, HALF_SPACE, area_fraction=0.1), "height: numbers from -1e"),
     (
-        lambda: asp.solve_contact(1e-80 * EIGHT, HALF_SPACE, area_fraction=0.1),
+        lambda: asp.solve_contact(1e80 * EIGHT, HALF_SPACE, contact_area_fraction=0.1),
+        "height: numbers from -1e",
+    ),
+    (
+        lambda: asp.solve_contact(1e-80 * EIGHT, HALF_SPACE, contact_area_fraction=0.1),
         "height: heights that differ by 1e-75",
     ),
     (lambda: asp.surface.with_moments(np.empty((0, 0)), 0.0, 3.0), r"height of shape \(0, 0\): an array"),

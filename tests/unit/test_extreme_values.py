@@ -28,7 +28,7 @@ def test_extremes_are_those_of_hertz():
     z = depth / radius
     along = 0.5 / (1 + z**2) - 1.3 * (1 - z * np.arctan(1 / z))
     shear = np.abs(along + 1 / (1 + z**2)) / 2
-    assert found["largest_shear"].value == pytest.approx(shear.max(), rel=2e-3)
+    assert found["maximum_shear"].value == pytest.approx(shear.max(), rel=2e-3)
     assert found["von_mises"].value == pytest.approx(2 * shear.max(), rel=2e-3)
     assert found["von_mises"].depth == pytest.approx(depth[shear.argmax()], rel=0.02)
     assert found["principal_3"].value == pytest.approx(-1.0, rel=2e-3)
@@ -50,7 +50,7 @@ def test_bounds_of_one_point_hold_for_extremes(layer, boundary, friction):
     parts = extremes_of(loaded, friction=friction, fields=("xz",))
     assert len(parts) == (2 if layer is COATED else 1)
     for part in [*parts, largest_of(parts)]:
-        von_mises, shear = part["von_mises"].value, part["largest_shear"].value
+        von_mises, shear = part["von_mises"].value, part["maximum_shear"].value
         assert von_mises <= 2 * shear <= 2 * von_mises / np.sqrt(3)
         assert part["principal_1"].value >= part["hydrostatic"].value >= part["principal_3"].value
         for name, each in part.items():
@@ -66,13 +66,13 @@ def test_bounds_of_one_point_hold_for_extremes(layer, boundary, friction):
 @pytest.mark.parametrize("seed", range(4))
 def test_extremes_are_those_of_eight_times_as_many_nodes(seed):
     """Of the same band-limited pressure; in the surface the stress has kinks at the edges of the contacts."""
-    contact = asp.solve_contact(rough(seed=seed), HALF_SPACE, area_fraction=0.1)
+    contact = asp.solve_contact(rough(seed=seed), HALF_SPACE, contact_area_fraction=0.1)
     grid, fine = contact.grid, Grid((512, 512))
     modes = resample(Fourier(grid).forward(contact.pressure), grid, fine)
     pressed = asp.LoadedSolid(Fourier(fine).inverse(modes), fine, HALF_SPACE)
     sliding = {"friction": 0.1 * seed}
     (found,) = extremes_of(contact, **sliding)
-    for name in ("von_mises", "largest_shear"):
+    for name in ("von_mises", "maximum_shear"):
         depths = np.unique(np.maximum(found[name].depth + np.array([-0.1, 0.0, 0.1]) / 64, 0.0))
         planes = asp.stress_planes(pressed, depths, fields=(name,), tolerance=0.0, **sliding)
         largest = max(plane.fields[name].max() for plane in planes)
@@ -99,7 +99,7 @@ def test_extremes_under_a_hardness_are_those_at_nodes():
     contact = hardened(rough(), 0.5)
     (found,) = extremes_of(contact)
     planes = asp.analyse_stress(contact, quantities=("von_mises",))
-    assert found["von_mises"].value == pytest.approx(float(planes["largest_von_mises"].max()), rel=1e-6)
+    assert found["von_mises"].value == pytest.approx(float(planes["maximum_von_mises"].max()), rel=1e-6)
     for each in found.values():
         assert each.depth in planes["plane_depth"]
         assert (np.array([each.y, each.x]) * 64) % 1 == pytest.approx(0, abs=1e-9)

@@ -79,7 +79,7 @@ def test_depths_end_below_most_peaks(chain):
 
 def test_figures_tell_their_surface_ratios_area_and_seeds(chain):
     statistics = dataset.read(chain["statistics"])
-    area = 100 * float(statistics["seed_area_fraction"].mean())
+    area = 100 * float(statistics["seed_contact_area_fraction"].mean())
     text = cases.settings_in_words({"statistics": {"one": statistics}}, several_ratios=True)
     ratios = ", ".join(f"{ratio:g}" for ratio in statistics["poisson"].values)
     assert text.startswith(f"H = 0.8; ν = {ratios}; area {area:.2g} %; seeds 1")

@@ -346,7 +346,7 @@ def test_masked_points_are_without_data():
     np.testing.assert_array_equal(found.height, expected.height)
     steel, given = asp.Body(young="210 GPa", poisson=0.3), {"length": (8e-6, 6e-6), "mean_pressure": "1 GPa"}
     pressed = [asp.run(1e-8 * each, steel, **given).contact for each in (masked, gaps)]
-    assert pressed[0].max_pressure == pressed[1].max_pressure
+    assert pressed[0].maximum_pressure == pressed[1].maximum_pressure
     with pytest.raises(ValueError, match="height: an array without masked elements is needed"):
         asp.solve_contact(masked, asp.Solid(1.0, 0.3), mean_pressure=1e-3)
     for wrong in (HEIGHT > 0, HEIGHT.astype(str), HEIGHT + 0j, np.ma.masked_equal(HEIGHT > 0, True)):

@@ -96,7 +96,7 @@ def test_leak_through_a_mirrored_map(tmp_path):
     pressure = answer.datasets["leak"]["film_pressure"].values
     np.testing.assert_allclose(pressure, flow.pressure, atol=1e-3 * 1e5)
     assert (tmp_path / "flow.png") in answer.write(tmp_path)
-    sealed = values(run(a_rough_map(), SOFT, area_fraction=1.0, **LEAK), "gap")
+    sealed = values(run(a_rough_map(), SOFT, contact_area_fraction=1.0, **LEAK), "gap")
     assert sealed["leakage along x"] == sealed["gap percolates along x"] == 0
     assert "pressure flow factor" not in sealed
 

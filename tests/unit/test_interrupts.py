@@ -13,7 +13,7 @@ from asperity.cli.main import INTERRUPTED, main
 
 COMMANDS = {
     "run": "{map} --unit um --physical-size 16um 16um --set 'map.orientation=peaks up' --young 1GPa "
-    "--poisson 0.3 --area-fraction 0.1 --out {out}/x",
+    "--poisson 0.3 --contact-area-fraction 0.1 --out {out}/x",
     "export": "{contact} --field xx:0-0.1 {out}/x.vti",
     "view": "{contact} pressure --out {out}/x.png",
     "plan": "'{{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}}'",

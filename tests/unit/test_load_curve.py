@@ -72,7 +72,10 @@ test_wrong_loads_are_refused = refuses(
     (lambda: loads_of("5 MPa", last="1 MPa"), "load_curve.loads = 5 MPa, 1 MPa: a list of rising values"),
     (lambda: loads_of("1 MPa", 2e6, last="5 MPa", steps=3), "load_curve.loads = 2 values: a single one is n"),
     (lambda: loads_of(last="5 MPa", steps=3), r"load_curve.loads = \[\]: a list of 1 to 99 rising values"),
-    (lambda: loads_of(0.1, last=0.1, kind="area_fraction"), "load_curve.loads = 0.1, 0.1: a list of rising"),
+    (
+        lambda: loads_of(0.1, last=0.1, kind="contact_area_fraction"),
+        "load_curve.loads = 0.1, 0.1: a list of rising",
+    ),
     (lambda: loads_of("5 N", last="1 MPa"), "load_curve.loads: '5 N': a mean pressure is needed"),
     (lambda: run(a_rough_map(), CONDUCTING, force=1.0), "conduction: a counter_body is needed"),
     (lambda: run(a_rough_map(), CONDUCTING, STEEL, force=1.0), "counter_body.conductivity: missing"),
@@ -88,12 +91,12 @@ def test_steps_are_in_equal_ratios():
 def test_full_contact_is_infinitely_stiff(nodes):
     height = asp.self_affine((nodes, nodes), 0.8, 5e-4, 2.5e-4, rms_height=1e-6, seed=1, length=1e-3)
     contact = asp.solve_contact(height, asp.Solid(200e9, 0.3), 1e-3, mean_pressure=10e9)
-    assert contact.area_fraction == 1
+    assert contact.contact_area_fraction == 1
     assert contact.stiffness == contact.conductance(1.0) == np.inf
     assert contact.load_interval[1] == np.inf
     on_layer = asp.solve_contact(height, asp.Solid(200e9, 0.3, height=1e-4), 1e-3, mean_pressure=50e9)
     oedometric = 200e9 * 0.7 / (1.3 * 0.4) / 1e-4  # uniform strain fixed laterally
-    assert on_layer.area_fraction == 1
+    assert on_layer.contact_area_fraction == 1
     assert on_layer.stiffness == pytest.approx(oedometric)
 
     body = Body(young=200e9, poisson=0.3, conductivity=50.0)

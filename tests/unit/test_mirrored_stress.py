@@ -21,7 +21,7 @@ SOLIDS = {
 }
 SHAPES = [(24, 31), (40, 40), (13, 48), (3, 4)]
 DEPTHS = [0.0, 0.01, 0.03, 0.05, 0.1, 0.15, 0.2]
-EVEN_FIELDS = "xx", "yy", "zz", "von_mises", "largest_shear", "principal_1", "hydrostatic"
+EVEN_FIELDS = "xx", "yy", "zz", "von_mises", "maximum_shear", "principal_1", "hydrostatic"
 
 
 def pressed(shape, solid, seed=1):
@@ -100,7 +100,7 @@ def test_analysis_is_that_of_the_cell_of_four(shape, solid, tolerance, bound):
     np.testing.assert_array_equal(found["reference_depth"], expected["reference_depth"])
     np.testing.assert_allclose(found["lag"], expected["lag"], rtol=1e-14)
     np.testing.assert_allclose(
-        found["largest_von_mises"].max(), expected["largest_von_mises"].max(), rtol=1e-6
+        found["maximum_von_mises"].max(), expected["maximum_von_mises"].max(), rtol=1e-6
     )
     # Nodes of coarser grids have other positions in the cell of four.
     for name, allowed in (("mean_von_mises", 1e-4), ("covariance_plane", bound), ("covariance_depth", 1e-2)):
@@ -143,7 +143,7 @@ def test_friction_is_that_of_the_cell_of_four_on_the_map(solid):
         assert found.grid.coordinates()[0][-1] < own.grid.length[0]
         np.testing.assert_array_equal(found.fields["von_mises"], expected.fields["von_mises"][:, :ny, :nx])
     found, expected = (asp.analyse_stress(each, DEPTHS, **chosen, covariances=True) for each in (own, cell))
-    for name in ("mean_von_mises", "largest_von_mises", "covariance_depth", "covariance_plane"):
+    for name in ("mean_von_mises", "maximum_von_mises", "covariance_depth", "covariance_plane"):
         np.testing.assert_array_equal(found[name], expected[name])
     np.testing.assert_array_equal(found["peak_value"], expected["peak_value"])
     assert (found["peak_weight"] == 0.25).all()

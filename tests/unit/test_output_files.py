@@ -74,7 +74,7 @@ COATING = "--set body.layers.0.thickness=1um --set body.layers.0.young=1GPa --se
 )
 def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
     Path("conf.yaml").write_text("sliding: {friction: 0.1}\n")
-    Path("study.yaml").write_text("contact: {area_fraction: 0.1}\n")
+    Path("study.yaml").write_text("contact: {contact_area_fraction: 0.1}\n")
     Path("used").mkdir()
     Path("used/section.png").write_text("precious")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}

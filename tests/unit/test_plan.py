@@ -26,7 +26,7 @@ from asperity.study.cost.plan import (
 )
 
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
-UNSEEN = PlannedContact(hurst=0.5, wavelength_long=1 / 4, wavelength_short=1 / 16, area_fraction=0.06)
+UNSEEN = PlannedContact(hurst=0.5, wavelength_long=1 / 4, wavelength_short=1 / 16, contact_area_fraction=0.06)
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}"
 
 
@@ -40,7 +40,7 @@ def corrected(nodes, **load):
         contact, quantities=("pressure", "von_mises"), tolerance=1e-4, covariances=True
     )
     found = asp.continuum_limit(contact, stress).sel(kind="estimate").squeeze("poisson")
-    names = ("area_fraction", "proportionality", "decay_length_plane")
+    names = ("contact_area_fraction", "proportionality", "decay_length_plane")
     numbers = {name: float(found[name]) for name in names}
     for kind in ("pressure", "von_mises"):
         numbers |= {f"{kind}_{name}": float(found[name].sel(quantity=kind)) for name in ("p90", "p99")}
@@ -49,7 +49,7 @@ def corrected(nodes, **load):
 
 @pytest.mark.parametrize("name", ["draft", "paper"])
 def test_errors_stay_within_bounds_elsewhere(name):
-    truth, load = corrected(24, area_fraction=0.06)
+    truth, load = corrected(24, contact_area_fraction=0.06)
     found, _ = corrected(PRESETS[name].points_per_wavelength, mean_pressure=load)
     bounds = error_bounds(UNSEEN, PRESETS[name], one_surface=True).sum(axis=1)
     for output, value in truth.items():
@@ -78,7 +78,7 @@ def test_seeds_proposed_reach_the_error():
     ("contact", "accuracy"),
     [
         (UNSEEN, replace(PRESETS["paper"], points_per_wavelength=2.0)),
-        (replace(UNSEEN, area_fraction=0.001), PRESETS["paper"]),
+        (replace(UNSEEN, contact_area_fraction=0.001), PRESETS["paper"]),
         (UNSEEN, replace(PRESETS["paper"], contact_tolerance=0.1)),
     ],
 )
@@ -100,7 +100,7 @@ def test_coarser_settings_have_larger_errors():
         ({"seconds": 1e-9}, PlanError, "not within this time and memory"),
         ({"memory": 1.0}, PlanError, "not within this time and memory"),
         ({}, ValueError, "a target is needed"),
-        ({"error": 0.1, "outputs": ["peak"]}, ValueError, "output = 'peak': one of area_fraction"),
+        ({"error": 0.1, "outputs": ["peak"]}, ValueError, "output = 'peak': one of contact_area_fraction"),
     ],
 )
 def test_impossible_targets_are_named(target, kind, line):
@@ -123,7 +123,7 @@ def test_command_proposes_an_accepted_configuration(capsys):
 def test_loads_count_where_a_figure_shows_the_contact():
     band = "hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125, rms_height: 0.001"
     text = f"surfaces: {{ground: {{label: a, {band}}}, lapped: {{label: b, {band}}}}}"
-    contact = "contact: {path_area_fractions: [0.02, 0.05, 0.1]}"
+    contact = "contact: {path_contact_area_fractions: [0.02, 0.05, 0.1]}"
     whole = read([text, contact])
     found, _ = planned_contacts(whole, surfaces_with_load_area(whole))
     assert {name: contact.loads for name, contact in found.items()} == {"ground": 3, "lapped": 3}

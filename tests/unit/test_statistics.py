@@ -71,7 +71,7 @@ def test_full_smooth_contact_has_no_decay(rms):
     layer = asp.Solid(young=1.0, poisson=0.3)
     contact = asp.solve_contact(rms * (wave[:, None] + wave), layer, mean_pressure=1.0)
     stress = asp.analyse_stress(contact, quantities=("von_mises",), covariances=True)
-    assert contact.area_fraction == 1
+    assert contact.contact_area_fraction == 1
     assert np.isnan(decay_lengths(stress)).all()
 
 
@@ -119,7 +119,7 @@ def stress(seed=0, peaks=4000, scale=1.0):
             "peak_under_contact": ("peak", draw.integers(0, 2, peaks).astype(bool)),
             "plane_depth": ("plane", planes),
             "mean_von_mises": (("poisson", "plane"), profile),
-            "largest_von_mises": (("poisson", "plane"), 5 * profile),
+            "maximum_von_mises": (("poisson", "plane"), 5 * profile),
             "covariance_depth": (("poisson", "plane"), scale * profile),
             "covariance_plane": (("poisson", "lag"), scale * profile[:, :3]),
             "reference_depth": ("poisson", planes[[1, 2]]),

@@ -87,7 +87,7 @@ def test_tiny_master_curve_study(tmp_path):
     surface = config["surfaces"]["hurst_08_ratio_8"] | {"points": 64}
     surface |= {"wavelength_long": 0.5, "wavelength_short": 0.125}
     config["surfaces"] = {f"s{hurst}": surface | {"hurst": hurst} for hurst in (0.2, 0.8)}
-    config["contact"] |= {"path_area_fractions": [0.3]}
+    config["contact"] |= {"path_contact_area_fractions": [0.3]}
     config["stress"] |= {"poisson": [0.0, 0.33]}
     rows = master_curve.table(config, master_curve.collect(config))
     files = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
@@ -147,9 +147,9 @@ def test_tiny_challenge(tmp_path):
     limit, coarse, fine = (rows[rows["points"] == points] for points in (0, 256, 512))
     assert np.abs(limit["mean_gap"].values / fine["mean_gap"].values - 1).max() < 1e-3
     # The limit of the area has a tenth of the excess of the finer of its two grids.
-    excess = coarse["area_fraction"].values - limit["area_fraction"].values
-    assert (fine["area_fraction"].values > limit["area_fraction"].values).all()
-    assert (excess > 0.04 * limit["area_fraction"].values).all()
+    excess = coarse["contact_area_fraction"].values - limit["contact_area_fraction"].values
+    assert (fine["contact_area_fraction"].values > limit["contact_area_fraction"].values).all()
+    assert (excess > 0.04 * limit["contact_area_fraction"].values).all()
     assert challenge.collect(config).equals(data)
     surface = challenge.height_of(config)
     found: list = []

@@ -13,7 +13,7 @@ from asperity.study.stages.surface import make_surface
 
 STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
 ROUGH = make_surface(SURFACE, 1)
-UNLOADED = {name: value for name, value in CONTACT.items() if name != "area_fraction"}
+UNLOADED = {name: value for name, value in CONTACT.items() if name != "contact_area_fraction"}
 
 
 def test_half_space_replaces_only_a_tall_layer():
@@ -28,10 +28,10 @@ def test_half_space_replaces_only_a_tall_layer():
 
 
 def test_load_area_curve_has_rising_areas():
-    contact = press_surface(ROUGH, LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
-    np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
+    contact = press_surface(ROUGH, LAYER, CONTACT | {"path_contact_area_fractions": [0.15, 0.05]})
+    np.testing.assert_allclose(contact.path_contact_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
     assert np.all(np.diff(contact.path_mean_pressure) > 0)
-    assert float(contact.area_fraction) == pytest.approx(0.1, abs=1 / 64**2)
+    assert float(contact.contact_area_fraction) == pytest.approx(0.1, abs=1 / 64**2)
     middle = contact.path_mean_pressure.values[1]
     assert float(contact.mean_pressure) == middle == pytest.approx(contact.pressure.values.mean())
 
@@ -82,12 +82,14 @@ def test_study_has_the_estimates_of_the_library():
     """But for the planes in depth, which the study has at other distances."""
     surface = make_surface({**SURFACE, "wavelength_short": 1 / 16, "points": 128}, 1)
     found = stress_of_seed(press_surface(surface, LAYER, CONTACT), LAYER, STRESS)
-    solved = asp.solve_contact(surface["height"].values, asp.Solid(1 - 0.33**2, 0.33), area_fraction=0.1)
+    solved = asp.solve_contact(
+        surface["height"].values, asp.Solid(1 - 0.33**2, 0.33), contact_area_fraction=0.1
+    )
     quantities = "pressure", "von_mises"
     stress = asp.analyse_stress(solved, poisson=STRESS["poisson"], quantities=quantities, covariances=True)
     expected = asp.continuum_limit(solved, stress)
     of = {"kind": "estimate", "quantity": ["pressure", "von_mises"]}
-    for name in ("area_fraction", "gradient_rms_contact", "proportionality"):
+    for name in ("contact_area_fraction", "gradient_rms_contact", "proportionality"):
         estimate = found[f"continuum_{name}"].sel(kind="estimate")
         assert float(estimate) == pytest.approx(float(expected[name].sel(kind="estimate")), rel=1e-4), name
     scale = found["continuum_gradient_rms_contact"].sel(kind="estimate")
@@ -103,7 +105,7 @@ def test_library_in_si_has_the_numbers_of_the_study():
     height = asp.self_affine((64, 64), SURFACE["hurst"], **size, seed=1, length=edge)
     _, surface, study, stress = results_of(1)
     np.testing.assert_allclose(height / edge, surface["height"], rtol=0, atol=1e-15)
-    contact = asp.solve_contact(height, asp.Solid(young, LAYER["poisson"]), edge, area_fraction=0.1)
+    contact = asp.solve_contact(height, asp.Solid(young, LAYER["poisson"]), edge, contact_area_fraction=0.1)
     np.testing.assert_allclose(
         contact.pressure / modulus, study["pressure"], atol=1e-5 * float(study["pressure"].max())
     )

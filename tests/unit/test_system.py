@@ -70,7 +70,7 @@ def test_package_imports_without_unix_modules():
 
 SOLVE = (
     "import asperity as asp; height = asp.self_affine((16, 16), 0.8, 0.5, 0.25, rms_height=1e-3, seed=1);"
-    "print(asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.1, threads=2))"
+    "print(asp.solve_contact(height, asp.Solid(1.0, 0.3), contact_area_fraction=0.1, threads=2))"
 )
 
 

@@ -35,7 +35,11 @@ def broken(checks):
     ("stage", "changed", "laws"),
     [
         ("contact", lambda data: data, []),
-        ("contact", lambda data: data.assign(path_area_fraction=-data.path_area_fraction), [AREA]),
+        (
+            "contact",
+            lambda data: data.assign(path_contact_area_fraction=-data.path_contact_area_fraction),
+            [AREA],
+        ),
         ("contact", lambda data: data.assign_attrs(certificate_contact_gap=np.nan), [GAP]),
         ("stress", lambda data: data.assign(peak_depth=-1 - data.peak_depth), ["peaks outside the solid"]),
         ("stress", lambda data: data.assign(peak_value=2 * data.peak_value), [LARGEST]),
@@ -67,11 +71,11 @@ def test_seed_has_the_numbers_of_its_results(chain):
     found = seed_statistics(surface, contact, stress)
     gradient = float(contact.gradient_rms_contact)
     assert float(found["seed_kurtosis"]) == float(surface["kurtosis"])
-    proportionality = float(contact.area_fraction) * gradient / float(contact.mean_pressure)
+    proportionality = float(contact.contact_area_fraction) * gradient / float(contact.mean_pressure)
     assert float(found["seed_proportionality"]) == pytest.approx(proportionality)
     assert float(found["seed_load_exponent"]) == pytest.approx(1, abs=0.2)  # a few circles of contact
-    largest = float(stress.largest_von_mises.sel(poisson=0.33).max()) / gradient
-    assert float(found["seed_largest_von_mises"].sel(poisson=0.33)) == pytest.approx(largest)
+    largest = float(stress.maximum_von_mises.sel(poisson=0.33).max()) / gradient
+    assert float(found["seed_maximum_von_mises"].sel(poisson=0.33)) == pytest.approx(largest)
     quantile = found["seed_peak_quantile"]
     assert quantile.sizes["level"] == QUANTILES.size
     assert bool((quantile.diff("level") >= 0).all())

@@ -27,7 +27,7 @@ SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
 RESULTS = """
 import asperity as asp
 height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), area_fraction=0.1)
+contact = asp.solve_contact(height, asp.Solid(1.0, 0.3), contact_area_fraction=0.1)
 contact.to_netcdf("c.nc")
 asp.write_result(asp.analyse_stress(contact).assign_attrs(unit_system="SI"), "t.nc", "Stress")
 """

@@ -103,9 +103,21 @@ REFUSED = [
     ({"claims": True}, {}, "claims = true needs figures = 'paper'"),
     ({"based_on": "none.yaml"}, {}, "based_on = 'none.yaml': none.yaml: no such file"),
     ({"based_on": 5}, {}, "based_on = 5: the name of a configuration, such as"),
-    ({"contact": {"area_fraction": [0.1, 2]}}, {}, "contact.area_fraction = 2: a number > 0 and ≤ 1"),
-    ({"contact": {"area_fraction": [0.1, 0.2, 0.3]}}, {}, "contact.area_fraction = [0.1, 0.2, 0.3]: study a"),
-    ({"surfaces": {"a": {**SURFACE, "contact": {}}}}, {}, "surfaces.a.contact = {}: one of area_fraction, m"),
+    (
+        {"contact": {"contact_area_fraction": [0.1, 2]}},
+        {},
+        "contact.contact_area_fraction = 2: a number > 0 and ≤ 1",
+    ),
+    (
+        {"contact": {"contact_area_fraction": [0.1, 0.2, 0.3]}},
+        {},
+        "contact.contact_area_fraction = [0.1, 0.2, 0.3]: study a",
+    ),
+    (
+        {"surfaces": {"a": {**SURFACE, "contact": {}}}},
+        {},
+        "surfaces.a.contact = {}: one of contact_area_fraction, m",
+    ),
     ({"surfaces": dict.fromkeys("abcde", SURFACE)}, {}, "studies: missing; with 5 surfaces, studies of at"),
     ({"studies": {"My": ["a"]}}, {}, "studies.'My': a name of at most 40 lower-case letters"),
 ]
@@ -122,16 +134,16 @@ def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, given, line):
 
 
 def test_list_of_loads_presses_every_surface(project):
-    config = {"surfaces": TWO, "contact": {"area_fraction": [0.02, 0.1]}}
-    alone = {"a": SURFACE, "b": {**SURFACE, "contact": {"area_fraction": 0.05}}}
+    config = {"surfaces": TWO, "contact": {"contact_area_fraction": [0.02, 0.1]}}
+    alone = {"a": SURFACE, "b": {**SURFACE, "contact": {"contact_area_fraction": 0.05}}}
     mixed = read_study([project / config_in(project, "mixed.yaml", config | {"surfaces": alone})[1]])
     assert mixed["studies"] == {"all": ["a_load1", "a_load2", "b"]}
     study = read_study([project / config_in(project, "loads.yaml", config)[1]])
     assert study["studies"] == {"all": ["a_load1", "a_load2", "b_load1", "b_load2"]}
     assert study["surfaces"]["b_load1"]["label"] == "A, $A/A_0$ = 0.02"
-    loads = [contact_of(study, name)["area_fraction"] for name in study["surfaces"]]
+    loads = [contact_of(study, name)["contact_area_fraction"] for name in study["surfaces"]]
     assert loads == [0.02, 0.1, 0.02, 0.1]
-    assert study["contact"]["path_area_fractions"] == [0.02, 0.1]
+    assert study["contact"]["path_contact_area_fractions"] == [0.02, 0.1]
     found = jobs(project, "--configfile", "loads.yaml")
     made = {outputs[0] for rule, outputs, _ in found if rule == "contact"}
     again = {outputs[0]: inputs for rule, outputs, inputs in found if rule == "contact_again"}

@@ -110,7 +110,7 @@ def figure_labels(name):
 def contact_settings(wildcards):
     """Section contact, without the load-area curve where no figure shows it."""
     contact = contact_of(config, wildcards.surface)
-    return contact if wildcards.surface in WITH_LOAD_AREA else {**contact, "path_area_fractions": []}
+    return contact if wildcards.surface in WITH_LOAD_AREA else {**contact, "path_contact_area_fractions": []}
 
 
 def stress_settings(wildcards):

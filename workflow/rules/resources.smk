@@ -17,8 +17,8 @@ def loads(wildcards):
     """Number of loads at which a contact is solved."""
     settings = contact_settings(wildcards)
     load, value = imposed_load(settings)
-    area = value if load == "area_fraction" else Contact().area_fraction
-    return len({*settings.get("path_area_fractions", ()), area})
+    area = value if load == "contact_area_fraction" else Contact().contact_area_fraction
+    return len({*settings.get("path_contact_area_fractions", ()), area})
 
 
 def fields(name):

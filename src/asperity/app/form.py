@@ -17,7 +17,7 @@ LOADS = {
     "mean_pressure": ("mean_pressure",),
     "force": ("force",),
     "approach": ("approach",),
-    "area_fraction": ("area_fraction",),
+    "contact_area_fraction": ("contact_area_fraction",),
     "hertz": ("hertz_pressure", "force", "mean_pressure", "radius_x", "radius_y", "at"),
 }
 """Kind of the load → settings of the group `load`."""

@@ -162,10 +162,10 @@ def _of_case(case: Case) -> dict[str, Any]:
             constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")
     found: dict[str, Any] = {"constants": constants}
     if (contact := case.hertz_contact) is not None and isinstance(case.load, Hertz):
-        shear, depth = contact.largest_shear(case.body.poisson)
+        shear, depth = contact.maximum_shear(case.body.poisson)
         half_widths = {"x": contact.half_width_x, "y": contact.half_width_y}
         found["hertz"] = half_widths | {"shear": shear, "depth": depth, "at": case.load.at}
-        found["hertz"]["pressure"] = contact.largest_pressure
+        found["hertz"]["pressure"] = contact.maximum_pressure
     return found
 
 

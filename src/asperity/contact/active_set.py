@@ -316,7 +316,7 @@ class ActiveSet:
         # Of the number of nodes that enter or leave in exact steps. Corrections then stay exact on this grid:
         # where the set no longer changes, the next one reaches the tolerance, and there is no step to save.
         self._exact: Stagnation | None = None
-        if control.kind == "area_fraction":
+        if control.kind == "contact_area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
 

@@ -56,7 +56,7 @@ def percolation(contact: Contact) -> Percolation:
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> found = asp.contact.percolation(contact)
     >>> found.contact, found.gap
     ((False, False), (True, True))

@@ -95,7 +95,7 @@ def solve(
     """
     dynamics = DampedDynamics(problem, control, initial, damping_fraction)
     area = None
-    if control.kind == "area_fraction" and np.ptp(problem.height):  # flat surfaces touch everywhere
+    if control.kind == "contact_area_fraction" and np.ptp(problem.height):  # flat surfaces touch everywhere
         area = AreaControl(control.value, problem.grid.size, rtol)
     report = ConvergenceProgress(progress, rtol)
     single = problem.fourier.real == np.float32

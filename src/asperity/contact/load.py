@@ -156,7 +156,7 @@ class AreaControl:
 
     Parameters
     ----------
-    area_fraction : float
+    contact_area_fraction : float
     size : int
         Number of nodes of the grid.
     rtol : float
@@ -173,9 +173,9 @@ class AreaControl:
     """
 
     def __init__(
-        self, area_fraction: float, size: int, rtol: float, tolerance: float = AREA_TOLERANCE
+        self, contact_area_fraction: float, size: int, rtol: float, tolerance: float = AREA_TOLERANCE
     ) -> None:
-        self.target = max(1, round(area_fraction * size))
+        self.target = max(1, round(contact_area_fraction * size))
         self.resolution = LOAD_RESOLUTION * min(rtol, 1 / self.target)
         self._allowed = max(tolerance * self.target, 0.5)
         self._early_changes = 0

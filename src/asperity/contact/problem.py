@@ -31,7 +31,7 @@ LEAST_FIT = 0.5
 
 @dataclass(frozen=True)
 class Control:
-    """The imposed quantity: "area_fraction", "mean_pressure" or "approach", and its value."""
+    """The imposed quantity: "contact_area_fraction", "mean_pressure" or "approach", and its value."""
 
     kind: str
     value: float
@@ -167,7 +167,7 @@ class Problem:
         factor = covariance / variance
         now, wanted = {
             "mean_pressure": (factor * float(pressure.mean(dtype=float)), control.value),
-            "area_fraction": (heights.size / self.grid.size, control.value),
+            "contact_area_fraction": (heights.size / self.grid.size, control.value),
             "approach": (float(np.mean(heights + factor * displaced)) - lowest, control.value - lowest),
         }[control.kind]
         if not (factor > 0 and abs(now - wanted) < NEAR_START * wanted):
@@ -289,7 +289,7 @@ def reach(
         In the unit of the heights; infinite where nothing is clipped.
     """
     nodes, lowest, below = height.size, float(height.min()), math.inf
-    if control.kind == "area_fraction" or (control.kind == "approach" and control.value <= lowest):
+    if control.kind == "contact_area_fraction" or (control.kind == "approach" and control.value <= lowest):
         return lowest, math.inf, math.inf
     if control.kind == "mean_pressure":
         load, datum = control.value / units.stress * nodes, lowest

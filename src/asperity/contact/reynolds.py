@@ -109,7 +109,7 @@ def film_flow(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> flow = asp.contact.film_flow(contact, viscosity=1e-6, pressure_difference=1e-3)  # doctest: +SKIP
     >>> print(f"{flow.flow_factor:.3f} of the flow between planes at the mean gap")  # doctest: +SKIP
     0.335 of the flow between planes at the mean gap

@@ -90,8 +90,8 @@ class PartialSlip:
     @property
     def sticking_area(self) -> float:
         """Share of the real contact that sticks; NaN without contact."""
-        area = self.contact.area_fraction
-        return self.sticking.area_fraction / area if area else float("nan")
+        area = self.contact.contact_area_fraction
+        return self.sticking.contact_area_fraction / area if area else float("nan")
 
     @property
     def slip(self) -> Array:

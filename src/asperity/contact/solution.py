@@ -44,7 +44,7 @@ class Contact:
     solid : Solid or TwoBodies
     boundary : "periodic" | "free"
         Condition at the edge of the map; "periodic" of a mirrored one.
-    area_fraction : float
+    contact_area_fraction : float
         Number of nodes under pressure over the number of all nodes of the map.
     mean_pressure : float
         Load over the area of the map.
@@ -70,8 +70,8 @@ class Contact:
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
-    >>> round(contact.area_fraction, 3), contact.pressure.shape
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> round(contact.contact_area_fraction, 3), contact.pressure.shape
     (0.1, (64, 64))
     >>> bool(contact.gap[contact.pressure > 0].max() < 1e-8)  # closed where there is pressure
     True
@@ -80,7 +80,7 @@ class Contact:
     >>> figure = contact.plot()  # the pressure
     >>> contact.section("x", depths=[0.0, 0.02])["von_mises"].dims
     ('poisson', 'depth', 'x')
-    >>> float(contact.to_dataset()["area_fraction"]) == contact.area_fraction
+    >>> float(contact.to_dataset()["contact_area_fraction"]) == contact.contact_area_fraction
     True
     """
 
@@ -91,7 +91,7 @@ class Contact:
     grid: Grid
     solid: Solids
     boundary: str
-    area_fraction: float
+    contact_area_fraction: float
     mean_pressure: float
     approach: float
     certificate: Certificate
@@ -106,9 +106,9 @@ class Contact:
         ny, nx = self.grid.shape
         missed = f" (imposed area missed by {100 * self.control_error:.2g} %)"
         return (
-            f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}"
+            f"<Contact of {ny} × {nx} nodes: area fraction {self.contact_area_fraction:.4g}"
             f"{missed if self.control_error > SHOWN_ERROR else ''}, "
-            f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.max_pressure:.4g}, "
+            f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.maximum_pressure:.4g}, "
             f"approach {self.approach:.4g}; plot(), section(), to_dataset()>"
         )
 
@@ -119,10 +119,10 @@ class Contact:
             ("nodes", f"{ny} × {nx}, {self.boundary}"),
             ("cell", f"{height:.4g} × {width:.4g}"),
             ("solid", repr(self.solid)),
-            ("real contact", f"{100 * self.area_fraction:.4g} %"),
+            ("real contact", f"{100 * self.contact_area_fraction:.4g} %"),
             (
                 "pressure: mean, in contact, largest",
-                f"{self.mean_pressure:.4g}, {self.mean_contact_pressure:.4g}, {self.max_pressure:.4g}",
+                f"{self.mean_pressure:.4g}, {self.mean_contact_pressure:.4g}, {self.maximum_pressure:.4g}",
             ),
             ("approach", f"{self.approach:.4g}"),
             *([("plastic", f"{100 * self.plastic_area:.4g} %")] if np.isfinite(self.hardness) else []),
@@ -158,7 +158,7 @@ class Contact:
         certificate = {f"certificate_{name}": value for name, value in asdict(self.certificate).items()}
         del certificate["certificate_seconds"]
         fields = ["pressure", "displacement", "gap"]
-        fields += ["area_fraction", "mean_pressure", "approach", "gradient_rms_contact"]
+        fields += ["contact_area_fraction", "mean_pressure", "approach", "gradient_rms_contact"]
         if self.plastic_depth is not None:
             fields += ["plastic_depth", "plastic_area", "plastic_load", "hardness"]
         values = {name: getattr(self, name) for name in fields}
@@ -225,14 +225,14 @@ class Contact:
         return self.mean_pressure * self.grid.area
 
     @property
-    def max_pressure(self) -> float:
+    def maximum_pressure(self) -> float:
         """Largest contact pressure."""
         return float(self.pressure.max())
 
     @property
     def mean_contact_pressure(self) -> float:
         """Mean pressure of the nodes under pressure, load over contact area; NaN without contact."""
-        return self.mean_pressure / self.area_fraction if self.area_fraction else float("nan")
+        return self.mean_pressure / self.contact_area_fraction if self.contact_area_fraction else float("nan")
 
     @property
     def plastic_area(self) -> float:
@@ -298,7 +298,7 @@ class Contact:
 
         >>> ball = asp.surface.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
         >>> contact = asp.solve_contact(ball, asp.Solid(1.0, 0.3), force=2e-3, boundary="free")
-        >>> radius = np.sqrt(contact.area_fraction / np.pi)
+        >>> radius = np.sqrt(contact.contact_area_fraction / np.pi)
         >>> bool(abs(contact.conductance(2.0) / (4 * radius / 2.0) - 1) < 0.03)
         True
         """

@@ -54,7 +54,7 @@ _LOAD = (
     lambda value: value == 0 or _LEAST_LOAD <= value <= _LARGEST_LOAD,
 )
 _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
-    "area_fraction": ("a number > 0 and ≤ 1", lambda value: 0 < value <= 1),
+    "contact_area_fraction": ("a number > 0 and ≤ 1", lambda value: 0 < value <= 1),
     "mean_pressure": _LOAD,
     "force": _LOAD,
     "approach": (f"a number from {-LARGEST:g} to {LARGEST:g}", lambda value: abs(value) <= LARGEST),
@@ -67,7 +67,7 @@ def solve_contact(
     solid: Solids,
     length: Edges = 1.0,
     *,
-    area_fraction: float | None = None,
+    contact_area_fraction: float | None = None,
     mean_pressure: float | None = None,
     force: float | None = None,
     approach: float | None = None,
@@ -82,7 +82,7 @@ def solve_contact(
 ) -> Contact:
     """Press a rough surface against an elastic solid: a rigid one, or one of two elastic bodies.
 
-    Exactly one of `area_fraction`, `mean_pressure`, `force` and `approach` is given.
+    Exactly one of `contact_area_fraction`, `mean_pressure`, `force` and `approach` is given.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def solve_contact(
         Edges of the map, number of nodes × spacing, and of the cell if it repeats. A map that its mirror
         images continue needs ``asp.Grid(shape, length, mirrored=True)``: its three images are in contact,
         too.
-    area_fraction : float
+    contact_area_fraction : float
         Contact nodes over all nodes, met to a relative error of 1e-4, or to the nearest number of nodes
         that the surface allows.
     mean_pressure : float
@@ -152,13 +152,13 @@ def solve_contact(
     >>> steel = asp.Solid(young=210e9, poisson=0.3)  # Pa
     >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)  # m
     >>> contact = asp.solve_contact(height, steel, length=2e-4, mean_pressure=20e6)
-    >>> print(f"{contact.area_fraction:.3f} of the area, at most {contact.max_pressure / 1e9:.2f} GPa")
-    0.024 of the area, at most 1.91 GPa
+    >>> print(f"area {contact.contact_area_fraction:.3f}, at most {contact.maximum_pressure / 1e9:.2f} GPa")
+    area 0.024, at most 1.91 GPa
 
     >>> ball = asp.surface.add_sphere(np.zeros((64, 64)), 3e-4, radius=10e-3)
     >>> contact = asp.solve_contact(ball, steel, 3e-4, force=20.0, boundary="free")
     >>> hertz = (6 * 20.0 * steel.effective_modulus**2 / (np.pi**3 * 10e-3**2)) ** (1 / 3)
-    >>> bool(abs(contact.max_pressure / hertz - 1) < 0.01)
+    >>> bool(abs(contact.maximum_pressure / hertz - 1) < 0.01)
     True
     """
     begin = time.perf_counter()
@@ -180,7 +180,7 @@ def solve_contact(
         )
     choice("method", method, tuple(METHODS))
     imposed = {
-        "area_fraction": area_fraction,
+        "contact_area_fraction": contact_area_fraction,
         "mean_pressure": mean_pressure,
         "force": force,
         "approach": approach,
@@ -233,7 +233,7 @@ def solve_contact(
     met_hardness = hardness is not None and (
         problem.plastic.is_set() or units != solid_units.for_problem(values, control, np.inf, response)
     )
-    if met_hardness and contact.max_pressure < contact.hardness:
+    if met_hardness and contact.maximum_pressure < contact.hardness:
         # An earlier iterate was plastic: the solution without a hardness has other rounding errors.
         settings = {
             "boundary": boundary,
@@ -243,7 +243,7 @@ def solve_contact(
             "initial": initial,
         }
         elastic = solve_contact(values, solid, grid, **imposed, **settings)  # type: ignore[arg-type]
-        if elastic.max_pressure <= limit:
+        if elastic.maximum_pressure <= limit:
             return replace(elastic, hardness=contact.hardness, plastic_depth=np.zeros_like(elastic.gap))
     return contact
 
@@ -253,7 +253,7 @@ def solve_load_path(
     solid: Solids,
     length: Edges = 1.0,
     *,
-    area_fractions: Sequence[float] | None = None,
+    contact_area_fractions: Sequence[float] | None = None,
     mean_pressures: Sequence[float] | None = None,
     forces: Sequence[float] | None = None,
     approaches: Sequence[float] | None = None,
@@ -266,7 +266,7 @@ def solve_load_path(
     ----------
     height, solid, length
         As for `solve_contact`.
-    area_fractions, mean_pressures, forces, approaches : sequence of float
+    contact_area_fractions, mean_pressures, forces, approaches : sequence of float
         Exactly one of them. With a hardness they rise: each contact is a first loading.
     progress : callable, optional
         Called as progress(done, total), in loads.
@@ -288,13 +288,13 @@ def solve_load_path(
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
     >>> solid = asp.Solid(young=1.0, poisson=0.3)
     >>> for contact in asp.solve_load_path(height, solid, mean_pressures=[1e-4, 2e-4, 4e-4]):
-    ...     print(f"load {contact.mean_pressure:.0e}, area {contact.area_fraction:.3f}")
+    ...     print(f"load {contact.mean_pressure:.0e}, area {contact.contact_area_fraction:.3f}")
     load 1e-04, area 0.016
     load 2e-04, area 0.026
     load 4e-04, area 0.050
     """
     paths = {
-        "area_fractions": area_fractions,
+        "contact_area_fractions": contact_area_fractions,
         "mean_pressures": mean_pressures,
         "forces": forces,
         "approaches": approaches,
@@ -398,7 +398,7 @@ def _state_of(
         return State(np.zeros_like(problem.height), control.value, 0.0)
     if control.kind == "mean_pressure" and control.value == 0:
         return State(np.zeros_like(problem.height), problem.lowest, 0.0)
-    if control.kind == "area_fraction":
+    if control.kind == "contact_area_fraction":
         lowest, size = problem.lowest, problem.grid.size
         together = np.count_nonzero(problem.height == lowest) / size
         control = replace(control, value=max(control.value, together))
@@ -406,7 +406,7 @@ def _state_of(
             full = problem.full_contact()
             if (largest := float(full.pressure.max())) > problem.hardness:
                 raise ValueError(
-                    f"area_fraction = {control.value:g}: less is needed, because full contact takes "
+                    f"contact_area_fraction = {control.value:g}: less is needed, because full contact takes "
                     f"{largest / problem.hardness:.4g} times the hardness"
                 )
             return full
@@ -478,7 +478,7 @@ def _contact_of(
         grid=asked.grid,
         solid=asked.solid,
         boundary=response.boundary,
-        area_fraction=nodes / problem.grid.size,
+        contact_area_fraction=nodes / problem.grid.size,
         mean_pressure=mean_pressure * units.stress,
         approach=(approach + mean) * units.height + units.datum if asked.approach is None else asked.approach,
         certificate=certificate,
@@ -509,9 +509,9 @@ def _gap_of(problem: Problem, pressure: Array, displacement: Array, approach: fl
     return gap, gap if exact is None else exact
 
 
-def _control_error(imposed: Control, area_fraction: float, mean_pressure: float) -> float:
+def _control_error(imposed: Control, contact_area_fraction: float, mean_pressure: float) -> float:
     """Relative difference between the imposed and the reached load or area."""
-    reached = {"area_fraction": area_fraction, "mean_pressure": mean_pressure}
+    reached = {"contact_area_fraction": contact_area_fraction, "mean_pressure": mean_pressure}
     if imposed.kind not in reached or imposed.value == 0:
         return 0.0
     return abs(reached[imposed.kind] / imposed.value - 1)
@@ -530,7 +530,7 @@ def _require_held(contact: Contact, units: Units, nodes: int) -> None:
             f"about {units.stress:.0e}; {other} are needed"
         )
     fields = ("pressure", "displacement", "gap")
-    numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
+    numbers = ("mean_pressure", "approach", "contact_area_fraction", "control_error")
     require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
 
 

@@ -17,7 +17,7 @@ REAL_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
 
 FIELDS = (
     *("xx", "yy", "zz", "yz", "xz", "xy"),
-    *("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3", "hydrostatic"),
+    *("von_mises", "maximum_shear", "principal_1", "principal_2", "principal_3", "hydrostatic"),
 )
 """Names of the fields of the stress, its components first."""
 

@@ -154,7 +154,7 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
     young = min(body.layer.young for body in stages.bodies.values())
     if numbers.pressure_on_spike:
         yield True, "pressure_on_spike", {"count": len(stages.rough.spikes), "size": SPIKE_SIZE}
-    if numbers.largest_pressure > young:
+    if numbers.maximum_pressure > young:
         yield True, "beyond_modulus", {"young": young}
     suggested = suggested_hardness(stages.case)
     if suggested is not None and numbers.nominal_pressure >= suggested:
@@ -170,12 +170,12 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
             middle * width + across * edge_of_map if width < math.inf else np.zeros(1)
             for middle, width, edge_of_map in zip(case.load.at, widths, face.grid.length, strict=True)
         )
-        pressure = smooth.pressure(y[:, None], x) / (smooth.largest_pressure * case.load.share)
+        pressure = smooth.pressure(y[:, None], x) / (smooth.maximum_pressure * case.load.share)
         size = float(np.abs(pressure - 1).max())
         values = {"size": size, "ratio": smooth.narrow / max(face.grid.length), "width": 2 * smooth.narrow}
         yield size > NOT_SEPARATE, "scales", values
-    wanted, area = case.load.value, numbers.area_fraction
-    if case.load.kind == "area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
+    wanted, area = case.load.value, numbers.contact_area_fraction
+    if case.load.kind == "contact_area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
         yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}
     if not numbers.violation <= ACCEPTED_VIOLATION:
         yield True, "inaccurate", {}
@@ -252,15 +252,19 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
     slope = numbers.rms_gradient
     if slope > STEEP:
         yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}
-    if numbers.area_fraction > LARGE_AREA:
-        yield True, "large_contact", {"area": 100 * numbers.area_fraction, "limit": 100 * LARGE_AREA}
+    if numbers.contact_area_fraction > LARGE_AREA:
+        yield True, "large_contact", {"area": 100 * numbers.contact_area_fraction, "limit": 100 * LARGE_AREA}
     if face.boundary == "periodic" and record.edge_step > EDGE_STEP:
         yield True, "edges", {}
     if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
         yield True, "contact_at_edge", {"size": numbers.load_on_edges}
     if (plain := compared.unfiltered) is not None:
         values = {"height": record.filtered_height, "gradient": record.filtered_gradient}
-        yield False, "filtered", values | {"area": 100 * plain.area_fraction, "pressure": plain.max_pressure}
+        yield (
+            False,
+            "filtered",
+            values | {"area": 100 * plain.contact_area_fraction, "pressure": plain.maximum_pressure},
+        )
     for share, key in ((record.altered_fraction, "windowed"), (record.filled_fraction, "filled")):
         if share > ALTERED_SHARE:
             yield False, key, {"size": share}
@@ -284,8 +288,8 @@ def _on_neighbours(stages: Stages, compared: Compared) -> Iterator[Found]:
     if alone is None:
         yield span > WIDE_SPAN, "neighbours", {"span": span}
         return
-    area = stages.numbers.area_fraction / alone.area_fraction - 1
-    pressure = stages.numbers.largest_pressure / alone.max_pressure - 1
+    area = stages.numbers.contact_area_fraction / alone.contact_area_fraction - 1
+    pressure = stages.numbers.maximum_pressure / alone.maximum_pressure - 1
     size = max(abs(area), abs(pressure))
     found = {"span": span, "area": 100 * area, "pressure": 100 * pressure, "size": size}
     yield size > NEIGHBOUR_CHANGE, "neighbours_compared", found

@@ -291,7 +291,7 @@ def heading(case: Scene, topic: str, body: str) -> str:
 def load_in_words(case: Scene) -> tuple[str, str]:
     """Name and value of the imposed quantity."""
     load = case.load
-    if load.kind == "area_fraction":
+    if load.kind == "contact_area_fraction":
         return "contact area fraction", f"{100 * load.value:.4g} %"
     return load.kind.replace("_", " ").replace("hertz", "Hertz"), shown_si(load.value, UNITS[load.kind])
 

@@ -218,7 +218,7 @@ def _contact_from(stored: xr.Dataset, answer: AnswerData, plain: Mapping[str, fl
         grid=grid_of(stored),
         solid=answer.case.solid,
         boundary=str(stored.attrs["boundary"]),
-        area_fraction=float(stored["area_fraction"]),
+        contact_area_fraction=float(stored["contact_area_fraction"]),
         mean_pressure=float(stored["mean_pressure"]),
         approach=float(stored["approach"]),
         certificate=Certificate(**known),

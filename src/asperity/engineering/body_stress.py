@@ -83,7 +83,7 @@ class BodyStress:
         `asperity.continuum_limit` of contact pressure and von Mises stress.
     parts : sequence of dict
         Field → its extreme value, in each material from the surface down: the maximum of ``von_mises``,
-        ``largest_shear`` (Tresca) and ``principal_1`` (tension), the minimum of ``principal_3`` and
+        ``maximum_shear`` (Tresca) and ``principal_1`` (tension), the minimum of ``principal_3`` and
         ``hydrostatic`` (compression), and the value of largest magnitude of any other field.
     interface : Interface or None
         None without a coating.
@@ -209,9 +209,9 @@ class _AtInterface:
         return Interface((self._along[0], self._along[1]), self._extremes) if self._along else None
 
 
-def largest_von_mises_between(stress: xr.Dataset, first: float, last: float) -> float:
+def maximum_von_mises_between(stress: xr.Dataset, first: float, last: float) -> float:
     """Largest von Mises stress between two depths, at the nodes or between them."""
     planes, found = stress["plane_depth"].values, select_peaks(stress, "von_mises")
     depths = np.append(planes, found["peak_depth"].values)
-    values = np.append(stress["largest_von_mises"].values.ravel(), found["peak_value"].values)
+    values = np.append(stress["maximum_von_mises"].values.ravel(), found["peak_value"].values)
     return float(np.where((first <= depths) & (depths <= last), values, -1.0).max())

@@ -131,7 +131,7 @@ class Case(Scene):
     def written(self) -> dict[str, Any]:
         """The settings that are given, as a file holds them: loads of a curve with their unit, too."""
         found, kind = super().written(), self.load.kind
-        if self.load_curve is not None and kind != "area_fraction":
+        if self.load_curve is not None and kind != "contact_area_fraction":
             loads = self.load_curve.loads
             written = [each if isinstance(each, str) else shown_si(each, UNITS[kind], 15) for each in loads]
             found["load_curve"]["loads"] = written

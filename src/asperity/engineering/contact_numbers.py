@@ -32,9 +32,9 @@ class ContactNumbers:
 
     Parameters
     ----------
-    area_fraction, contact_area, nominal_area : float
+    contact_area_fraction, contact_area, nominal_area : float
         Real over nominal contact area, real contact area, and area of the map.
-    nominal_pressure, mean_pressure, largest_pressure : float
+    nominal_pressure, mean_pressure, maximum_pressure : float
         Load over nominal area, load over real contact area, and the largest pressure at a node.
     force : float
         Load on the area of the map.
@@ -58,11 +58,11 @@ class ContactNumbers:
         Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
     """
 
-    area_fraction: float = _named("contact area fraction", "1")
+    contact_area_fraction: float = _named("contact area fraction", "1")
     contact_area: float = _named("contact area", "m^2")
     nominal_pressure: float = _named("mean pressure", "Pa")
     mean_pressure: float = _named("mean contact pressure", "Pa")
-    largest_pressure: float = _named("maximum pressure", "Pa")
+    maximum_pressure: float = _named("maximum pressure", "Pa")
     force: float = _named("force", "N")
     approach: float = _named("normal approach", "m")
     mean_gap: float = _named("mean gap", "m")
@@ -187,7 +187,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     pressure, load, nominal = contact.pressure, spots["load_N"], face.grid.area
     node = nominal / face.grid.size
     total, inside = max(float(load.sum()), 1e-300), float(pressure[1:-1, 1:-1].sum(dtype=float)) * node
-    area, force = contact.area_fraction * nominal, contact.mean_pressure * nominal
+    area, force = contact.contact_area_fraction * nominal, contact.mean_pressure * nominal
     largest = np.array(np.unravel_index(pressure.argmax(), pressure.shape)) * face.grid.spacing
     roughness = roughness_parameters(face.height, face.grid)
     by_width, median = spots.sort_values("width_m"), 0.0
@@ -195,11 +195,11 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         carried = by_width["load_N"].cumsum().to_numpy()
         median = float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
     return ContactNumbers(
-        area_fraction=contact.area_fraction,
+        contact_area_fraction=contact.contact_area_fraction,
         contact_area=area,
         nominal_pressure=contact.mean_pressure,
         mean_pressure=force / area if area else 0.0,
-        largest_pressure=float(pressure.max()),
+        maximum_pressure=float(pressure.max()),
         force=force,
         approach=contact.approach - float(contact.height.min()),
         mean_gap=float(gap_of(contact).mean(dtype=float)),

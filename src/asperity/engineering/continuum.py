@@ -65,10 +65,10 @@ def continuum_limit(
     -------
     dataset
         Along `kind`, the value ``on_grid`` and ``on_half`` of the nodes, the ``estimate`` at vanishing
-        spacing, and the relative ``error`` of the estimate: ``area_fraction``, ``gradient_rms_contact``, and
-        ``proportionality`` κ_r, their product times the effective modulus over the mean pressure. With a
-        stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
-        ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest
+        spacing, and the relative ``error`` of the estimate: ``contact_area_fraction``,
+        ``gradient_rms_contact``, and ``proportionality`` κ_r, their product times the effective modulus
+        over the mean pressure. With a stress, also along `quantity` and `poisson` the percentiles ``p90`` and
+        ``p99`` of the peaks, the ``maximum`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest
         tenth; along `poisson` the ``decay_length_depth`` and ``decay_length_plane``, NaN if `stress` has no
         covariances. Stresses are in the unit of the contact pressure. Where the grid allows no estimate, it
         is NaN, and the attribute ``reason`` says why, or ``reason_of_stress`` if only the peaks have none.
@@ -88,8 +88,8 @@ def continuum_limit(
     The area at eight nodes on the shortest wavelength is too large by a tenth of its value:
 
     >>> height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), area_fraction=0.05)
-    >>> area = asp.continuum_limit(contact)["area_fraction"]
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), contact_area_fraction=0.05)
+    >>> area = asp.continuum_limit(contact)["contact_area_fraction"]
     >>> print(f"{float(area.sel(kind='on_grid')):.4f}, better {float(area.sel(kind='estimate')):.4f}")
     0.0500, better 0.0448
     """

@@ -32,7 +32,7 @@ from asperity.stress.peaks.selection import has_percentile, select_peaks
 
 EXTREMES = {
     "von_mises": "maximum von Mises stress",
-    "largest_shear": "maximum shear stress (Tresca)",
+    "maximum_shear": "maximum shear stress (Tresca)",
     "principal_1": "maximum tensile stress",
     "principal_3": "maximum compressive stress",
     "hydrostatic": "maximum hydrostatic pressure",
@@ -40,11 +40,11 @@ EXTREMES = {
 """Field → name of its extreme value among the numbers."""
 
 LIMITS = {
-    "contact area fraction": ("area_fraction", None),
+    "contact area fraction": ("contact_area_fraction", None),
     "rms gradient in contact": ("gradient_rms_contact", None),
-    "maximum pressure": ("largest", "pressure"),
+    "maximum pressure": ("maximum", "pressure"),
     "maximum von Mises stress": ("extreme", "von_mises"),
-    "maximum shear stress (Tresca)": ("extreme", "largest_shear"),
+    "maximum shear stress (Tresca)": ("extreme", "maximum_shear"),
     "maximum tensile stress": ("extreme", "principal_1"),
     "maximum compressive stress": ("extreme", "principal_3"),
     "maximum hydrostatic pressure": ("extreme", "hydrostatic"),
@@ -84,18 +84,18 @@ def contact_records(
             continue
         quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
         record = Record(quantity, value, each.metadata["unit"])
-        if each.name == "area_fraction":
+        if each.name == "contact_area_fraction":
             record = fraction(quantity, value, note=f"of {shown_si(numbers.nominal_area, 'm^2')}")
         elif each.name == "contact_area":
             record = replace(record, bounds=Bounds(0.0, numbers.nominal_area, "the nominal area"))
-        elif each.name == "largest_pressure":
+        elif each.name == "maximum_pressure":
             record = replace(record, bounds=most, varies=True, better="less")
         elif each.name == "patches":
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":
             record = _extrapolated(record, limits, "contact area fraction", numbers.nominal_area)
         record = _extrapolated(record, limits, quantity)
-        if each.name in ("area_fraction", "contact_area"):
+        if each.name in ("contact_area_fraction", "contact_area"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
         if carried < 1 and quantity in PARTS:
             record = replace(record, note="the part of the asperities")
@@ -108,10 +108,10 @@ def hertz_records(case: Scene) -> Iterator[Record]:
     if contact is None or not isinstance(load, Hertz):
         return
     y, x = load.at
-    shear, depth = contact.largest_shear(case.body.poisson)
+    shear, depth = contact.maximum_shear(case.body.poisson)
     at = f"at {y:g} half-widths along y and {x:g} along x" if y or x else "in the middle"
     values: dict[str, tuple[float, str, dict[str, Any]]] = {
-        "maximum Hertz pressure": (contact.largest_pressure, "Pa", {}),
+        "maximum Hertz pressure": (contact.maximum_pressure, "Pa", {}),
         "half-width along x": (contact.half_width_x, "m", {}),
         "half-width along y": (contact.half_width_y, "m", {}),
         "Hertz pressure on the map": (case.cell_pressure, "Pa", {"note": at}),
@@ -135,7 +135,7 @@ def plastic_records(contact: Contact, is_given: bool, rms_gradient: float) -> It
     }
     if not is_given:
         note = f"if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other numbers are elastic"
-        shares = {"plastic contact area fraction": contact.area_fraction} | shares
+        shares = {"plastic contact area fraction": contact.contact_area_fraction} | shares
     yield Record("hardness", contact.hardness, "Pa", topic, note=note)
     for name, share in shares.items():
         yield fraction(name, share, topic=topic)

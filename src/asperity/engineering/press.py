@@ -77,6 +77,6 @@ def plastic_contact(face: TreatedMap, case: Scene, contact: Contact) -> Contact 
     if case.hardness is not None:
         return contact
     hardness = suggested_hardness(case)
-    if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
+    if hardness is None or not contact.mean_pressure < hardness < contact.maximum_pressure:
         return None
     return press(face, case.under(mean_pressure=contact.mean_pressure), hardness=hardness)

@@ -200,7 +200,7 @@ class Scene(Settings):
     def cell_pressure(self) -> float:
         """Mean pressure on the map in a Hertz contact; without one the load."""
         contact, load = self.hertz_contact, self.load
-        return contact.largest_pressure * load.share if contact and isinstance(load, Hertz) else load.value
+        return contact.maximum_pressure * load.share if contact and isinstance(load, Hertz) else load.value
 
     def loaded_body(self, contact: Contact, name: str) -> LoadedSolid:
         """A body under the pressure of a contact, with the stress that coating and Hertz contact add.
@@ -246,9 +246,9 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
     """The Hertz contact under a kind of load; a `mean_pressure` is the pressure at the place of the map."""
     from asperity.stress.cycles.hertz_contact import HertzContact
 
-    given = {"force": load} if kind == "force" else {"largest_pressure": load}
+    given = {"force": load} if kind == "force" else {"maximum_pressure": load}
     if kind == "mean_pressure":
-        given["largest_pressure"] /= place.share
+        given["maximum_pressure"] /= place.share
     return HertzContact.from_radii(*place.radii, effective_modulus, **given)
 
 

@@ -148,7 +148,7 @@ def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
 
     Under an imposed approach or contact area the numbers do not follow the load on a block.
     """
-    imposed = case.load.kind in ("approach", "area_fraction")
+    imposed = case.load.kind in ("approach", "contact_area_fraction")
     if imposed or case.map.radius is not None or face.boundary == "free":
         return None
     return blocks_of(face, contact.pressure)
@@ -223,8 +223,8 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
             pulled = f"a tension of up to {shown_si(tension, 'Pa', 3)}" if tension else "no tension"
             shown = f"shear of up to {shown_si(shear, 'Pa', 3)} and {pulled}"
             texts.append(f"the interface of the coating of the {name} body bears {shown}")
-    pressure = shown_si(stages.numbers.largest_pressure, "Pa", 3)
-    contact = f"the bodies touch on {per_cent(stages.numbers.area_fraction)} of the area"
+    pressure = shown_si(stages.numbers.maximum_pressure, "Pa", 3)
+    contact = f"the bodies touch on {per_cent(stages.numbers.contact_area_fraction)} of the area"
     texts.append(f"{contact}, under a pressure of up to {pressure}")
     return [f"{text[0].upper()}{text[1:]}." for text in texts if text]
 
@@ -338,7 +338,7 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
         part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
         for axis, width, edge in zip("yx", widths, rough.face.grid.length, strict=True):
             if width < edge:
-                given = f"{shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}"
+                given = f"{shown_si(width, 'm')} wide under {shown_si(contact.maximum_pressure, 'Pa')}"
                 text = (
                     f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
                 )

@@ -72,11 +72,11 @@ class Bisinusoid:
         """Pressure of complete contact at a mean pressure, negative where it would be tension."""
         return mean_pressure + self.complete_pressure * (1 - self.height(y, x) / self.amplitude)
 
-    def small_area_fraction(self, mean_pressure: float) -> float:
+    def small_contact_area_fraction(self, mean_pressure: float) -> float:
         """Area fraction for p̄ ≪ p*."""
         return float(np.pi * (3 / (8 * np.pi) * mean_pressure / self.complete_pressure) ** (2 / 3))
 
-    def nearly_complete_area_fraction(self, mean_pressure: float) -> float:
+    def nearly_complete_contact_area_fraction(self, mean_pressure: float) -> float:
         """Area fraction for p̄ just below p*; one from p* on."""
         return 1 - 3 / (2 * np.pi) * max(1 - mean_pressure / self.complete_pressure, 0.0)
 

@@ -61,7 +61,7 @@ class EllipticHertz:
     ----------
     semi_major, semi_minor : float
         Semi-axes a ≥ b of the ellipse of contact, along x and y.
-    largest_pressure : float
+    maximum_pressure : float
         Pressure p0 on the axis.
     effective_modulus : float
         E* = E / (1 − ν²) of the half-space, in the unit of the pressure.
@@ -74,7 +74,7 @@ class EllipticHertz:
 
     semi_major: float
     semi_minor: float
-    largest_pressure: float
+    maximum_pressure: float
     effective_modulus: float = 1.0
 
     def __post_init__(self) -> None:
@@ -130,12 +130,12 @@ class EllipticHertz:
     @property
     def load(self) -> float:
         """Force, 2/3 π a b p0."""
-        return 2 / 3 * np.pi * self.semi_major * self.semi_minor * self.largest_pressure
+        return 2 / 3 * np.pi * self.semi_major * self.semi_minor * self.maximum_pressure
 
     @property
     def mean_contact_pressure(self) -> float:
         """Load over contact area, two thirds of the largest pressure."""
-        return 2 / 3 * self.largest_pressure
+        return 2 / 3 * self.maximum_pressure
 
     @property
     def approach(self) -> float:
@@ -143,7 +143,7 @@ class EllipticHertz:
 
         K is the complete elliptic integral of the first kind of the eccentricity √(1 − b²/a²).
         """
-        scale = self.largest_pressure * self.semi_minor / self.effective_modulus
+        scale = self.maximum_pressure * self.semi_minor / self.effective_modulus
         return scale * float(scipy.special.ellipk((1 - self._ratio) * (1 + self._ratio)))
 
     @property
@@ -154,13 +154,13 @@ class EllipticHertz:
         D`` and the complete elliptic integrals K and E of the eccentricity e.
         """
         along_x, along_y = _curvature_integrals(self._ratio)
-        scale = 2 * self.largest_pressure * self.semi_minor / self.effective_modulus
+        scale = 2 * self.maximum_pressure * self.semi_minor / self.effective_modulus
         return self.semi_major**2 / (scale * along_x), self.semi_major**2 / (scale * along_y)
 
     def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
         """Contact pressure at positions relative to the axis, zero outside the contact; y and x broadcast."""
         y, x = np.asarray(y, float) / self.semi_minor, np.asarray(x, float) / self.semi_major
-        return self.largest_pressure * np.sqrt(np.maximum(1 - x**2 - y**2, 0.0))
+        return self.maximum_pressure * np.sqrt(np.maximum(1 - x**2 - y**2, 0.0))
 
     def stress_on_axis(self, depth: ArrayLike, poisson: float) -> Array:
         """Stress on the axis, where the coordinate axes are principal axes.
@@ -191,13 +191,13 @@ class EllipticHertz:
         z_y = z * 2 / 3 * scipy.special.elliprd(z**2, along_x, along_y)
         plane_x = (1 - 2 * nu) / (along_x * (1 + slenderness))
         plane_y = (1 - 2 * nu) / (product * (1 + slenderness))
-        scale = self.largest_pressure * a * b
+        scale = self.maximum_pressure * a * b
         xx = scale * (z_x + nu * z_y - 2 * nu / product - plane_x)
         yy = scale * (z_y + nu * z_x - 2 * nu / product - plane_y)
         none = np.zeros_like(xx)
         return np.stack([xx, yy, -scale / product, none, none, none], axis=-1)
 
-    def largest_von_mises_on_axis(self, poisson: float) -> AxisPeak:
+    def maximum_von_mises_on_axis(self, poisson: float) -> AxisPeak:
         """Largest von Mises stress on the axis, and its depth: a sample, refined between its neighbours."""
 
         def measure(depth: ArrayLike) -> Array:

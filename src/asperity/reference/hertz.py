@@ -82,14 +82,14 @@ class Hertz:
         return cls(float(np.sqrt(approach * curvature_radius)), curvature_radius, effective_modulus)
 
     @property
-    def largest_pressure(self) -> float:
+    def maximum_pressure(self) -> float:
         """Pressure p0 on the axis, ``2 E* a / (π R)``."""
         return 2 / np.pi * self.effective_modulus * self.contact_radius / self.curvature_radius
 
     @property
     def mean_contact_pressure(self) -> float:
         """Load over contact area, two thirds of the largest pressure; P_0 in the paper."""
-        return 2 / 3 * self.largest_pressure
+        return 2 / 3 * self.maximum_pressure
 
     @property
     def load(self) -> float:
@@ -104,11 +104,11 @@ class Hertz:
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure at distances `r` from the axis, in the shape of `r`; zero outside the contact."""
         inside = 1 - (np.asarray(r, float) / self.contact_radius) ** 2
-        return self.largest_pressure * np.sqrt(np.maximum(inside, 0.0))
+        return self.maximum_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def displacement(self, r: ArrayLike) -> Array:
         """Downward displacement of the surface at distances `r` from the axis (Eq. 11 without replicas)."""
-        scale = self.largest_pressure * self.contact_radius / (2 * self.effective_modulus)
+        scale = self.maximum_pressure * self.contact_radius / (2 * self.effective_modulus)
         return scale * unit_displacement(np.asarray(r, float) / self.contact_radius)
 
     def stress(self, r: ArrayLike, depth: ArrayLike, poisson: float) -> AxisymmetricStress:
@@ -152,7 +152,7 @@ class Hertz:
         radial = plane - axial + c * ((1 - nu) * u / (1 + u) + (1 + nu) * angle - 2)
         hoop = -plane - c * (2 * nu + (1 - nu) * u / (1 + u) - (1 + nu) * angle)
         shear = rho * w * edge / (1 + u)
-        return AxisymmetricStress(*(self.largest_pressure * part for part in (radial, hoop, axial, shear)))
+        return AxisymmetricStress(*(self.maximum_pressure * part for part in (radial, hoop, axial, shear)))
 
     def stress_cartesian(self, y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
         """Stress at positions relative to the axis, (..., 6) in the order xx, yy, zz, yz, xz, xy."""
@@ -181,7 +181,7 @@ class LineHertz:
     ----------
     half_width : float
         Half-width b of the contact along x.
-    largest_pressure : float
+    maximum_pressure : float
         Pressure p0 on the axis; stresses are in its unit.
 
     Raises
@@ -191,7 +191,7 @@ class LineHertz:
     """
 
     half_width: float
-    largest_pressure: float
+    maximum_pressure: float
 
     def __post_init__(self) -> None:
         require_positive(**self.__dict__)
@@ -235,7 +235,7 @@ class LineHertz:
         zz = -m * (1 - ratio) - along * n * share
         xz = n * share + along * (m * (1 + ratio) - 2 * z)
         yz, xy = across * (m - z), across * (n - x)
-        return self.largest_pressure * np.stack([xx, poisson * (xx + zz), zz, yz, xz, xy], axis=-1)
+        return self.maximum_pressure * np.stack([xx, poisson * (xx + zz), zz, yz, xz, xy], axis=-1)
 
 
 def unit_displacement(rho: ArrayLike) -> Array:

@@ -74,7 +74,7 @@ class PeriodicHertz:
         return self.enhancement * self.single.mean_contact_pressure
 
     @property
-    def largest_pressure(self) -> float:
+    def maximum_pressure(self) -> float:
         """Pressure on the axis."""
         return 1.5 * self.mean_contact_pressure
 
@@ -98,7 +98,7 @@ class PeriodicHertz:
         The positions are relative to an axis, at most half a period from it along x and y; they broadcast.
         """
         a = self.contact_radius
-        scale = 0.5 * self.largest_pressure * a / self.effective_modulus
+        scale = 0.5 * self.maximum_pressure * a / self.effective_modulus
         own = unit_displacement(np.hypot(y, x) / a) - unit_displacement(0.0)
         return scale * (own + replica_difference(a, y, x, self.period))
 

@@ -145,5 +145,5 @@ class SlidingSphere:
         xz = slope_z - z * (2 * slope0 + 4 * x**2 * bend0)
         yz = -z * 4 * x * y * bend0
         # The shear stresses along z change sign with the direction of z.
-        scale = self.friction * self.contact.largest_pressure
+        scale = self.friction * self.contact.maximum_pressure
         return scale * np.stack([xx, yy, zz, -yz, -xz, xy], axis=-1)

@@ -56,7 +56,7 @@ class Westergaard:
         return np.pi * self.effective_modulus * self.amplitude / self.wavelength
 
     @property
-    def area_fraction(self) -> float:
+    def contact_area_fraction(self) -> float:
         """Contact width over wavelength, ``2/π asin √(p̄/p*)``."""
         return 2 / np.pi * float(np.arcsin(self._sine))
 

@@ -179,7 +179,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     --------
     >>> import tempfile
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     contact.to_netcdf(f"{folder}/contact.nc")
     ...     found = asp.read_result(f"{folder}/contact.nc")

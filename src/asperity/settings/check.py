@@ -65,8 +65,10 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
         whole[section].setdefault(key, getattr(preset, name))
     if load := {name: value for name, value in config.get("contact", {}).items() if name in LOAD_LABELS}:
         whole["contact"] = without_load(whole["contact"]) | load
-    if "area_fraction" in whole["contact"]:
-        whole["contact"].setdefault("path_area_fractions", [whole["contact"]["area_fraction"]])
+    if "contact_area_fraction" in whole["contact"]:
+        whole["contact"].setdefault(
+            "path_contact_area_fractions", [whole["contact"]["contact_area_fraction"]]
+        )
     whole["stress"].setdefault("poisson", [whole["layer"]["poisson"]])
     for surface in (*whole["surfaces"].values(), *whole["measured"].values()):
         if isinstance(surface.get("wavelength_short"), (int, float)):  # not for a length with its unit

@@ -69,12 +69,12 @@ LengthOrCells = Annotated[Number, Field(gt=0), Written("length", "8 um")]
 Names = Annotated[list[Text], Strict(), Field(min_length=0, max_length=4), DISTINCT]
 
 _AREA_FRACTION = (
-    "Real over nominal contact area at which the stress is analysed. One of `area_fraction`, `mean_pressure` "
-    "and `approach` is given."
+    "Real over nominal contact area at which the stress is analysed. One of `contact_area_fraction`, "
+    "`mean_pressure` and `approach` is given."
 )
 _MEAN_PRESSURE: Any = optional(
     _OTHER_LOAD,
-    "Load over the nominal area, in place of `area_fraction`.",
+    "Load over the nominal area, in place of `contact_area_fraction`.",
     unit="effective modulus",
     gt=0,
     le=1000,
@@ -82,7 +82,7 @@ _MEAN_PRESSURE: Any = optional(
 _APPROACH: Any = optional(
     _OTHER_LOAD,
     "Approach of the bodies since their first touch (δ − min h, docs/glossary.md), in place of "
-    "`area_fraction`.",
+    "`contact_area_fraction`.",
     unit="cell length",
 )
 _LABEL: Any = setting(..., "Name of the surface in figures; mathematics stands between dollar signs.")
@@ -92,7 +92,7 @@ _LOAD: Any = optional("as in section `contact`")
 class Load(OneOf):
     """Load of this surface alone, given as one of the loads of section `contact`."""
 
-    area_fraction: Fraction = optional(_OTHER_LOAD, _AREA_FRACTION)
+    contact_area_fraction: Fraction = optional(_OTHER_LOAD, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
     approach: Fraction = _APPROACH
 
@@ -284,20 +284,20 @@ class Layer(Settings):
 
 
 class Contact(Settings):
-    """The contact problem. A list in place of a load, such as `area_fraction: [0.02, 0.1]`, presses every
-    surface under each load, and figures compare them: surface `NAME` becomes `NAME_load1`, `NAME_load2`
+    """The contact problem. A list in place of a load, such as `contact_area_fraction: [0.02, 0.1]`, presses
+    every surface under each load, and figures compare them: surface `NAME` becomes `NAME_load1`, `NAME_load2`
     and so on.
     """
 
     method: Solver = setting("active_set")
     """Solver: damped dynamics as in the paper (`gfmd`), or the faster `active_set` with the same result."""
-    area_fraction: Fraction = setting(0.1, _AREA_FRACTION)
+    contact_area_fraction: Fraction = setting(0.1, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
     approach: Fraction = _APPROACH
     hardness: Annotated[Number, Field(gt=0, le=1000)] = optional("an elastic contact")
     """Largest pressure of a plastic contact, in effective moduli E*."""
-    path_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = optional(
-        "the imposed load alone"
+    path_contact_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = (
+        optional("the imposed load alone")
     )
     """Area fractions of the load-area curve."""
     tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = optional("preset")

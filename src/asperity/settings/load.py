@@ -9,7 +9,13 @@ from pydantic import ConfigDict, GetPydanticSchema, PlainValidator, SerializeAsA
 from asperity.settings.model import NeededError, Number, Settings, described, nested, optional, setting
 from asperity.settings.quantities import Force, Length, Pressure, Radius
 
-UNITS = {"mean_pressure": "Pa", "hertz_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
+UNITS = {
+    "mean_pressure": "Pa",
+    "hertz_pressure": "Pa",
+    "force": "N",
+    "approach": "m",
+    "contact_area_fraction": "1",
+}
 """Quantity that may be imposed → its unit."""
 
 LARGEST_LOAD = 1e6
@@ -21,7 +27,7 @@ OTHER = "another quantity is imposed"
 
 
 class OneLoad(Settings):
-    """The load: exactly one of mean_pressure, force, approach, area_fraction and hertz_pressure."""
+    """The load: exactly one of mean_pressure, force, approach, contact_area_fraction and hertz_pressure."""
 
     model_config = ConfigDict(json_schema_extra={"accepts": ACCEPTED})
 
@@ -31,7 +37,7 @@ class OneLoad(Settings):
     """Load on the area of the map, or on the whole Hertz contact."""
     approach: Length | None = optional(OTHER, example="200 nm")
     """Normal approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
-    area_fraction: Number | None = optional(OTHER, gt=0, le=1, example=0.05)
+    contact_area_fraction: Number | None = optional(OTHER, gt=0, le=1, example=0.05)
     """Contact area fraction: real over nominal contact area."""
     hertz_pressure: Pressure | None = optional(OTHER, example="1.2 GPa")
     """Maximum pressure of a Hertz contact, of which the map is a small part."""
@@ -76,7 +82,9 @@ class Hertz(OneLoad):
     def contradictions(self) -> Iterator[tuple[str, str]]:
         yield from super().contradictions()
         text = ": hertz_pressure, force or mean_pressure is needed in a Hertz contact"
-        yield from ((name, text) for name in ("approach", "area_fraction") if getattr(self, name) is not None)
+        yield from (
+            (name, text) for name in ("approach", "contact_area_fraction") if getattr(self, name) is not None
+        )
         is_roller = math.inf in self.radii
         if self.radii == (math.inf, math.inf):
             yield "radius_y", " = inf: at most one of the radii is infinite"

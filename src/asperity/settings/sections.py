@@ -7,7 +7,11 @@ setting computes nothing again.
 from collections.abc import Mapping
 from typing import Any
 
-LOAD_LABELS = {"area_fraction": "$A/A_0$ = ", "mean_pressure": r"$\bar{p}/E^*$ = ", "approach": "approach "}
+LOAD_LABELS = {
+    "contact_area_fraction": "$A/A_0$ = ",
+    "mean_pressure": r"$\bar{p}/E^*$ = ",
+    "approach": "approach ",
+}
 """Settings of section ``contact`` that impose the load, with their names in figures; one of them is given.
 
 Without any, the default of the first holds.

@@ -150,8 +150,8 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
     if found:
         raise SettingsError("", found)
     config = {**config, "contact": {**contact, kind: values[0]}}
-    if kind == "area_fraction":
-        config["contact"].setdefault("path_area_fractions", sorted({*values}))
+    if kind == "contact_area_fraction":
+        config["contact"].setdefault("path_contact_area_fractions", sorted({*values}))
     copies: dict[str, list[str]] = {}
     for section in ("surfaces", "measured"):
         config[section], listed = {}, config.get(section, {})

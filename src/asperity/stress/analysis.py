@@ -131,9 +131,9 @@ def analyse_stress(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, poisson=[0.0, 0.3, 0.5], quantities=("von_mises", "zz"))
-    >>> deepest = stress["largest_von_mises"].sel(poisson=0.3).argmax("plane")
+    >>> deepest = stress["maximum_von_mises"].sel(poisson=0.3).argmax("plane")
     >>> bool(0 < stress["plane_depth"][deepest] < 0.05)  # the largest stress lies below the surface
     True
     >>> print(*stress["quantity"].values)
@@ -364,7 +364,7 @@ class _Analysis:
                 **of_images,
                 "plane_points": ("plane", self._points),
                 "mean_von_mises": (profiles, self._mean[own]),
-                "largest_von_mises": (profiles, self._largest[own]),
+                "maximum_von_mises": (profiles, self._largest[own]),
                 "reference_depth": ("poisson", stream.depths[self._largest[own].argmax(axis=1)]),
             },
             coords={

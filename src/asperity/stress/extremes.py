@@ -23,10 +23,10 @@ from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import Grid
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
 
-DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
+DIRECTION = {"von_mises": 1, "maximum_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
 """Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
 
-BOUNDS = {"largest_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
+BOUNDS = {"maximum_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
 """Field → factors of the von Mises and the hydrostatic stress in an upper bound of it, or of its negative.
 
 Principal stresses are computed only where the bound exceeds the extreme value so far: `run` takes a quarter
@@ -238,7 +238,7 @@ def field_of(name: str, stress: Array) -> Array:
         return np.sqrt(normal / 2 + 3 * (yz**2 + xz**2 + xy**2))
     tensors = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
     third, second, first = np.moveaxis(np.linalg.eigvalsh(tensors), -1, 0)
-    if name == "largest_shear":
+    if name == "maximum_shear":
         return (first - third) / 2
     return {"principal_1": first, "principal_2": second, "principal_3": third}[name]
 

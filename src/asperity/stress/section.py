@@ -137,7 +137,7 @@ def stress_box(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> depths = [0.0, 0.01, 0.02]
     >>> box = asp.stress.stress_box(contact, depths, y=(0.2, 0.5), x=(0.2, 0.5), fields=("zz", "von_mises"))
     >>> dict(box.dataset().sizes)
@@ -199,11 +199,11 @@ def stress_section(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> section = asp.stress_section(contact, along="x", depths=np.linspace(0, 0.1, 11), fields=("xx", "zz"))
     >>> dict(section.sizes)
     {'poisson': 1, 'depth': 11, 'x': 64}
-    >>> bool(abs(section["zz"].min() + contact.max_pressure) < 1e-5)  # σ_zz = −p at the surface
+    >>> bool(abs(section["zz"].min() + contact.maximum_pressure) < 1e-5)  # σ_zz = −p at the surface
     True
     """
     choice("along", along, ("x", "y"))

@@ -72,7 +72,7 @@ def warm_up(part: str) -> None:
         [*stress_planes(loaded, [0.0, 0.01], fields=("von_mises", "principal_1", "xz"), tolerance=0.0)]
         return
     for precision in ("float32", "float64"):
-        contact = solve_contact(height, solid, area_fraction=0.1, rtol=1e-4, dtype=precision)
+        contact = solve_contact(height, solid, contact_area_fraction=0.1, rtol=1e-4, dtype=precision)
         solve_contact(height, solid, mean_pressure=0.002, hardness=0.02, rtol=1e-4, dtype=precision)
     above = Exceedance(0.2 * float(contact.pressure.max()), periodic=True)
 

@@ -81,7 +81,7 @@ def plot_height(result: Any, **view: Unpack[View]) -> Figure:
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> figure = asp.views.plot_height(contact, x=(0, 0.5))  # the left half
     >>> figure.savefig("height.png")  # doctest: +SKIP
     >>> len(figure.axes)  # the map and its colour bar
@@ -98,7 +98,8 @@ def plot_pressure(result: Any, **view: Unpack[View]) -> Figure:
     Two contacts beside each other, in the same colours:
 
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> path = asp.solve_load_path(height, asp.Solid(young=1.0, poisson=0.3), area_fractions=[0.05, 0.1])
+    >>> solid, areas = asp.Solid(young=1.0, poisson=0.3), [0.05, 0.1]
+    >>> path = asp.solve_load_path(height, solid, contact_area_fractions=areas)
     >>> figure = asp.views.plot_pressure(dict(zip(("5 %", "10 %"), path)))
     >>> len(figure.axes)  # two maps and a colour bar
     3
@@ -112,7 +113,7 @@ def plot_gap(result: Any, **view: Unpack[View]) -> Figure:
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> figure = asp.views.plot_gap(contact)
     >>> len(figure.axes)  # the map and its colour bar
     2

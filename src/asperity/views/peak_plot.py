@@ -71,7 +71,7 @@ def plot_peaks(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
     >>> figure = asp.views.plot_peaks(stress, "von_mises")
     >>> len(figure.axes)
@@ -145,7 +145,7 @@ def _peaks(
     if quantity != "von_mises":
         return found, None
     ratio = float(found["poisson"])
-    profile = stress["largest_von_mises"].sel(poisson=ratio, method="nearest", tolerance=SAME_RATIO)
+    profile = stress["maximum_von_mises"].sel(poisson=ratio, method="nearest", tolerance=SAME_RATIO)
     return found, (stress["plane_depth"].values, profile.values)
 
 

@@ -18,12 +18,12 @@ from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import SIGNED, STRESS, Look, Scale, measure
 from asperity.views.source import Source, Span, sources
 
-POSITIVE = ("von_mises", "largest_shear")
+POSITIVE = ("von_mises", "maximum_shear")
 """Fields without a sign."""
 
 _NAMES = {
     "von_mises": "von Mises stress",
-    "largest_shear": "largest shear stress",
+    "maximum_shear": "largest shear stress",
     "hydrostatic": "hydrostatic stress",
     "principal_1": "largest principal stress",
     "principal_2": "middle principal stress",
@@ -129,8 +129,8 @@ def plot_plane(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
-    >>> figure = asp.views.plot_plane(contact, depth=0.02, field="largest_shear")
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> figure = asp.views.plot_plane(contact, depth=0.02, field="maximum_shear")
     >>> figure.savefig("plane.png")  # doctest: +SKIP
     >>> len(figure.axes)  # the map and its colour bar
     2
@@ -241,7 +241,7 @@ def plot_section(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     >>> figure = asp.views.plot_section(contact, y=0.5, depth=0.1)
     >>> figure.savefig("section.png")  # doctest: +SKIP
     >>> len(figure.axes) >= 2

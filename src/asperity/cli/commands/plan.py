@@ -11,7 +11,7 @@ _GIB = 2**30
 
 def run(options: argparse.Namespace) -> None:
     """Print cost and error of the given settings, or of settings proposed for a target."""
-    config = read(options.config, options.area_fraction)
+    config = read(options.config, options.contact_area_fraction)
     surfaces, accuracy = planned_contacts(config, surfaces_with_load_area(config))
     outputs = options.output or PEAK_OUTPUTS
     memory = None if options.memory is None else options.memory * _GIB

@@ -53,9 +53,9 @@ class Film(Question):
 
     ASKS = "Does a lubricant film carry a part?"
 
-    load_share: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7, varied=True)
+    load_fraction: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7, varied=True)
     """Fraction of the load that the film carries; the asperities carry the rest."""
-    lambda_ratio: Number | None = optional("load_share is given", ge=0, le=2, example=1.0, varied=True)
+    lambda_ratio: Number | None = optional("load_fraction is given", ge=0, le=2, example=1.0, varied=True)
     """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
     share follows by `correlation`."""
     correlation: Literal["arana", "balan"] = setting("arana")
@@ -65,19 +65,19 @@ class Film(Question):
     @property
     def share(self) -> float:
         """Fraction of the load that the film carries."""
-        if self.load_share is not None:
-            return self.load_share
+        if self.load_fraction is not None:
+            return self.load_fraction
         assert self.lambda_ratio is not None
         return 1 - SHARES_OF_ASPERITIES[self.correlation](self.lambda_ratio)
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Settings that a film needs, and settings that it excludes."""
-        if (self.load_share is None) == (self.lambda_ratio is None):
-            yield "film", ": exactly one of load_share and lambda_ratio is needed"
+        if (self.load_fraction is None) == (self.lambda_ratio is None):
+            yield "film", ": exactly one of load_fraction and lambda_ratio is needed"
         elif not self.share < 1:
             whole = "the film carries all of the load by this correlation"
             yield "film.lambda_ratio", f" = {self.lambda_ratio:g}: {whole}"
-        if case.load.kind in ("approach", "area_fraction"):
+        if case.load.kind in ("approach", "contact_area_fraction"):
             needed = "a pressure or force is needed with a film, which carries a part of it"
             yield f"load.{case.load.kind}", f": {needed}"
         if "load_curve" in case.questions:
@@ -125,7 +125,7 @@ class Film(Question):
             size = high / low - 1 if low else math.inf
             text = f"by the published correlations {', '.join(SHARES_OF_ASPERITIES)} the asperities carry "
             text += f"{per_cent(low)} to {per_cent(high)} of the load at Λ = {self.lambda_ratio:g}; give "
-            text += "film.load_share where it is known better."
+            text += "film.load_fraction where it is known better."
             short = f"film: asperities carry {per_cent(low)} to {per_cent(high)} of the load by correlations"
             is_small = size < SAME_SHARE
             warnings = [] if is_small else [Advice(size > 1, "load fraction of the film", text, short, size)]

@@ -35,7 +35,7 @@ TOPIC = "load curve"
 
 COLUMNS = {
     "mean_pressure": "mean_pressure_Pa",
-    "area_fraction": "contact_area_fraction",
+    "contact_area_fraction": "contact_area_fraction",
     "approach": "normal_approach_m",
     "mean_gap": "mean_gap_m",
     "maximum_pressure": "maximum_pressure_Pa",
@@ -139,7 +139,7 @@ class LoadCurve(Question):
         kind, read = case.load.kind, []
         adapter = check_of(type(case.load), kind)
         for value in self.loads:
-            number = float(value) if kind == "area_fraction" else value
+            number = float(value) if kind == "contact_area_fraction" else value
             try:
                 read.append(float(adapter.validate_python(number)))
             except ValueError:
@@ -164,7 +164,7 @@ class LoadCurve(Question):
         limits = {name: limit for name in names if (limit := case.bodies[name].yield_stress) is not None}
         parts = done + YIELD_CONTACTS * len(limits) + (0 if leak is None else SEALING_CONTACTS)
         curve = self._curve(stages, partial(part_of, progress, 0, done, parts))
-        loads, shares = curve["mean_pressure"].values, curve["area_fraction"].values
+        loads, shares = curve["mean_pressure"].values, curve["contact_area_fraction"].values
         first, last = (shown_si(float(load), "Pa", 3) for load in loads[[0, -1]])
         grows = " to ".join(map(per_cent, shares[[0, -1]]))
         verdict = [f"from {first} to {last} the contact area fraction grows from {grows}"]
@@ -243,7 +243,7 @@ def _yield_begins(
     def stress_under(load: float) -> float:
         progress(next(steps, YIELD_CONTACTS), YIELD_CONTACTS)
         contact = press(stages.face, case.under(mean_pressure=load))
-        return largest_von_mises(case.loaded_body(contact, name), name, **_sliding(case))
+        return maximum_von_mises(case.loaded_body(contact, name), name, **_sliding(case))
 
     return yield_load(loads, stresses, limit, stress_under)
 
@@ -291,9 +291,9 @@ def load_curve(
     Returns
     -------
     dataset
-        Along `load`: ``mean_pressure``, ``area_fraction``, ``approach``, ``mean_gap``, ``maximum_pressure``,
-        ``stiffness`` dp̄/dδ, the conductances by their names, ``plastic_area`` if there is a hardness, and
-        along `body`, too, the ``maximum_von_mises_stress``, below the coating of a coated body; in the units
+        Along `load`: ``mean_pressure``, ``contact_area_fraction``, ``approach``, ``mean_gap``,
+        ``maximum_pressure``, ``stiffness`` dp̄/dδ, the conductances by their names, ``plastic_area`` if there
+        is a hardness, and along `body`, too, the ``maximum_von_mises_stress``, below the coating of a coated body; in the units
         of the contacts.
 
     Examples
@@ -301,7 +301,7 @@ def load_curve(
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
     >>> path = asp.solve_load_path(height, asp.Solid(1.0, 0.3), mean_pressures=[1e-4, 1e-3])
     >>> curve = asp.engineering.load_curve(path, ["lower"])
-    >>> print(curve["area_fraction"].values.round(3), curve["stiffness"].values.round(2))
+    >>> print(curve["contact_area_fraction"].values.round(3), curve["stiffness"].values.round(2))
     [0.016 0.103] [0.46 2.19]
     """
     import xarray as xr
@@ -311,10 +311,10 @@ def load_curve(
         gap = np.where(contact.pressure > 0, 0, contact.gap)
         row = {
             "mean_pressure": contact.mean_pressure,
-            "area_fraction": contact.area_fraction,
+            "contact_area_fraction": contact.contact_area_fraction,
             "approach": contact.approach,
             "mean_gap": float(gap.mean(dtype=float)),
-            "maximum_pressure": contact.max_pressure,
+            "maximum_pressure": contact.maximum_pressure,
             "stiffness": contact.stiffness,
         }
         if math.isfinite(contact.hardness):
@@ -322,7 +322,7 @@ def load_curve(
         row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
         rows.append(row | dict(more(contact) if more else {}))
         solids = {body: loaded(contact, body) if loaded else contact.in_body(body) for body in bodies}
-        stresses.append([largest_von_mises(solid, body, **sliding) for body, solid in solids.items()])
+        stresses.append([maximum_von_mises(solid, body, **sliding) for body, solid in solids.items()])
     if not rows:
         raise ValueError("contacts: at least one is needed")
     found = xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
@@ -332,12 +332,12 @@ def load_curve(
     return found.assign(maximum_von_mises_stress=stress).assign_coords(body=list(bodies))
 
 
-def largest_von_mises(
+def maximum_von_mises(
     loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
     """Maximum von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
     from asperity.elasticity.loaded_solid import traction_direction
-    from asperity.engineering.body_stress import STRESS_TOLERANCE, largest_von_mises_between
+    from asperity.engineering.body_stress import STRESS_TOLERANCE, maximum_von_mises_between
     from asperity.stress.analysis import analyse_stress
 
     sliding: dict[str, Any] = {
@@ -346,7 +346,7 @@ def largest_von_mises(
     }
     stress = analyse_stress(loaded, quantities=("von_mises",), tolerance=STRESS_TOLERANCE, **sliding)
     top = np.nextafter(loaded.layer.interface or -1.0, np.inf)
-    return largest_von_mises_between(stress, top, np.inf)
+    return maximum_von_mises_between(stress, top, np.inf)
 
 
 def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callable[[float], float]) -> float:

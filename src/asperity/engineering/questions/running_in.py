@@ -95,7 +95,7 @@ class RunningIn(Question):
         if found.depths[-1] > UNCHANGED * stages.numbers.peak_to_valley:
             words, note = "", f"{100 * found.another:.2g} % of the first"
         records = [
-            fraction("contact area fraction of the first load", first.area_fraction, topic=topic),
+            fraction("contact area fraction of the first load", first.contact_area_fraction, topic=topic),
             fraction("area fraction at the hardness of the first load", first.plastic_area, topic=topic),
             Record("maximum flattening of the first load", depth, "m", topic),
             Record("flattening by another load", found.depths[-1], "m", topic, words=words, note=note),

@@ -249,13 +249,13 @@ def hertz_area(evidence: Evidence) -> FixedNumber:
 def stiffness_of_poisson(evidence: Evidence) -> FixedNumber:
     """Load over area at the largest ν over the same at the smallest ν, the smallest of all loads."""
     found = evidence.dataset("load_area").sortby("poisson")
-    slope = found.imposed_mean_pressure_young / found.solved_area_fraction
+    slope = found.imposed_mean_pressure_young / found.solved_contact_area_fraction
     return FixedNumber(float((slope[-1] / slope[0]).min()))
 
 
 def tractions_of_poisson(evidence: Evidence) -> FixedNumber:
     """Largest relative change of the area with Poisson's ratio at given load over E*."""
-    area = evidence.dataset("load_area").solved_area_fraction
+    area = evidence.dataset("load_area").solved_contact_area_fraction
     return FixedNumber(float((area.max("poisson") / area.min("poisson") - 1).max()))
 
 
@@ -272,7 +272,7 @@ def slab_stiffer_at_area(evidence: Evidence) -> FixedNumber:
     found = evidence.dataset("slab_load_area")
     cubic = found.isel(slab=int(np.abs(found.slab_height.values - 1).argmin()), step=-1)
     area = np.pi * float(cubic.slab_contact_radius) ** 2
-    half_space = float(np.interp(area, found.curve_area_fraction, found.curve_mean_pressure))
+    half_space = float(np.interp(area, found.curve_contact_area_fraction, found.curve_mean_pressure))
     value = float(cubic.slab_mean_pressure) / half_space
     return FixedNumber(value, 3 * value * hertz_area(evidence).value)
 

@@ -141,7 +141,11 @@ def settings_in_words(results: Any, several_ratios: bool) -> str:
         ratios = one["poisson"].values.ravel() if "poisson" in one.coords else one.attrs.get("poisson", ())
         if "poisson_contact" in one.attrs and not several_ratios:
             ratios = one.attrs["poisson_contact"]
-        areas = [one[key].mean() for key in ("area_fraction", "seed_area_fraction") if key in one and surface]
+        areas = [
+            one[key].mean()
+            for key in ("contact_area_fraction", "seed_contact_area_fraction")
+            if key in one and surface
+        ]
         for key, values in {
             "H = ": [surface["hurst"]] if "hurst" in surface else [],
             "": ["measured map"] if "file" in surface else [],
@@ -170,8 +174,8 @@ def contact_area(data: xr.Dataset) -> str:
     """Area in contact, load, and rms gradient of a surface."""
     gradient = float(data["gradient_rms_contact"])
     return (
-        f"{name(label(data))}: {100 * float(data['area_fraction']):.2f} % of the area in contact at a mean "
-        f"pressure of {float(data['mean_pressure']) / gradient:.4f} E\\* ḡ_r, ḡ_r = {gradient:.4f}"
+        f"{name(label(data))}: {100 * float(data['contact_area_fraction']):.2f} % of the area in contact at "
+        f"a mean pressure of {float(data['mean_pressure']) / gradient:.4f} E\\* ḡ_r, ḡ_r = {gradient:.4f}"
     )
 
 

@@ -37,9 +37,11 @@ def draw_load_area(validation: Datasets) -> Figure:
     scale = data.attrs["curvature_radius"]
     for marker, nu in zip(MARKERS, data.poisson.values, strict=False):
         one, text = data.sel(poisson=nu), rf"$\nu = {nu:g}$"
-        line = half_space.plot(scale * one.curve_mean_pressure_young, 100 * one.curve_area_fraction)[0]
+        line = half_space.plot(scale * one.curve_mean_pressure_young, 100 * one.curve_contact_area_fraction)[
+            0
+        ]
         load, color = scale * one.imposed_mean_pressure_young, line.get_color()
-        half_space.plot(load, 100 * one.solved_area_fraction, marker, color=color, label=text)
+        half_space.plot(load, 100 * one.solved_contact_area_fraction, marker, color=color, label=text)
     half_space.set(xlabel=r"mean pressure $\bar{p} R / (E L)$", ylabel="contact area (% of cell)")
     half_space.set(xlim=(0, None), ylim=(0, None))
     half_space.legend(title="line: closed form")
@@ -62,7 +64,7 @@ def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
     point of each slab with the half-space at the same indentation, an open marker.
     """
     scale = data.attrs["curvature_radius"]
-    load, half_space = scale * data.curve_mean_pressure, 100 * data.curve_area_fraction
+    load, half_space = scale * data.curve_mean_pressure, 100 * data.curve_contact_area_fraction
     area.loglog(load, half_space, "k", lw=0.8, label="closed form")
     for marker, number in zip(MARKERS, range(data.sizes["slab"]), strict=False):
         one = data.isel(slab=number)
@@ -109,12 +111,12 @@ def draw_fields(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> Fi
     approach, stresses over the largest pressure. Triangles mark the edge of contact.
     """
     dataset = validation["elements"]
-    largest_pressure, radius = float(np.abs(dataset.stress_zz_spectral).max()), float(dataset.contact_radius)
+    maximum_pressure, radius = float(np.abs(dataset.stress_zz_spectral).max()), float(dataset.contact_radius)
     figure, axes = panels(rows=len(fields), height=60)
     pairs = zip(axes[::2], axes[1::2], fields.items(), strict=True)
     for value, difference, (name, (label, colours)) in pairs:
         ours, theirs = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
-        shown = ours / (dataset.attrs["approach"] if name == "displacement_z" else largest_pressure)
+        shown = ours / (dataset.attrs["approach"] if name == "displacement_z" else maximum_pressure)
         odd = name == "stress_xz"  # a shear stress changes sign across the axis
         low, high = float(shown.min()), float(shown.max())
         if odd:
@@ -185,7 +187,7 @@ def draw_von_mises(validation: Datasets) -> Figure:
         axis.contour(x, depth, exact, few[1:-1], colors="w", linewidths=0.5, linestyles="--")
         axis.plot(0, float(one.peak_depth_closed_form) / radius, "+", color="k", ms=6)
         text = "\n".join(
-            f"{who}: {float(one[f'peak_von_mises_{name}'] / one.largest_pressure):.3f} $p_0$"
+            f"{who}: {float(one[f'peak_von_mises_{name}'] / one.maximum_pressure):.3f} $p_0$"
             f" at {float(one[f'peak_depth_{name}']) / radius:.2f} $a$"
             for who, name in (("closed form", "closed_form"), ("cell", "confined"))
         )
@@ -200,7 +202,7 @@ def draw_von_mises(validation: Datasets) -> Figure:
 def caption_von_mises(validation: Datasets) -> Iterator[str]:
     """Largest stress under the paraboloid, by Fourier series and in closed form."""
     data = validation["punch"]
-    scale, radius = data["largest_pressure"], data["contact_radius"]
+    scale, radius = data["maximum_pressure"], data["contact_radius"]
     for nu in data["poisson"].values:
         one = data.sel(poisson=nu)
         largest, depth = one["von_mises_spectral"].max() / scale, one["peak_depth_closed_form"] / radius

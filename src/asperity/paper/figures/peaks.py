@@ -53,7 +53,7 @@ def draw_load_area(statistics: Datasets) -> Figure:
     reach = 0.0
     for data, marker in zip(distinct(statistics).values(), "osD^", strict=False):
         load, low, high = with_band(data, "path_scaled_load")
-        area = 100 * data["path_area_fraction"]
+        area = 100 * data["path_contact_area_fraction"]
         band = [load - low, high - load] if np.isfinite(low).all() else None
         curve.errorbar(load, area, xerr=band, fmt=marker, mfc="none", capsize=2, label=label(data))
         reach = max(reach, float(load.max()))
@@ -72,7 +72,7 @@ def draw_load_area(statistics: Datasets) -> Figure:
 def caption_load_area(statistics: Datasets) -> Iterator[str]:
     """Ratio of area and load along the curve, and percentiles of the pressure peaks."""
     for case in of_surfaces(statistics):
-        ratio = case.statistics["path_area_fraction"] / case.statistics["path_scaled_load"]
+        ratio = case.statistics["path_contact_area_fraction"] / case.statistics["path_scaled_load"]
         yield (
             f"{case.name}: area fraction over scaled load from {float(ratio[0]):.3f} to "
             f"{float(ratio[-1]):.3f} (Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "

@@ -48,7 +48,7 @@ class HertzContact:
 
     Parameters
     ----------
-    largest_pressure : float
+    maximum_pressure : float
         Pressure p0 in the middle.
     half_width_y, half_width_x : float
         Half-widths along y and x; one of them is infinite under a roller whose axis has this direction.
@@ -59,18 +59,18 @@ class HertzContact:
 
     >>> pair = asp.TwoBodies(asp.Solid(210e9, 0.3), asp.Solid(210e9, 0.3))
     >>> modulus = pair.effective_modulus
-    >>> contact = asp.stress.HertzContact.from_radii(5e-3, 80e-3, modulus, largest_pressure=1.2e9)
+    >>> contact = asp.stress.HertzContact.from_radii(5e-3, 80e-3, modulus, maximum_pressure=1.2e9)
     >>> print(f"{contact.half_width_x * 1e6:.0f} x {contact.half_width_y * 1e6:.0f} µm, "
-    ...       f"{contact.largest_shear(0.3)[1] * 1e6:.0f} µm deep")
+    ...       f"{contact.maximum_shear(0.3)[1] * 1e6:.0f} µm deep")
     102 x 613 µm, 76 µm deep
     """
 
-    largest_pressure: float
+    maximum_pressure: float
     half_width_y: float
     half_width_x: float
 
     def __post_init__(self) -> None:
-        magnitude("largest_pressure", self.largest_pressure)
+        magnitude("maximum_pressure", self.maximum_pressure)
         if not 0 < self.narrow < np.inf:
             raise ValueError(
                 f"half_width_y = {self.half_width_y!r}, half_width_x = {self.half_width_x!r}: positive "
@@ -84,7 +84,7 @@ class HertzContact:
         radius_y: float,
         effective_modulus: float,
         *,
-        largest_pressure: float | None = None,
+        maximum_pressure: float | None = None,
         force: float | None = None,
     ) -> Self:
         """Contact of two bodies with the combined radii of curvature, 1/R = 1/R₁ + 1/R₂ along x and along y.
@@ -94,7 +94,7 @@ class HertzContact:
         radius_x, radius_y : float
             Combined radii; infinite along the axis of a roller. A concave face has a negative radius.
         effective_modulus : float
-        largest_pressure, force : float
+        maximum_pressure, force : float
             One of them; under a roller the force per length.
 
         Raises
@@ -102,18 +102,18 @@ class HertzContact:
         ValueError
             If an argument is out of range, or not exactly one of largest pressure and force is given.
         """
-        if (largest_pressure is None) == (force is None):
-            raise ValueError("exactly one of largest_pressure and force is needed")
+        if (maximum_pressure is None) == (force is None):
+            raise ValueError("exactly one of maximum_pressure and force is needed")
         load = magnitude("force", force) if force is not None else 1.0
         low, high = sorted((radius_x, radius_y))
         if high == np.inf:
             line = LineHertz.from_load(load, magnitude("radius", low), effective_modulus)
-            unit, narrow, wide = line.largest_pressure, line.half_width, np.inf
+            unit, narrow, wide = line.maximum_pressure, line.half_width, np.inf
         else:
             ellipse = EllipticHertz.from_load(load, high, low, effective_modulus)
-            unit, narrow, wide = ellipse.largest_pressure, ellipse.semi_minor, ellipse.semi_major
+            unit, narrow, wide = ellipse.maximum_pressure, ellipse.semi_minor, ellipse.semi_major
         # Half-widths are proportional to the largest pressure.
-        scale = 1.0 if largest_pressure is None else magnitude("largest_pressure", largest_pressure) / unit
+        scale = 1.0 if maximum_pressure is None else magnitude("maximum_pressure", maximum_pressure) / unit
         along_x, along_y = (narrow, wide) if radius_x <= radius_y else (wide, narrow)
         return cls(scale * unit, scale * along_y, scale * along_x)
 
@@ -141,21 +141,21 @@ class HertzContact:
 
         Far below a roller the von Mises stress is less than p₀ b/z, and less still below an ellipse.
         """
-        return self.narrow * max(DEPTH_OF_LARGEST, self.largest_pressure / limit if limit else 0.0)
+        return self.narrow * max(DEPTH_OF_LARGEST, self.maximum_pressure / limit if limit else 0.0)
 
     def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
         """Pressure at positions relative to the middle; y and x broadcast."""
         inside = 1 - (np.asarray(y) / self.half_width_y) ** 2 - (np.asarray(x) / self.half_width_x) ** 2
-        return self.largest_pressure * np.sqrt(np.maximum(inside, 0.0))
+        return self.maximum_pressure * np.sqrt(np.maximum(inside, 0.0))
 
-    def largest_shear(self, poisson: float) -> tuple[float, float]:
+    def maximum_shear(self, poisson: float) -> tuple[float, float]:
         """Largest shear stress (Tresca) on the axis without friction, and its depth, to 0.1 % of it."""
         depth = self.narrow * np.linspace(0, 2, 2001)
         if np.inf in (self.half_width_y, self.half_width_x):
-            stress = LineHertz(self.narrow, self.largest_pressure).stress(0.0, depth, poisson)
+            stress = LineHertz(self.narrow, self.maximum_pressure).stress(0.0, depth, poisson)
         else:
             wide = max(self.half_width_y, self.half_width_x)
-            stress = EllipticHertz(wide, self.narrow, self.largest_pressure).stress_on_axis(depth, poisson)
+            stress = EllipticHertz(wide, self.narrow, self.maximum_pressure).stress_on_axis(depth, poisson)
         shear = np.ptp(stress[:, :3], axis=1) / 2
         return float(shear.max()), float(depth[shear.argmax()])
 
@@ -189,10 +189,10 @@ class HertzContact:
         y, x = (np.atleast_1d(np.asarray(each, float)) for each in np.broadcast_arrays(y, x))
         nu, traction = layer.poisson, shear_traction(friction, sliding_direction, layer)
         if self.half_width_y == np.inf:
-            line = LineHertz(self.half_width_x, self.largest_pressure)
+            line = LineHertz(self.half_width_x, self.maximum_pressure)
             return lambda depth: line.stress(x, depth, nu, traction)
         if self.half_width_x == np.inf:
-            turned, order = HertzContact(self.largest_pressure, np.inf, self.half_width_y), [1, 0, 2, 4, 3, 5]
+            turned, order = HertzContact(self.maximum_pressure, np.inf, self.half_width_y), [1, 0, 2, 4, 3, 5]
             degrees = np.degrees(np.arctan2(*traction))  # x and y change places
             below = turned.stress(x, y, layer, friction, float(degrees))
             return lambda depth: below(depth)[:, order]
@@ -210,7 +210,7 @@ class HertzContact:
             stress = sum(
                 np.einsum("pn,nc->pc", *pair).real for pair in zip(parts, (level, slope), strict=True)
             )
-            return self.largest_pressure / DIRECTIONS * stress
+            return self.maximum_pressure / DIRECTIONS * stress
 
         return below_ellipse
 

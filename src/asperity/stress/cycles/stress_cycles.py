@@ -186,7 +186,7 @@ def stress_cycles(
 
     >>> height = asp.surface.add_cylinder(np.zeros((16, 256)), (0.0625, 1.0), 1.0, axis="y")
     >>> solid = asp.Solid(young=1.0, poisson=0.3)
-    >>> contact = asp.solve_contact(height, solid, (0.0625, 1.0), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, solid, (0.0625, 1.0), contact_area_fraction=0.1)
     >>> cycles = asp.stress.stress_cycles(contact, yield_stress=3**0.5)  # k = 1
     >>> share = cycles.attrs["worst_shear_range"][0] / contact.pressure.max()
     >>> limit = cycles.attrs["worst_shakedown_upper"][0] * contact.pressure.max()

@@ -362,11 +362,11 @@ def find_peaks(
     Examples
     --------
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
-    >>> planes = asp.stress_planes(contact, np.linspace(0, 0.1, 21), fields=("largest_shear",))
-    >>> peaks = asp.stress.find_peaks(planes, "largest_shear", floor=0.1 * contact.max_pressure)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> planes = asp.stress_planes(contact, np.linspace(0, 0.1, 21), fields=("maximum_shear",))
+    >>> peaks = asp.stress.find_peaks(planes, "maximum_shear", floor=0.1 * contact.maximum_pressure)
     >>> highest = peaks.value.argmax()
-    >>> bool(0.25 < peaks.value[highest] / contact.max_pressure < 0.35)  # 0.31 under a ball
+    >>> bool(0.25 < peaks.value[highest] / contact.maximum_pressure < 0.35)  # 0.31 under a ball
     True
     """
     finder = PeakFinder()

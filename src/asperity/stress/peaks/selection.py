@@ -83,7 +83,7 @@ def select_peaks(
     The von Mises peaks below the contacts, as a table of pandas:
 
     >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), area_fraction=0.1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.33), contact_area_fraction=0.1)
     >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
     >>> below = asp.stress.select_peaks(stress, "von_mises", poisson=0.33, selection="under_contact")
     >>> table = below.to_dataframe()

@@ -32,7 +32,7 @@ from asperity.core.types import Array
 from asperity.elasticity.solid import COMPONENTS
 from asperity.fourier.grid import EVEN, Grid
 
-MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
+MEASURES = ("von_mises", "maximum_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""
 
 # Places in `FIELDS`, which are their numbers in the compiled functions; the components have the same places

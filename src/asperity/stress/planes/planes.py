@@ -5,7 +5,7 @@ the contact pressure, which is also the unit of Young's modulus. The names of th
 
 - ``xx, yy, zz, yz, xz, xy``: the components;
 - ``von_mises``: the equivalent stress of von Mises;
-- ``largest_shear``: half the difference of the largest and smallest principal stress (Tresca);
+- ``maximum_shear``: half the difference of the largest and smallest principal stress (Tresca);
 - ``hydrostatic``: the mean of the three normal stresses;
 - ``principal_1, principal_2, principal_3``: the principal stresses, the largest (most tensile) first.
 

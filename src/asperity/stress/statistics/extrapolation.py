@@ -63,7 +63,7 @@ BOUNDARY_SHARE = 0.102
 SECOND_ORDER = "gradient_rms_contact", "peak_count", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
 
-PERCENTILES = {"p90": 0.9, "p99": 0.99, "largest": 1.0}
+PERCENTILES = {"p90": 0.9, "p99": 0.99, "maximum": 1.0}
 """Name of a number → level of the quantile of the peaks that it is."""
 
 PERCENTILE_LEVELS = (*PERCENTILES.values(),)
@@ -74,8 +74,8 @@ DECAYS = "decay_length_depth", "decay_length_plane"
 SHARE_OF_CHANGE = {
     "p90": 0.55,
     "p99": 0.43,
-    "largest": 0.38,
-    "largest_von_mises": 0.38,
+    "maximum": 0.38,
+    "maximum_von_mises": 0.38,
     "mean_depth": 0.22,
     "mean_depth_highest": 0.33,
     "decay_length_depth": 0.55,
@@ -84,7 +84,7 @@ SHARE_OF_CHANGE = {
 """Number → relative error that remains, over the largest change of the numbers of its kind from half of the
 nodes to all; for depths the error of the sizes is added."""
 
-OF_RESOLUTION = {"von_mises": 0.6, "largest_shear": 0.7, "principal_3": 1.5, "hydrostatic": 1.5}
+OF_RESOLUTION = {"von_mises": 0.6, "maximum_shear": 0.7, "principal_3": 1.5, "hydrostatic": 1.5}
 """Field → b of the relative error a C + b c^1.5 of its extreme value: a is `OF_EXTREME`, C the largest change
 of all sizes from half of the nodes to all, and c the `resolution`. Of the percentiles of the peaks b is
 `OF_RESOLUTION_OF_PEAKS`, and of other fields 1.5. Quantile regressions of 95 % on 130 band-limited surfaces
@@ -97,7 +97,7 @@ OF_TENSION = 1.25, 0.6, 2.5
 `OF_DEPARTURE`: its peaks at the edges of the contacts change by a fifth at eight nodes on the shortest wave.
 """
 
-OF_PRESSURE = {"p90": 0.32, "p99": 0.22, "largest": 0.27}
+OF_PRESSURE = {"p90": 0.32, "p99": 0.22, "maximum": 0.27}
 """`SHARE_OF_CHANGE` for the peaks of the pressure."""
 
 COMMON = "pressure", "von_mises"
@@ -140,7 +140,7 @@ OF_PLASTIC_AREA, OF_PLASTIC_GRADIENT = 2.5, 1.0
 OF_PLASTIC_SIZE = {
     "p90": 0.14,
     "p99": 0.12,
-    **dict.fromkeys(("largest", "extreme", "largest_von_mises"), 0.13),
+    **dict.fromkeys(("maximum", "extreme", "maximum_von_mises"), 0.13),
 }
 """Under a hardness: c of the least relative error of stresses, c (|A/A₀ − 1|/(1 − A))^(1/4). The pressure
 falls from the hardness to zero over less than a pixel, and the stress is largest below that edge. From 60
@@ -152,10 +152,10 @@ from an isotropic Gaussian surface is 0 and 1; linear between. Nine in ten rando
 are below 0.08 and 0.14."""
 
 OF_DEPARTURE = {
-    "area_fraction": (0.7, 0.8, 0.0),
+    "contact_area_fraction": (0.7, 0.8, 0.0),
     "gradient_rms_contact": (2.7, 0.1, 0.2),
     **dict.fromkeys(("p90", "p99"), (0.0, 1.5, 0.5)),
-    **dict.fromkeys(("largest", "extreme", "largest_von_mises"), (0.0, 0.5, 0.5)),
+    **dict.fromkeys(("maximum", "extreme", "maximum_von_mises"), (0.0, 0.5, 0.5)),
     **dict.fromkeys(DEPTHS, (0.5, 5.0, 2.3)),
     "decay_length_depth": (1.1, 0.0, 0.5),
     "decay_length_plane": (1.3, 0.0, 1.1),
@@ -194,7 +194,7 @@ WIDTH = 0.75
 """Relative error of the standard deviation of the peaks over the share of missed ones."""
 
 OUTPUTS = (
-    *("area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
+    *("contact_area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
     *("extreme", *DEPTHS, *DECAYS),
 )
 """Numbers of `asperity.continuum_limit`."""
@@ -262,7 +262,7 @@ def reason_against_stress(found: xr.Dataset, error: xr.Dataset) -> str:
             "the roughness reaches the limit of the grid in all directions (creases, steps or noise), and "
             "extreme stresses grow with every refinement"
         )
-    if not error["largest_von_mises"].notnull().any():
+    if not error["maximum_von_mises"].notnull().any():
         return "the grid does not resolve the edges of the heights in contact"
     return ""
 
@@ -281,7 +281,9 @@ def _second_differences(height: Array, axis: int, mirrored: bool) -> Array:
 
 def resolution(estimates: xr.Dataset) -> float:
     """Relative correction of the area over the share out of contact: small where patches are resolved."""
-    found, best = (float(estimates["area_fraction"].sel(kind=kind)) for kind in ("on_grid", "estimate"))
+    found, best = (
+        float(estimates["contact_area_fraction"].sel(kind=kind)) for kind in ("on_grid", "estimate")
+    )
     return float(abs(found / best - 1) / max(1 - best, 0.01))
 
 
@@ -292,7 +294,7 @@ def extreme_error(estimates: xr.Dataset, field: str) -> float:
     """
     if "extreme" in estimates:
         return float(estimates["extreme"].sel(field=field, kind="error"))
-    return float(estimates["largest"].sel(quantity="von_mises", kind="error").squeeze())
+    return float(estimates["maximum"].sel(quantity="von_mises", kind="error").squeeze())
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
@@ -345,38 +347,38 @@ def extrapolated_numbers(
     for name in SECOND_ORDER:
         if name in best:
             best[name] = found[name] + (found[name] - other[name]) / (ratio**2 - 1)
-    best["area_fraction"], on_half = (
-        one["area_fraction"] - BOUNDARY_SHARE * one["boundary"] for one in (found, other)
+    best["contact_area_fraction"], on_half = (
+        one["contact_area_fraction"] - BOUNDARY_SHARE * one["boundary"] for one in (found, other)
     )
-    best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
+    best["proportionality"] = best["contact_area_fraction"] * best["gradient_rms_contact"] / fine.load
     if fine.stress is not None:
         best |= _quantiles(peak_numbers(fine.stress, levels, best["peak_count"])).data_vars
         if found["along_lines"] <= STRAIGHT or found["beyond_band"] > BEYOND_BAND:
-            for name in {*PERCENTILES, "extreme", "peak_quantile", "largest_von_mises", *DEPTHS} & {*best}:
+            for name in {*PERCENTILES, "extreme", "peak_quantile", "maximum_von_mises", *DEPTHS} & {*best}:
                 best[name] = best[name] * np.nan
     error: dict[Any, Any] = {}
     of_area, of_gradient = (
-        abs(best[name] / found[name] - 1) for name in ("area_fraction", "gradient_rms_contact")
+        abs(best[name] / found[name] - 1) for name in ("contact_area_fraction", "gradient_rms_contact")
     )
-    change = abs(best["area_fraction"] / on_half - 1)
-    error["area_fraction"] = OF_AREA[0] * change + OF_AREA[1] * of_area
-    area = best["area_fraction"]
+    change = abs(best["contact_area_fraction"] / on_half - 1)
+    error["contact_area_fraction"] = OF_AREA[0] * change + OF_AREA[1] * of_area
+    area = best["contact_area_fraction"]
     share = OF_GRADIENT[0] + OF_GRADIENT[1] * area**2
     error["gradient_rms_contact"] = share * of_gradient + OF_GRADIENT[3] * of_area
     factor, least = OF_LARGE_CORRECTION
     error["gradient_rms_contact"] += factor * np.maximum(of_gradient - least, 0) ** 2
     if fine.is_plastic:
-        error["area_fraction"] *= OF_PLASTIC_AREA
+        error["contact_area_fraction"] *= OF_PLASTIC_AREA
         error["gradient_rms_contact"] = np.maximum(
             error["gradient_rms_contact"], OF_PLASTIC_GRADIENT * of_area
         )
     if fine.stress is not None:
         out_of_contact = np.maximum(1 - area, 0.01)
-        corrected = float(abs(found["area_fraction"] / area - 1) / out_of_contact)
+        corrected = float(abs(found["contact_area_fraction"] / area - 1) / out_of_contact)
         error |= _errors_of_stress(found, other, lost, corrected)
     error |= _of_departure(error, found)
     error["gradient_rms_contact"] += OF_GRADIENT[2] * lost * (1 - area) ** 2 * of_gradient
-    both = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
+    both = np.hypot(error["contact_area_fraction"], error["gradient_rms_contact"])
     error["proportionality"] = OF_PROPORTIONALITY * both
     if fine.stress is not None:
         missed = abs(best["peak_count"] / found["peak_count"].where(found["peak_count"] > 0) - 1)
@@ -416,7 +418,7 @@ def _of_departure(error: dict[Any, Any], found: xr.Dataset) -> dict[Any, Any]:
         products = (share * measure for share, measure in zip(shares, measures, strict=True))
         return found["departure"] * sum(products)
 
-    raised = {"least": added(OF_DEPARTURE["largest_von_mises"], 0.0)}
+    raised = {"least": added(OF_DEPARTURE["maximum_von_mises"], 0.0)}
     for name in OF_DEPARTURE.keys() & {*error}:
         raised[name] = error[name] + added(OF_DEPARTURE[name], error[name])
         if name in OF_PRESSURE:
@@ -439,7 +441,7 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float, resolut
     sizes = sizes.where(~(sizes < common), common)
     depths = largest(DEPTHS) + sizes
     of_kind = dict.fromkeys(PERCENTILES, sizes) | dict.fromkeys(DEPTHS, depths)
-    of_kind |= dict.fromkeys(DECAYS, largest(DECAYS)) | {"largest_von_mises": common.fillna(sizes.max())}
+    of_kind |= dict.fromkeys(DECAYS, largest(DECAYS)) | {"maximum_von_mises": common.fillna(sizes.max())}
     is_pressure, error = found["quantity"] == "pressure", {}
     for name, share in SHARE_OF_CHANGE.items():
         error[name] = (share * of_kind[name]).where(changes[name].notnull())
@@ -481,7 +483,7 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
     numbers = xr.Dataset(
         {
             "spacing": results.grid.spacing[0],
-            "area_fraction": area,
+            "contact_area_fraction": area,
             "boundary": edges / in_cell.size,
             "along_lines": along_lines / max(results.pressure.max(), 1e-300),
             "straight_boundary": straight,
@@ -493,7 +495,7 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
     if results.stress is None:
         return numbers
     along_depth, in_plane = decay_lengths(results.stress)
-    numbers["largest_von_mises"] = results.stress["largest_von_mises"].max("plane")
+    numbers["maximum_von_mises"] = results.stress["maximum_von_mises"].max("plane")
     numbers["decay_length_depth"] = "poisson", along_depth
     numbers["decay_length_plane"] = "poisson", in_plane
     if results.extremes is not None:

@@ -48,7 +48,7 @@ MOST_RESAMPLES = 1_000_000
 _PERCENTILE_BINS = 8192
 """Bins in which percentiles of a resample are found; their error is a ten-thousandth of the largest peak."""
 
-_PROFILES = {"covariance_depth": 2, "covariance_plane": 2, "mean_von_mises": 1, "largest_von_mises": 1}
+_PROFILES = {"covariance_depth": 2, "covariance_plane": 2, "mean_von_mises": 1, "maximum_von_mises": 1}
 """Profiles of an analysis → power of the stress to which they are proportional."""
 
 NARROWEST_BIN = 1e-300
@@ -102,7 +102,7 @@ def pool_peaks(
     >>> stresses, gradients = [], []
     >>> for seed in (1, 2, 3):
     ...     height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=seed)
-    ...     contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), area_fraction=0.1)
+    ...     contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
     ...     depths = asp.stress.depth_grid(contact.grid, height=0.25)
     ...     stresses.append(asp.analyse_stress(contact, depths, quantities=("von_mises",)))
     ...     gradients.append(contact.gradient_rms_contact)

@@ -41,7 +41,7 @@ class PlannedContact:
     ----------
     hurst, wavelength_long, wavelength_short : float
         Power spectrum of the random surface; wavelengths in cell lengths.
-    area_fraction : float
+    contact_area_fraction : float
         Contact area over the area of the cell at the load whose stress is analysed.
     loads, ratios : int
         Number of loads at which the contact is solved, and of Poisson's ratios of its stress.
@@ -52,7 +52,7 @@ class PlannedContact:
     hurst: float
     wavelength_long: float
     wavelength_short: float
-    area_fraction: float
+    contact_area_fraction: float
     loads: int = 1
     ratios: int = 1
     points_per_wavelength: float | None = None
@@ -67,14 +67,14 @@ UNPLANNED = {"label": "surface", "rms_height": 1e-3}
 """Values of settings that a study needs and on which neither cost nor errors depend."""
 
 
-def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, Any]:
+def read(given: Sequence[str], contact_area_fraction: float | None = None) -> dict[str, Any]:
     """Complete configuration from files and YAML texts, each merged into those before.
 
     Parameters
     ----------
     given : sequence of str
         Names of YAML files, or YAML text: a configuration, an overlay, or the settings of one surface.
-    area_fraction : float, optional
+    contact_area_fraction : float, optional
         Replaces the area fraction of the configuration.
 
     Raises
@@ -101,8 +101,8 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
         both = {name: UNPLANNED | given for name, given in surfaces.items() if isinstance(given, dict)}
         config["surfaces"] = surfaces | both
     config = with_loads(config)
-    if area_fraction is not None:
-        config = merged(config, {"contact": {"area_fraction": area_fraction}})
+    if contact_area_fraction is not None:
+        config = merged(config, {"contact": {"contact_area_fraction": contact_area_fraction}})
     whole = check(config)
     if not whole["surfaces"]:
         raise InputError("surfaces", ["missing; a plan needs at least one random surface"])
@@ -129,15 +129,15 @@ def planned_contacts(
     for name in names:
         surface, contact = config["surfaces"][name], contact_of(config, name)
         kind, area = imposed_load(contact)
-        if kind != "area_fraction":
-            needed = "area_fraction is needed in its place, for which costs and errors were measured"
+        if kind != "contact_area_fraction":
+            needed = "contact_area_fraction is needed in its place, for which costs and errors were measured"
             raise InputError(f"contact.{kind} = {area!r}", [needed])
         found[name] = PlannedContact(
             hurst=surface["hurst"],
             wavelength_long=surface["wavelength_long"],
             wavelength_short=surface["wavelength_short"],
-            area_fraction=area,
-            loads=len({*contact["path_area_fractions"], area}) if name in load_area else 1,
+            contact_area_fraction=area,
+            loads=len({*contact["path_contact_area_fractions"], area}) if name in load_area else 1,
             ratios=len(config["stress"]["poisson"]),
             points_per_wavelength=accuracy_of(config, name).points_per_wavelength,
         )
@@ -160,7 +160,7 @@ measured."""
 MEASURED_WAVELENGTH = 0.125
 """Longest wavelength over the cell of the surfaces that were measured; the spread of seeds grows with it."""
 
-MEASURED_RANGES = {"hurst": (0.2, 0.8), "area_fraction": (0.02, 0.1)}
+MEASURED_RANGES = {"hurst": (0.2, 0.8), "contact_area_fraction": (0.02, 0.1)}
 """Ranges of the properties of the surfaces on which the errors were measured."""
 
 VARIED = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space_tolerance")
@@ -169,7 +169,7 @@ VARIED = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space_t
 
 @cache
 def measured() -> pd.DataFrame:
-    """Measured errors: area_fraction, parameter, setting, output, on_grid, and error after correction."""
+    """Measured errors: area, parameter, setting, output, on_grid, and error after correction."""
     table = pd.read_csv(files("asperity.study.cost").joinpath("errors.csv"), dtype={"setting": str})
     return table[table["output"] != "seconds"]  # the tables of the pages show the seconds
 
@@ -302,10 +302,12 @@ def error_bounds(
     """
     accuracy = contact.settings(accuracy)
     table = measured()
-    areas = table["area_fraction"][table["area_fraction"] <= contact.area_fraction * (1 + 1e-9)]
+    areas = table["contact_area_fraction"][
+        table["contact_area_fraction"] <= contact.contact_area_fraction * (1 + 1e-9)
+    ]
     if areas.empty:
         return pd.DataFrame(math.inf, outputs(), ["grid", "settings", "seeds"])
-    table = table[table["area_fraction"] == areas.max()].set_index("output")
+    table = table[table["contact_area_fraction"] == areas.max()].set_index("output")
 
     def largest(parameter: str, limit: float) -> pd.Series:
         """Errors at the next coarser setting that was measured; infinite if there is none."""

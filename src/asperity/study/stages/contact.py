@@ -22,7 +22,7 @@ SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poi
 SOLVER = {"method": "method", "rtol": "tolerance", "dtype": "precision", "hardness": "hardness"}
 """Argument of `solve_contact` → its setting in section ``contact``."""
 
-CURVE = ("area_fraction", "mean_pressure", "gradient_rms_contact")
+CURVE = ("contact_area_fraction", "mean_pressure", "gradient_rms_contact")
 """Numbers of a contact that the load-area curve holds."""
 
 _SMALLEST_WAVENUMBER = 2 * np.pi
@@ -97,8 +97,8 @@ def press_surface(
     layer, record = solid(layer_settings)
     kind, value = imposed_load(contact_settings)
     height = surface["height"].values
-    fractions = {*contact_settings.get("path_area_fractions", ())}
-    if kind == "area_fraction":
+    fractions = {*contact_settings.get("path_contact_area_fractions", ())}
+    if kind == "contact_area_fraction":
         fractions.add(value)
     lowest = float(height.min())
     if kind == "approach" and value >= (most := approach_of_full_contact(height, layer) - lowest):
@@ -107,11 +107,11 @@ def press_surface(
     solver = {argument: contact_settings.get(name) for argument, name in SOLVER.items()}
     press = partial(solve_load_path, height, layer, grid_of(surface), progress=progress, **solver)
     curve = []
-    for fraction, step in zip(path, press(area_fractions=path), strict=True):
+    for fraction, step in zip(path, press(contact_area_fractions=path), strict=True):
         curve.append([getattr(step, name) for name in CURVE])
-        if kind == "area_fraction" and fraction == value:
+        if kind == "contact_area_fraction" and fraction == value:
             contact = step
-    if kind != "area_fraction":
+    if kind != "contact_area_fraction":
         own: Any = (
             {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [lowest + value]}
         )

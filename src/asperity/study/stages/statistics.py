@@ -54,8 +54,8 @@ LARGE_PATCH = 30
 _SMALLEST_AREA = 0.01
 """Area fraction from which the load-area curve is fitted: below it the contacts have few nodes."""
 
-_OF_CONTACT = ("area_fraction", "gradient_rms_contact", "proportionality")
-_STRESSES = ("peak_deviation", "peak_quantile", "largest_von_mises")
+_OF_CONTACT = ("contact_area_fraction", "gradient_rms_contact", "proportionality")
+_STRESSES = ("peak_deviation", "peak_quantile", "maximum_von_mises")
 _LENGTHS = ("mean_depth", "mean_depth_highest", "decay_length_depth", "decay_length_plane")
 """Numbers that have continuum estimates: of the contact, stresses, and lengths."""
 
@@ -134,7 +134,7 @@ def surface_statistics(
         with_bounds("height_density", ("height_bin",), bootstrap.banded(density, np.stack(heights)))
         | with_bounds("path_scaled_load", ("load",), bootstrap.banded(mean, np.stack(loads)))
         | {
-            "path_area_fraction": contact["path_area_fraction"],
+            "path_contact_area_fraction": contact["path_contact_area_fraction"],
             "height_edge": ("height_edge", edges),
             "height_counts": ("height_bin", np.sum(heights, axis=0)),
         }
@@ -156,12 +156,12 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     dataset
         Variables ``seed_…`` of surface and contact, and the variables of `stress_numbers`.
     """
-    names = ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
+    names = ("contact_area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
     area, pressure, gradient, approach = (float(contact[name]) for name in names)
     outside = max(float(surface["rms_gradient"]) ** 2 - area * gradient**2, 0) / max(1 - area, 1e-12)
     # Exponent of the area over the scaled load, and change of their ratio, up to the area of the study.
     exponent = change = np.nan
-    path = contact["path_area_fraction"].values
+    path = contact["path_contact_area_fraction"].values
     kept = (path >= _SMALLEST_AREA * (1 - 1e-3)) & (path <= 1.001 * area)
     if kept.sum() >= 3:
         load = (contact["path_mean_pressure"] / contact["path_gradient_rms_contact"]).values[kept]
@@ -171,7 +171,7 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     spacing = np.sqrt(np.prod(grid_of(contact).spacing))
     numbers = {
         **{f"seed_{name}": float(surface[name]) for name in ("rms_gradient", "skewness", "kurtosis")},
-        "seed_area_fraction": area,
+        "seed_contact_area_fraction": area,
         "seed_mean_pressure": pressure,
         "seed_approach": approach,
         "seed_gradient_rms_contact": gradient,
@@ -325,7 +325,7 @@ def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
     tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
     violations = {law: float(contact.attrs[f"certificate_{name}"]) for name, law in CERTIFIED.items()}
     checks = {law: (value, tolerance) for law, value in violations.items()}
-    for name, variable in {"area": "path_area_fraction", "load": "path_mean_pressure"}.items():
+    for name, variable in {"area": "path_contact_area_fraction", "load": "path_mean_pressure"}.items():
         falls = float(np.sum(np.diff(contact[variable]) <= 0))
         checks[f"falls of the {name} along the load path"] = falls, 0
     grid = grid_of(contact)
@@ -339,7 +339,7 @@ def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
     ]
     excess = [
         float(select_peaks(stress, "von_mises", ratio)["peak_value"].max() / largest.max() - 1)
-        for ratio, largest in stress["largest_von_mises"].groupby("poisson")
+        for ratio, largest in stress["maximum_von_mises"].groupby("poisson")
     ]
     return checks | {
         "peaks outside the solid": (float(sum(outside)), 0),

@@ -70,11 +70,11 @@ def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
     return xr.Dataset(
         {
             "hertz_contact_radius": ("path", radii),
-            "hertz_area_fraction": ("path", np.pi * radii**2),
+            "hertz_contact_area_fraction": ("path", np.pi * radii**2),
             "imposed_mean_pressure_young": (both, imposed),
-            "solved_area_fraction": (both, area),
+            "solved_contact_area_fraction": (both, area),
             "solved_contact_radius": (both, radius),
-            "curve_area_fraction": ("curve", np.pi * curve**2),
+            "curve_contact_area_fraction": ("curve", np.pi * curve**2),
             "curve_mean_pressure_young": (("poisson", "curve"), along_curve),
         },
         coords={"poisson": poisson},
@@ -120,11 +120,11 @@ def slab_load_area(
     return xr.Dataset(
         {
             "slab_approach": (along, approach),
-            "slab_area_fraction": (along, area),
+            "slab_contact_area_fraction": (along, area),
             "slab_contact_radius": (along, radius),
             "slab_mean_pressure": (along, pressure),
             "slab_stiffening": (along, pressure / hertz_load),
-            "curve_area_fraction": ("curve", np.pi * curve**2),
+            "curve_contact_area_fraction": ("curve", np.pi * curve**2),
             "curve_mean_pressure": ("curve", _periodic_pressures(curve)),
         },
         coords={"slab_height": ("slab", list(heights))},
@@ -142,7 +142,7 @@ def _contacts(points: int, method: str, layers: Sequence[Solid], **load: Array) 
         imposed: dict[str, Any] = {kind: float(value)}
         contact = solve_contact(height, layers[row], method=method, rtol=1e-6, **imposed)
         radius = indenter.fitted_contact_radius(contact.pressure, grid)
-        found[:, row, column] = contact.area_fraction, radius, contact.mean_pressure
+        found[:, row, column] = contact.contact_area_fraction, radius, contact.mean_pressure
     return found
 
 
@@ -254,8 +254,8 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
         planes.append(xr.Dataset(variables, coords={"depth": depth, "x": x}))
     found = xr.concat(planes, xr.Variable("poisson", np.asarray(poisson))).assign(
         contact_radius=single.contact_radius,
-        largest_pressure=single.largest_pressure,
-        largest_pressure_spectral=float(contact.pressure.max()),
+        maximum_pressure=single.maximum_pressure,
+        maximum_pressure_spectral=float(contact.pressure.max()),
         gradient_rms_contact=single.contact_radius / (np.sqrt(2) * CURVATURE_RADIUS),
     )
     return found.assign_attrs(grid_points=points, curvature_radius=CURVATURE_RADIUS)
@@ -279,7 +279,7 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
     depth = np.linspace(0.25, 1.0, 31) * SEMI_MINOR
     rows = []
     for ratio in axis_ratios:
-        exact = EllipticHertz(SEMI_MINOR / ratio, SEMI_MINOR, largest_pressure=1e-4)
+        exact = EllipticHertz(SEMI_MINOR / ratio, SEMI_MINOR, maximum_pressure=1e-4)
         grid = Grid((points, points), (1.0, 1.0 / ratio))
         y, x = (nodes - edge / 2 for nodes, edge in zip(grid.coordinates(), grid.length, strict=True))
         radius_x, radius_y = exact.curvature_radii
@@ -289,10 +289,10 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         planes = stress_planes(contact, depth, poisson, ["von_mises"], tolerance=0)
         axis = np.array([plane.fields["von_mises"][0, middle, middle] for plane in planes])
         solved, solved_depth = indenter.largest_sample(axis, depth)
-        peak = exact.largest_von_mises_on_axis(poisson)
-        largest = contact.pressure.max(), exact.largest_pressure
+        peak = exact.maximum_von_mises_on_axis(poisson)
+        largest = contact.pressure.max(), exact.maximum_pressure
         rows.append([largest, (solved, peak.value), (solved_depth, peak.depth)])
-    names = ("largest_pressure", "von_mises", "von_mises_depth")
+    names = ("maximum_pressure", "von_mises", "von_mises_depth")
     both = np.transpose(rows, (1, 2, 0))  # solved and exact values of each quantity
     pairs = {name: ("axis_ratio", *values) for name, values in zip(names, both, strict=True)}
     return _dataset(pairs, points, {"axis_ratio": axis_ratios}).assign_attrs(poisson=poisson)
@@ -314,13 +314,13 @@ def edge_tension(points: int = 512) -> xr.Dataset:
         radial_distance), the distance in contact radii.
     """
     poisson = np.array([0.0, 0.3, 0.5])
-    exact = EllipticHertz(SEMI_MINOR, SEMI_MINOR, largest_pressure=1e-4)
+    exact = EllipticHertz(SEMI_MINOR, SEMI_MINOR, maximum_pressure=1e-4)
     height = paraboloid(Grid((points, points)), exact.curvature_radii[0])
     contact = solve_contact(height, Solid(1.0, 0.0), force=exact.load, boundary="free", rtol=RTOL)
     distance = (np.arange(points) - points // 2) / points / SEMI_MINOR
     outside = (distance > 1) & (distance <= 1.5)
     plane = next(stress_planes(contact, [0.0], list(poisson), ["xx"], tolerance=0))
-    solved = plane.fields["xx"][:, points // 2, outside] / exact.largest_pressure
+    solved = plane.fields["xx"][:, points // 2, outside] / exact.maximum_pressure
     tension = (1 - 2 * poisson[:, None]) / 3 / distance[outside] ** 2
     pairs = {"tension": (("poisson", "radial_distance"), solved, tension)}
     return _dataset(pairs, points, {"poisson": poisson, "radial_distance": distance[outside]})
@@ -387,10 +387,10 @@ def coating_indentation(points: int = 512) -> xr.Dataset:
         base = Solid(1 - poisson**2, poisson)
         coating = Solid(ratio * base.young, poisson, height, base=base)
         contact = solve_contact(face, coating, mean_pressure=exact.load, rtol=RTOL)
-        found[:2, i, j] = np.sqrt(contact.area_fraction / np.pi), contact_radius
-        found[2:, i, j] = contact.max_pressure, float(exact.pressure(0.0))
+        found[:2, i, j] = np.sqrt(contact.contact_area_fraction / np.pi), contact_radius
+        found[2:, i, j] = contact.maximum_pressure, float(exact.pressure(0.0))
     axes = {"contact_ratio": contact_ratios, "modulus_ratio": modulus_ratios}
-    pairs = {"contact_radius": (tuple(axes), *found[:2]), "largest_pressure": (tuple(axes), *found[2:])}
+    pairs = {"contact_radius": (tuple(axes), *found[:2]), "maximum_pressure": (tuple(axes), *found[2:])}
     return _dataset(pairs, points, axes)
 
 
@@ -420,7 +420,9 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
         for loads in (small * wave.complete_pressure, nearly_complete * wave.complete_pressure)
     )
     radius = [indenter.fitted_contact_radius(contact.pressure, grid) for contact in few]
-    exact_radius = [np.sqrt(wave.small_area_fraction(contact.mean_pressure) / np.pi) for contact in few]
+    exact_radius = [
+        np.sqrt(wave.small_contact_area_fraction(contact.mean_pressure) / np.pi) for contact in few
+    ]
     gap = [contact.gap.mean() for contact in most]
     exact_gap = [wave.nearly_complete_mean_gap(contact.mean_pressure) for contact in most]
     axes = {"small_load": small, "nearly_complete_load": nearly_complete}
@@ -470,9 +472,9 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
         paths = percolation(replace(sphere, gap=noise, pressure=np.zeros_like(noise)))
         opened += [np.mean(noise >= width) for width in paths.constriction]
     x = (np.arange(4 * points) - 2 * points) / (4 * points)
-    line = solve_contact(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
+    line = solve_contact(np.tile(x**2 / 2, (16, 1)), solid, edges, contact_area_fraction=0.1, rtol=RTOL)
     cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
-    pressure = line.max_pressure
+    pressure = line.maximum_pressure
     pairs = {
         "stiffness": ((), sphere.stiffness * sphere.grid.area / exact.contact_radius, 2.0),
         "sticking_area": ((), slip.sticking_area, 0.5 ** (2 / 3)),
