@@ -161,7 +161,7 @@ COMMANDS = [
     ),
     # exports
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
-    ("export {folder}", 1, "{folder}: a folder; a file in it is needed, such as {folder}/contact.nc"),
+    ("export {folder} --peaks p.csv", 1, "{folder}: the folder of an answer of asperity run is needed"),
     ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity run or asp.analyse_stress)"),
     ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv or .parquet is needed"),
     ("export {contact} --field xx f.vti", 1, "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is"),

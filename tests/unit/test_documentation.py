@@ -21,7 +21,7 @@ PUBLIC = {name for name in asperity.__all__ if callable(getattr(asperity, name))
 LISTED = re.findall(
     r"^   ~(asperity(?:\.\w+)*)\.(\w+)$", (ROOT / "docs/api.rst").read_text("utf-8"), re.MULTILINE
 )
-RETURNED = {"Answer", "BodyAnswer", "Sample", "Certificate", "SettingsError"}
+RETURNED = {"Answer", "Record", "Sample", "Certificate", "SettingsError"}
 """Classes that functions return or raise, without an example of their own."""
 DOCSTRINGS = [
     (resolve_name(module), name) for module, name in LISTED if module.count(".") < 2 and name not in RETURNED

@@ -66,17 +66,17 @@ def continuum_limit(
     dataset
         Along `kind`, the value ``on_grid`` and ``on_half`` of the nodes, the ``estimate`` at vanishing
         spacing, and the relative ``error`` of the estimate: ``contact_area_fraction``,
-        ``gradient_rms_contact``, and ``proportionality`` κ_r, their product times the effective modulus
-        over the mean pressure. With a stress, also along `quantity` and `poisson` the percentiles ``p90`` and
-        ``p99`` of the peaks, the ``maximum`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest
-        tenth; along `poisson` the ``decay_length_depth`` and ``decay_length_plane``, NaN if `stress` has no
-        covariances. Stresses are in the unit of the contact pressure. Where the grid allows no estimate, it
-        is NaN, and the attribute ``reason`` says why, or ``reason_of_stress`` if only the peaks have none.
-        ``least_error`` is the least relative error of the largest von Mises stress by the departure of the
-        surface from an isotropic Gaussian one. The attribute ``lost_gradient`` is the share of the squared
-        gradient of the surface that half of the nodes do not resolve: a third or more if the roughness
-        continues below the spacing. ``plastic_area`` is copied from the contact: at a hardness errors are
-        larger, and depths and decay lengths have no estimate.
+        ``gradient_rms_contact``, and ``proportionality`` κ_r, their product times the effective modulus over
+        the mean pressure. With a stress, also along `quantity` and `poisson` the percentiles ``p90`` and
+        ``p99`` of the peaks, the ``maximum`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks
+        and of the highest tenth; along `poisson` the ``decay_length_depth`` and ``decay_length_plane``, NaN
+        if `stress` has no covariances. Stresses are in the unit of the contact pressure. Where the grid
+        allows no estimate, it is NaN, and the attribute ``reason`` says why, or ``reason_of_stress`` if only
+        the peaks have none. ``least_error`` is the least relative error of the largest von Mises stress by
+        the departure of the surface from an isotropic Gaussian one. The attribute ``lost_gradient`` is the
+        share of the squared gradient of the surface that half of the nodes do not resolve: a third or more if
+        the roughness continues below the spacing. ``plastic_area`` is copied from the contact: at a hardness
+        errors are larger, and depths and decay lengths have no estimate.
 
     Raises
     ------

@@ -293,8 +293,8 @@ def load_curve(
     dataset
         Along `load`: ``mean_pressure``, ``contact_area_fraction``, ``approach``, ``mean_gap``,
         ``maximum_pressure``, ``stiffness`` dp̄/dδ, the conductances by their names, ``plastic_area`` if there
-        is a hardness, and along `body`, too, the ``maximum_von_mises_stress``, below the coating of a coated body; in the units
-        of the contacts.
+        is a hardness, and along `body`, too, the ``maximum_von_mises_stress``, below the coating of a coated
+        body; in the units of the contacts.
 
     Examples
     --------

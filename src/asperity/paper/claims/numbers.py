@@ -28,7 +28,7 @@ Options = Mapping[str, Any]
 _OF_MEAN_MODE = ("von_mises", "xx")
 """Quantities that the condition of the mean (q = 0) mode changes."""
 
-_OF_STRESS = ("peak", "mean_depth", "depth_patch", "largest", "decay")
+_OF_STRESS = ("peak", "mean_depth", "depth_patch", "maximum", "decay")
 """Beginnings of the variables that describe a stress; without a quantity, the von Mises stress."""
 
 

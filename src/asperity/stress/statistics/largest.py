@@ -103,7 +103,7 @@ def largest_on(peaks: Sequence[ArrayLike], sample_area: float, area: float) -> L
     >>> random = np.random.default_rng(1)
     >>> found = largest_on([random.exponential(size=1000) for _ in range(4)], sample_area=40.0, area=100.0)
     >>> print(f"{found.value:.1f}, 95 % between {found.low:.1f} and {found.high:.1f}")
-    8.7, 95 % between 7.2 and 12.9
+    8.7, 95 % between 7.2 and 12.8
     """
     check_area(area, sample_area)
     maps = [np.asarray(values, dtype=float) for values in peaks]
