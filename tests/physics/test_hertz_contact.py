@@ -9,7 +9,8 @@ from project import ROOT
 from samples import HALF_SPACE, refuses
 
 import asperity as asp
-from asperity.engineering.case import Case, solid_of
+from asperity.engineering.case import Case
+from asperity.engineering.scene import solid_of
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, LineHertz, von_mises
 from asperity.reference.sliding_sphere import SlidingSphere
