@@ -142,6 +142,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
             | {name: partial(read, "contact.nc", names) for name, names in plain["tractions"].items()}
         ),
         "origin": Origin(date, versions, tuple(ReadFile(*each) for each in files)),
+        "folder": folder.absolute(),
         "_later": later,
     }
     found.__dict__.update(parts)

@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _compare(options: argparse.Namespace) -> None:
     """Compare the answers or samples of folders, and write the comparison where a folder is named."""
-    from asperity.engineering.answer import open_answer
+    from asperity.engineering.answer import opened
     from asperity.engineering.show.comparison import compared
 
     if len(options.map) < 2:
@@ -73,7 +73,7 @@ def _compare(options: argparse.Namespace) -> None:
             )
         )
     names = [os.path.normpath(path) for path in options.map]
-    comparison = compared(dict(zip(names, map(open_answer, names), strict=True)))
+    comparison = compared(dict(zip(names, map(opened, names), strict=True)))
     print(comparison.text())
     folder = Path(options.out or "comparison")
     comparison.write(folder)
