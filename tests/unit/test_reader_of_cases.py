@@ -203,6 +203,7 @@ def test_value_of_any_type_is_refused_in_one_line(key, tmp_path):
         ({"materials": "none.yaml"}, "materials = '.*: no such file"),
         ({"materials": {"mine": {"yong": 1}}}, "materials.mine.yong: unknown key; did you mean young"),
         ({"run_in": {}}, "run_in: is called running_in now"),
+        ({"load": {"approach": "9 nm"}}, "load.approach: is called normal_approach now"),
         ({"body": STEEL | {"coating": {}}}, "body.coating: does not exist any more; give layers, a list"),
         ({"body": STEEL | {"layer": {}}}, "body.layer: does not exist any more; .*, and base: bonded"),
         ({"lambda": 1}, "lambda: unknown key; did you mean film.lambda_ratio"),

@@ -21,7 +21,7 @@ FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each
 
 GROUPS = {
     "body": "--material, or --young and --poisson",
-    "load": "--mean-pressure, --hertz-pressure, --force, --approach or --contact-area-fraction",
+    "load": "--mean-pressure, --hertz-pressure, --force, --normal-approach or --contact-area-fraction",
 }
 """Group that every case has → flags that give it."""
 
