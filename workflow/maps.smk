@@ -25,7 +25,9 @@ CASE, OUT = config["case"], config.get("out", POOL.get("out", "pooled"))
 # Files beside each map: the one that it is pressed on, and the constants of materials.
 COUNTERS = at(POOL, MAP_FILES[1])
 COUNTERS = COUNTERS if isinstance(COUNTERS, list) else [COUNTERS] * len(FILES)
-READ = [list(filter(None, (*pair, POOL.get("materials")))) for pair in zip(FILES, COUNTERS, strict=True)]
+OWN = POOL.get("materials")
+OWN = OWN if isinstance(OWN, str) else None  # else the constants are in the case file
+READ = [list(filter(None, (*pair, OWN))) for pair in zip(FILES, COUNTERS, strict=True)]
 for named in (CASE, OUT, *sum(READ, [])):
     if re.search("[{}]", named):  # Snakemake takes words in braces for wildcards
         sys.exit(f"maps: {named}: a name without braces is needed")

@@ -141,6 +141,21 @@ def test_verify_finds_what_is_wrong_in_a_pool(pool, damage):
     assert status("verify", pool) == 1
 
 
+def test_changed_material_is_named(tmp_path, capsys):
+    """The case keeps the constants with which it was computed."""
+    (tmp_path / "materials.yaml").write_text("mine: {young: 70 GPa, poisson: 0.3}")
+    case = {"map": write_map(tmp_path / "a.txt", 1), "body": {"material": "mine"}}
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(case | {"load": {"mean_pressure": "50 MPa"}}))
+    out = tmp_path / "out"
+    assert status("run", tmp_path / "own.yaml", "--out", out) == status("verify", out) == 0
+    (tmp_path / "materials.yaml").write_text("mine: {young: 210 GPa, poisson: 0.3}")
+    capsys.readouterr()
+    assert status("verify", out) == 1
+    assert f"materials.yaml: changed since {out} was computed" in capsys.readouterr().err
+    assert status("run", out / "case.yaml", "--out", tmp_path / "again") == 2
+    assert "materials.mine.sha256: " in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("file", ["mine.yaml", "pool/a/case.yaml"])
 def test_save_replaces_no_file_of_others(pool, file):
     """Neither a file that a user has written, nor one that belongs to another answer."""
@@ -195,6 +210,19 @@ def test_maps_named_like_files_of_answers_are_refused(tmp_path, name):
     maps = [write_map(tmp_path / f"{stem}.txt", seed) for seed, stem in enumerate(("a", name))]
     out = tmp_path / "answers/pool"
     assert status("run", *maps, *STEEL, "--pooled", "--out", out, "--check") == 2
+
+
+def test_folder_that_is_not_utf_8_is_refused(tmp_path, monkeypatch, capsys):
+    """Before anything is computed, also where the working folder has such a name."""
+    file, folder = write_map(tmp_path / "a.txt", 1), tmp_path / os.fsdecode(b"d\xe4")
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this file system has names in UTF-8 only")
+    monkeypatch.chdir(folder)
+    for out in (folder / "out", "out"):
+        assert status("run", file, *STEEL, "--out", out, "--check") == 2
+        assert "its path is not UTF-8" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

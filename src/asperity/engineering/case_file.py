@@ -18,7 +18,7 @@ from typing import Any
 import netCDF4
 import yaml
 
-from asperity.core.errors import InputError, shown
+from asperity.core.errors import InputError, one_line, shown
 from asperity.core.system import sha256_of
 from asperity.core.version import __version__
 from asperity.engineering.case import Case
@@ -105,15 +105,17 @@ def files_with_checksums(content: Mapping[str, Any]) -> Iterator[tuple[str, str,
         yield from ((f"{CHECKSUMS}.{name}", *pair) for pair in pairs if None not in pair)
     own = content.get("materials")
     for name, entry in own.items() if isinstance(own, Mapping) else ():
-        if at(entry, ["sha256"]) is not None:
-            yield f"materials.{name}", entry["file"], entry["sha256"]
+        file, checksum = at(entry, ["file"]), at(entry, ["sha256"])
+        if None not in (file, checksum):
+            yield f"materials.{name}.sha256", str(file), checksum
 
 
 def changed_files(content: Mapping[str, Any]) -> Iterator[Problem]:
     """A problem for each file of a case that has another checksum now."""
     for key, file, checksum in files_with_checksums(content):
         if os.path.isfile(file) and sha256_of(file) != checksum:
-            yield Problem(key, f": {file} has changed since; delete the key to run it as it is now")
+            kept = "run it as it is now" if key.startswith(CHECKSUMS) else "keep the constants of the case"
+            yield Problem(key, f": {one_line(file)} has changed since; delete the key to {kept}")
 
 
 def case_of_answer(folder: Path) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from asperity.core.system import flush, sha256_of
 from asperity.engineering.scene import Scene
 from asperity.results.atomic import LOCK as LOCK
 from asperity.results.atomic import locked as locked
-from asperity.results.atomic import write_text
+from asperity.results.atomic import name_problem, write_text
 
 MANIFEST = ".asperity-run.json"
 """File with the names and checksums of all files of an answer in its folder; no other file is replaced."""
@@ -86,6 +86,8 @@ def folder_problem(
         First words of the names of further files that an answer may have.
     """
     folder = Path(folder)
+    if problem := name_problem(folder):
+        return problem
     try:
         existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
         there = [*folder.iterdir()] if existing == folder and folder.is_dir() else []

@@ -15,13 +15,21 @@ from pathlib import Path
 from queue import Empty
 from typing import Any
 
-from asperity.core.errors import InputError, one_line, shown
+from asperity.core.errors import InputError, shown
 from asperity.core.system import available_memory
 from asperity.engineering.answer import Answer, Sample, answer_to, pool
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, holds_answer, names_of_maps
+from asperity.engineering.case_file import (
+    CHECKSUMS,
+    MAP_FILES,
+    OUT,
+    at,
+    changed_files,
+    holds_answer,
+    names_of_maps,
+)
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.folder import COMPARISON, SAMPLE, folder_problem, locked, stems_of
 from asperity.engineering.sample import check_alike
@@ -152,8 +160,8 @@ def arranged(
 
 def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: Read) -> Job:
     """The job of one map, with everything that is wrong with its settings, its map and its folder."""
-    content.pop(OUT, None)
-    checksums = content.pop(CHECKSUMS, None) or {}
+    changed = [*changed_files(content)]
+    content = {key: group for key, group in content.items() if key not in (OUT, CHECKSUMS)}
     if pooled:
         content.setdefault("sample", {})
     case, rough, found = None, None, list[Problem]()
@@ -184,16 +192,11 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
             found += map(_of_map, error.problems, error.lines)
         except ValueError as error:
             found.append(Problem("", str(error)))
-    read_files = rough.files if rough else ()
-    for key, file in zip(("map", "counter_map"), read_files, strict=False):
-        if checksums.get(key, file.sha256) != file.sha256:
-            changed = f": {one_line(file.path)} has changed since; delete the key to run it as it is now"
-            found.append(Problem(f"{CHECKSUMS}.{key}", changed))
     if problem := folder_problem(folder, stems=() if case is None else stems_of(case)):
         found.append(Problem("out", f" = {folder}: {problem}"))
     elif folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
         found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
-    return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *missing]),))
+    return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *changed, *missing]),))
 
 
 def _of_map(problem: str, line: str) -> Problem:

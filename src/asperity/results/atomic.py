@@ -27,8 +27,17 @@ MIN_FREE_SPACE = 2**20
 _LONGEST_STEM = 30
 
 
+def name_problem(path: str | os.PathLike[str]) -> str:
+    """Reason why no result can be written under a name, empty if it can."""
+    if re.search("[\0\ud800-\udfff]", os.path.abspath(path)):  # the NetCDF library takes UTF-8 alone
+        return "its path is not UTF-8; another one is needed"
+    return ""
+
+
 def write_problem(path: str | os.PathLike[str]) -> str:
     """Reason why a file cannot be written, empty if it can; called before its content is computed."""
+    if problem := name_problem(path):
+        return problem
     target = Path(os.path.realpath(path))
     try:
         if target.is_dir():

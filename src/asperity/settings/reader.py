@@ -99,7 +99,7 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
         loader = _Loader(content)
         node = loader.get_single_node()
         if not isinstance(node, yaml.MappingNode):
-            raise ValueError("keys with values are needed, such as `contact: {contact_area_fraction: 0.05}`")
+            raise ValueError("keys with values are needed, such as `name: value`")
         _size(node, {}, 0)
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:

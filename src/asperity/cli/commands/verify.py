@@ -15,13 +15,12 @@ from asperity.core.errors import DatasetError, fail, one_line
 from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.core.version import __version__
-from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, at
+from asperity.engineering.case_file import files_with_checksums, load_case
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, checksums_in
 from asperity.engineering.sample import SampleData
 from asperity.results import dataset
 from asperity.results.tables import read_table
-from asperity.settings.reader import load
 
 WRITTEN = ("report.html", "answer.csv", "sample.csv", "comparison.csv")
 """Files that show that a folder holds an answer or several, also without its manifest."""
@@ -97,16 +96,10 @@ def _of_answer(folder: Path) -> Iterator[Check]:
         height = results["surface.nc"]["height"].transpose("y", "x").values
         yield from _of_file(folder / "contact.nc", results["contact.nc"], height)
     path = folder / CASE_FILE
-    case = load(path) if path.is_file() else {}
-    maps = dict(zip(("map", "counter_map"), MAP_FILES, strict=True))
-    for key, checksum in case.get(CHECKSUMS, {}).items():  # the maps since they were read
-        named = at(case, maps[key])
-        if not isinstance(named, str):
-            yield Check(f"{path}: {'.'.join(maps[key])} names no file; run again", False)
-            continue
-        file = Path(os.path.normpath(folder / named))
+    for _, named, checksum in files_with_checksums(load_case(path)) if path.is_file() else ():
+        file = Path(os.path.normpath(named))  # maps and materials since they were read
         if not file.is_file():
-            yield Check(f"{file}: no such file; the map of {path} is needed to compare it", False)
+            yield Check(f"{file}: no such file; the file of {path} is needed to compare it", False)
         elif sha256_of(file) != checksum:
             yield Check(f"{file}: changed since {folder} was computed from it; run again", False)
         else:
