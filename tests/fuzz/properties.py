@@ -570,7 +570,7 @@ conduction: conductivity or resistivity of both bodies
 load_curve\.loads = .*: a list of rising values
 (counter_)?body\.hardness = .*: more than the pressure
 contact_area_fraction = .*: less is needed
-load\.approach = .*: (less than|a length from)
+load\.normal_approach = .*: (less than|a length from)
 load\.(mean_pressure|force) = .*: a mean pressure of less
 length = .*: spacings of the nodes
 """,

@@ -21,7 +21,7 @@ FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each
 
 GROUPS = {
     "body": "--material, or --young and --poisson",
-    "load": "--mean-pressure, --hertz-pressure, --force, --approach or --contact-area-fraction",
+    "load": "--mean-pressure, --hertz-pressure, --force, --normal-approach or --contact-area-fraction",
 }
 """Group that every case has → flags that give it."""
 
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> None:
     empty += ["--counter-map"] * ("" in (options.counter_map or []))
     if empty:
         sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
-    if all(os.path.isdir(path) for path in options.map):
+    if any(os.path.isdir(path) for path in options.map):
         _compare(options)
         return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
@@ -74,9 +74,9 @@ def _compare(options: argparse.Namespace) -> None:
         )
     names = [os.path.normpath(path) for path in options.map]
     comparison = compared(dict(zip(names, map(opened, names), strict=True)))
-    print(comparison.text())
     folder = Path(options.out or "comparison")
     comparison.write(folder)
+    print(comparison.text())
     print(f"\n{one_line(str(folder))}")
 
 
