@@ -75,6 +75,19 @@ def test_full_smooth_contact_has_no_decay(rms):
     assert np.isnan(decay_lengths(stress)).all()
 
 
+@pytest.mark.parametrize("load", [{"mean_pressure": 1e2}, {"mean_pressure": 1e6}, {"approach": 1.0}])
+@pytest.mark.parametrize("rms", [1e-9, 1e-3])
+def test_differences_of_pressure_far_beyond_full_contact(rms, load):
+    """p − p̄ = E* q h / 2 of a wave; a tolerance relative to the mean pressure would hide it."""
+    wave = rms * np.sin(2 * np.pi * np.arange(32) / 32) + np.zeros((32, 1))
+    solid = asp.Solid(young=1.0, poisson=0.0, height=1.0)
+    contact = asp.solve_contact(wave, solid, **load)
+    amplitude = rms / float(solid.surface_compliance(np.array([2 * np.pi]))[0])
+    found = contact.pressure - contact.pressure.mean()
+    rounding = 1e-15 * contact.mean_pressure
+    np.testing.assert_allclose(found, -amplitude * wave / rms, atol=1e-9 * amplitude + rounding * 10)
+
+
 def test_patches_are_joined_across_edges_and_corners():
     contact = np.zeros((8, 16), bool)
     contact[0, 0] = contact[7, 15] = contact[7, 0] = True  # one patch through three corners of the cell

@@ -132,18 +132,18 @@ class Problem:
         field = field_of(self.grid.shape, nodes, values, out)
         return self.response.displacement(field, field)
 
-    def full_contact(self, approach: float | None = None) -> State:
+    def full_contact(self, load: float | None = None) -> State:
         """All nodes touch: every mode but the uniform one has û = −ĥ.
 
-        At the least load, or at an approach, where the pressure may be negative.
+        At the least load, or at a mean pressure, where the pressure may be negative.
         """
         coefficients = self.fourier.forward(self.height)
         mean, compliance = float(coefficients[0, 0].real), self.response.compliance
         np.divide(coefficients, -compliance, out=coefficients, where=compliance > 0)
         coefficients[0, 0] = 0
         pressure = self.fourier.inverse(coefficients, overwrite=True)
-        if approach is not None:
-            load = (approach - mean) / self.response.uniform_compliance
+        if load is not None:
+            approach = mean + load * self.response.uniform_compliance
             return State(pressure + load, approach, load, iterations=1)
         # The last node to touch bears a pressure just above rounding.
         pressure += np.ptp(pressure) * 4 * np.finfo(pressure.dtype).eps - pressure.min()

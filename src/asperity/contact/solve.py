@@ -410,9 +410,9 @@ def _state_of(
                     f"{largest / problem.hardness:.4g} times the hardness"
                 )
             return full
-    if control.kind == "approach" and problem.response.repeats and problem.response.uniform_compliance:
-        # Beyond full contact a stiff solid bears a mean pressure far larger than all differences.
-        full = problem.full_contact(control.value)
+    if (load := _load_beyond_full_contact(problem, control)) is not None:
+        # The mean pressure may be far larger than its differences, which are then below a tolerance.
+        full = problem.full_contact(load)
         if full.pressure.min() > 0 and full.pressure.max() < problem.hardness:
             return full
     start = None if initial is None else problem.near_start(control, initial)
@@ -428,6 +428,19 @@ class _Asked(NamedTuple):
     approach: float | None
     rtol: float
     begin: float
+
+
+def _load_beyond_full_contact(problem: Problem, control: Control) -> float | None:
+    """Mean pressure that displaces the longest wave by the rms height or more; None if it is smaller."""
+    response, load = problem.response, control.value
+    if not response.repeats or control.kind == "contact_area_fraction":
+        return None
+    if control.kind == "approach":
+        if response.uniform_compliance == 0:
+            return None
+        load = (load - float(problem.height.mean(dtype=float))) / response.uniform_compliance
+    largest = float(response.half_compliance.max())
+    return load if load * largest >= rms_deviation(problem.height, problem.fourier.threads) else None
 
 
 def _contact_of(

@@ -395,8 +395,8 @@ def decay_lengths(profiles: xr.Dataset, prefix: str = "") -> tuple[Array, Array]
     Returns
     -------
     along_depth, in_plane : (ratios,) arrays
-        NaN under a uniform stress, which has no variance, where the covariance does not fall to half, and in
-        an analysis without covariances.
+        NaN under a uniform stress, which has no variance, or one below rounding errors; where the covariance
+        does not fall to half; and in an analysis without covariances.
     """
     if f"{prefix}covariance_plane" not in profiles:
         unknown = np.full(profiles.sizes["poisson"], np.nan)
@@ -406,7 +406,9 @@ def decay_lengths(profiles: xr.Dataset, prefix: str = "") -> tuple[Array, Array]
     lengths = []
     for along_depth, in_plane, reference in zip(*(profiles[name].values for name in names), strict=True):
         below = depth >= reference
-        variance = in_plane[0] if in_plane[0] > 0 else np.nan
+        # Both are the variance in the reference plane, and differ where it is below their rounding errors.
+        known = in_plane[0] > 0 and along_depth[below][:1].max(initial=0) < 2 * in_plane[0]
+        variance = in_plane[0] if known else np.nan
         below_reference = half_length(depth[below] - reference, along_depth[below] / variance)
         lengths.append((below_reference, half_length(lag, in_plane / variance)))
     found = np.array(lengths).T
