@@ -30,7 +30,10 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 
 CONFIGS = [
     ("contact: {tolerance: '1e-6'}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed"),
-    ("contact: {area: 0.1}", "contact.area: unknown key; did you mean contact_area_fraction?"),
+    (
+        "contact: {area_fraction: 0.1}",
+        "contact.area_fraction: unknown key; did you mean contact_area_fraction?",
+    ),
     ("contact: {young: 0.1}", "contact.young: unknown key; known here are method, contact_area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),

@@ -19,6 +19,7 @@ from asperity.engineering.case_file import (
     changed_files,
     leaves,
     load_case,
+    names_of_maps,
     put,
 )
 from asperity.engineering.templates import hint, template, templates
@@ -291,6 +292,11 @@ def test_own_material_is_known_later(tmp_path):
         210e9,
         {"layers", "base", "conductivity"},
     )
+
+
+def test_folders_of_maps_have_different_names():
+    names = names_of_maps(["a/steel.npy", "a/steel.txt", "b/steel.x3p", "b/rough.x3p"])
+    assert names == ["steel.npy", "steel.txt", "b_steel", "rough"]
 
 
 def test_solid_of_the_library_is_a_body():
