@@ -97,7 +97,7 @@ def test_the_first_commands_of_the_pages_run(answers, capsys, tmp_path):
     printed = capsys.readouterr().out
     assert "rms gradient" in printed
     assert "every calculation needs" not in printed
-    assert "asperity run takes peaks as upward, fills points without data and mirrors the map" in printed
+    assert "asperity run takes peaks as upward, fills non-measured points and mirrors the map" in printed
     assert "report  steel/report.html" in printed
     (shown,) = re.findall(r"```text\n(.*?)```", README, re.DOTALL)
     assert [line for line in shown.splitlines() if line not in printed.splitlines()] == []

@@ -512,10 +512,10 @@ def test_doubts_about_edges_are_named():
     rough = asp.self_affine((64, 64), 0.8, 5e-5, 1e-5, rms_height=1e-7, seed=1, length=1e-4)
     for length, words in (
         ((1e-4, 1e-4), []),
-        ((0.9, 0.9), ["an rms gradient of"]),
-        ((2.0, 2.0), ["an edge of 2 m", "an rms gradient of"]),
+        ((0.9, 0.9), ["Sdq of"]),
+        ((2.0, 2.0), ["an edge of 2 m", "Sdq of"]),
         ((3e-4, 1e-4), ["pixels of 4.69 µm x 1.56 µm (y, x), 3 to 1"]),
-        ((1e-7, 1e-7), ["an rms gradient of"]),
+        ((1e-7, 1e-7), ["Sdq of"]),
     ):
         found = map_warnings(asp.HeightMap(rough, length, unit="m"), MapOptions())
         assert [

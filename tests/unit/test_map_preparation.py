@@ -61,9 +61,7 @@ def test_what_filters_leave_is_stated(periodic):
     record = filtered.treatment
     assert filtered.height.std() / plain.height.std() == pytest.approx(record.filtered_height, rel=1e-9)
     assert 0 < record.filtered_gradient < 1
-    assert any(
-        line.startswith("Gaussian S-filter of 0.08 and L-filter of 0.5: rms height") for line in filtered.done
-    )
+    assert any(line.startswith("Gaussian S-filter of 0.08 and L-filter of 0.5: Sq") for line in filtered.done)
     if periodic != "none":  # in units of the cell
         edge = 2.0 if periodic == "mirrored" else 1.0
         scaled = make_periodic(surface, options, s_filter=0.08 / edge, l_filter=0.5 / edge)

@@ -174,7 +174,7 @@ def test_plane_shows_the_stress_of_a_wave():
     np.testing.assert_allclose(image(figure), np.tile(megapascals(X, 50e-6), (64, 1)), rtol=0, atol=1e-6)
     assert title(figure) == "depth: 50 µm"
     largest = asp.views.plot_plane(wave(), field="xz", unit_system=SI_UNITS)
-    depth = float(title(largest).removeprefix("depth of the largest: ").removesuffix(" µm"))
+    depth = float(title(largest).removeprefix("depth of the maximum: ").removesuffix(" µm"))
     assert depth == pytest.approx(1e6 / Q, rel=0.125)
     assert np.abs(image(largest)).max() == pytest.approx(PRESSURE / 1e6 / np.e, rel=0.01)
 

@@ -85,7 +85,7 @@ def certificate_in_words(certificate: Certificate) -> str:
     """The certificate of a contact: the largest violation of its conditions, and the bound of the error."""
     return (
         f"its conditions are violated by at most {certificate.worst:.1e}; the energy of the error of the "
-        f"pressure is at most {certificate.error_bound:.1e} of load times rms height"
+        f"pressure is at most {certificate.error_bound:.1e} of load times Sq"
     )
 
 

@@ -311,7 +311,8 @@ def find(records: Iterable[Record], quantity: str, body: str | None = None) -> I
 def record_of(records: Sequence[Record], quantity: str, body: str | None = None) -> Record:
     """The first record of a quantity, of one body or of any; `KeyError` if there is none."""
     if (found := next(find(records, quantity, body), None)) is None:
-        near = did_you_mean(quantity, {each.quantity for each in records})
+        known = {each.quantity for each in records}
+        near = "" if quantity in known else did_you_mean(quantity, known)
         of = f" of the {body} body" if body else ""
         raise KeyError(f"{shown(quantity)}{of}: no number of this answer{near}")
     return found

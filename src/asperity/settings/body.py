@@ -209,7 +209,7 @@ class Body(OfMaterial):
         example="7 GPa",
         varied=True,
     )
-    """Hardness, the largest pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
+    """Hardness, the maximum pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
     of two bodies the smaller one is used."""
     conductivity: Number | None = optional("from the material", unit="W/(m K)", gt=0, le=1e5, example=50.0)
     """Thermal conductivity. If one body gives it here, and the other one here or by its material, the contact

@@ -295,7 +295,7 @@ class Contact(Settings):
     mean_pressure: Number = _MEAN_PRESSURE
     normal_approach: Fraction = _NORMAL_APPROACH
     hardness: Annotated[Number, Field(gt=0, le=1000)] = optional("an elastic contact")
-    """Largest pressure of a plastic contact, in effective moduli E*."""
+    """Maximum pressure of a plastic contact, in effective moduli E*."""
     path_contact_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = (
         optional("the imposed load alone")
     )

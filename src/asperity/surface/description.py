@@ -49,12 +49,12 @@ DIRECTED = 0.5
 NOT_IN_FILE = "not in the file"
 
 PARAMETERS = {
-    "Sq": "rms height",
+    "Sq": "root mean square height",
     "Sa": "mean absolute height",
     "Sz": "from lowest to highest point",
     "Ssk": "skewness",
     "Sku": "kurtosis",
-    "Sdq": "rms gradient between neighbouring points",
+    "Sdq": "root mean square gradient between neighbouring points",
     "Sk": "height of the core of the material ratio curve",
     "Spk": "reduced height of the peaks above it",
     "Svk": "reduced depth of the valleys below it",
@@ -121,7 +121,7 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
         "points": f"{surface.height.shape[0]} x {surface.height.shape[1]} (y, x)",
         "size": size,
         "pixel": pixel,
-        "without data": surface.shown_share(surface.missing) if surface.missing else "no points",
+        "non-measured": surface.shown_share(surface.missing) if surface.missing else "no points",
     }
     warnings = []
     if np.isfinite(surface.height).any():
@@ -219,10 +219,10 @@ def map_warnings(
         number = repeated[0] / (metres(surface.unit) if surface.unit else 1.0)
         warnings.append(
             f"missing: {surface.shown_share(repeated[1])} have the height {number:.9g} exactly; set it to "
-            "this number if they are without data"
+            "this number if they are non-measured"
         )
     elif surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
-        warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")
+        warnings.append(f"unit: Sq of {length(rms)}; is {surface.unit} the unit of the heights?")
     if edges_known and not repeated:
         aspect = max(surface.spacing) / min(surface.spacing)
         slope = roughness.rms_step(np.where(found.measured, found.level, np.nan), surface.spacing)
@@ -233,7 +233,7 @@ def map_warnings(
             warnings.append(f"physical_size: pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?")
         if slope and not SLOPES[0] <= slope <= SLOPES[1]:
             warnings.append(
-                f"physical_size: an rms gradient of {slope:.2g} between neighbouring points; are the units "
+                f"physical_size: Sdq of {slope:.2g} between neighbouring points; are the units "
                 "of edges and heights right?"
             )
     if found.spike_count and options.despike is None:
@@ -243,7 +243,7 @@ def map_warnings(
         )
     if found.bow_counts and options.detrend != "curvature":
         warnings.append(
-            f"detrend: a bow of {length(found.bow)}, with it an rms height of {length(found.rms_height)}, "
+            f"detrend: a bow of {length(found.bow)}, with it Sq is {length(found.rms_height)}, "
             f"without it {length(rms)}, a change larger than the error of a sample; set it to curvature"
         )
     return warnings

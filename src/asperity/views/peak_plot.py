@@ -175,7 +175,7 @@ def _draw_points(
         )
     if profile is not None:
         axis.plot(
-            profile[1] / unit.factor, profile[0] / length.factor, color="C1", label="largest of each plane"
+            profile[1] / unit.factor, profile[0] / length.factor, color="C1", label="maximum of each plane"
         )
     axis.set(
         xlim=(0, 1.03 * shown[0] / unit.factor),

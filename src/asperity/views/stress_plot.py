@@ -23,11 +23,11 @@ POSITIVE = ("von_mises", "maximum_shear")
 
 _NAMES = {
     "von_mises": "von Mises stress",
-    "maximum_shear": "largest shear stress",
+    "maximum_shear": "maximum shear stress",
     "hydrostatic": "hydrostatic stress",
-    "principal_1": "largest principal stress",
+    "principal_1": "maximum principal stress",
     "principal_2": "middle principal stress",
-    "principal_3": "smallest principal stress",
+    "principal_3": "minimum principal stress",
 }
 
 
@@ -147,7 +147,7 @@ def _plane(
     part = source.part(y, x)
     label = "depth"
     if depth == "max":
-        label = "depth of the largest"
+        label = "depth of the maximum"
         depth = _largest(stress, progress)[0]
     place = float(depth)
     deepest = solid.layer.extent or MAX_DEPTH * max(solid.grid.length)

@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> None:
     width = max(map(len, found.properties)) + 2
     for name, text in found.properties.items():
         print(f"{name + ':':<{width}}{one_line(text)}")
-    chosen = "asperity run takes peaks as upward, fills points without data and mirrors the map by itself; "
+    chosen = "asperity run takes peaks as upward, fills non-measured points and mirrors the map by itself; "
     chosen += "asp.prepare_map and a study need"
     lists = {"look at": found.warnings, "every calculation needs": found.needed, chosen: found.choices}
     for heading, texts in lists.items():

@@ -160,8 +160,8 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
     key = problem.key
     if not key:
         return problem.text
-    if key == "map.file" and not source and problem.text.startswith(" = "):
-        return problem.text.removeprefix(" = ")
+    if key in ("map", "map.file") and not source:
+        return problem.text.lstrip(" =:")
     if key in GROUPS and not source and ": missing" in problem.text:
         return f"{GROUPS[key]}: missing"
     in_file = bool(source) and key not in given

@@ -57,9 +57,9 @@ class Film(Question):
     """Fraction of the load that the film carries; the asperities carry the rest."""
     lambda_ratio: Number | None = optional("load_fraction is given", ge=0, le=2, example=1.0, varied=True)
     """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
-    share follows by `correlation`."""
+    fraction follows by `correlation`."""
     correlation: Literal["arana", "balan"] = setting("arana")
-    """Correlation of the share with Λ: `arana` (1 − erf Λ on asperities, doi 10.1177/1350650118778655) or
+    """Correlation of the fraction with Λ: `arana` (1 − erf Λ on asperities, doi 10.1177/1350650118778655) or
     `balan` (doi 10.3390/lubricants3020222)."""
 
     @property

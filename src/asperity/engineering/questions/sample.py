@@ -12,4 +12,4 @@ class SampleOfMaps(Question):
     """
 
     area: Area | None = optional("no prediction for a larger area", example="10 mm2")
-    """Nominal area on which the largest pressure and stresses are predicted, from the peaks of the maps."""
+    """Nominal area on which the maximum pressure and stresses are predicted, from the peaks of the maps."""

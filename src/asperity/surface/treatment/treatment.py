@@ -317,7 +317,7 @@ def _words_on_heights(surface: HeightMap, options: MapOptions, found: _Levelled)
         remark = ", with a step at the edges of the period" if has_step else ", a period has no tilt"
     yield f"levelled: {trends[found.detrend]} removed{remark}"
     if surface.missing:
-        yield f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function"
+        yield f"non-measured: {surface.shown_share(surface.missing)} filled by a harmonic function"
 
 
 def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
@@ -445,7 +445,7 @@ def _filtered(
         f"{name[0].upper()}-filter of {surface.shown_length(value)}" for name, value in index.items()
     )
     heights = " to ".join(surface.shown_length(size[0]) for size in sizes)
-    text = f"Gaussian {names}: rms height {heights}, rms gradient {sizes[0][1]:.3g} to {sizes[1][1]:.3g}"
+    text = f"Gaussian {names}: Sq {heights}, Sdq {sizes[0][1]:.3g} to {sizes[1][1]:.3g}"
     return found, shares, [text]
 
 
