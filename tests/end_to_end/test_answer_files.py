@@ -92,6 +92,18 @@ def test_resume_keeps_whole_answers_alone(pool, damage, capsys):
     assert (pool / "b/contact.nc").exists()
 
 
+def test_files_of_a_killed_process_are_removed(pool):
+    """Of the sample and of the answers, also where it was killed while files were moved."""
+    for place in (pool, pool / "a"):
+        (place / ".unfinished-x").mkdir()
+        (place / ".unfinished-x/half.nc").write_text("1")
+    (pool / ".complete").mkdir()
+    for name in ("sample.csv", ".asperity-run.json"):  # the manifest is moved last
+        shutil.move(pool / name, pool / ".complete" / name)
+    assert status("run", pool / "case.yaml", "--out", pool) == status("verify", pool) == 0
+    assert not [*pool.rglob(".unfinished-*"), *pool.rglob(".complete")]
+
+
 def lost_answer(pool):
     shutil.rmtree(pool / "b")
 

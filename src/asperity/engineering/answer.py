@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,9 +18,7 @@ from asperity.engineering.case import Case
 from asperity.engineering.folder import (
     DATA,
     SAMPLE_DATA,
-    UNFINISHED,
     locked,
-    move_complete,
     names_in,
     replacing,
 )
@@ -76,9 +73,6 @@ class Answer(AnswerData):
         folder = Path(folder)
         try:
             with locked(folder):
-                for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a process that was killed
-                    shutil.rmtree(abandoned, ignore_errors=True)
-                move_complete(folder)
                 with replacing(folder, kept=set()) as unfinished:
                     write_data(self, unfinished, folder)
                 try:
