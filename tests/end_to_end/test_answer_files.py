@@ -222,6 +222,16 @@ def test_setting_of_another_type_is_one_line(tmp_path, setting, capsys):
     assert len(capsys.readouterr().err.splitlines()) == refused
 
 
+def test_setting_of_counter_maps_is_that_of_the_flag(tmp_path, capsys):
+    maps = [write_map(tmp_path / f"{name}.txt", seed) for seed, name in enumerate("abcd")]
+    command = ["run", *maps[:2], *STEEL, "--pooled", "--check"]
+    assert status(*command, "--counter-map", *maps[2:]) == 0
+    for given, expected in (("[{2}, {3}]", 0), ("{2}", 0), ("[{1}, {2}, {3}]", 2), ("5", 2)):
+        setting = f"counter_body.map.file={given.format(*maps)}"
+        assert status(*command, "--set", "checksums=5", "--set", setting) == expected
+        assert len(capsys.readouterr().err.splitlines()) == bool(expected)
+
+
 def test_manifest_that_is_no_file_is_not_read(pool):
     (pool / "a/.asperity-run.json").unlink()
     os.mkfifo(pool / "a/.asperity-run.json")
