@@ -1,4 +1,4 @@
-"""Coverage of the error from place to place that `asperity run` states for a single map.
+"""Coverage of the error between measurement positions that `asperity run` states for a single map.
 
     python benchmarks/places.py    # writes docs/places.csv and prints it, in five minutes
 
@@ -12,9 +12,10 @@ import pandas as pd
 import random_cases
 
 import asperity as asp
+from asperity.engineering.records import POSITIONS
 
 PIXELS, PIXEL, SEED = 96, 1e-6, 7
-NUMBERS = "real contact", "volume above yield per area"
+NUMBERS = "contact area fraction", "volume above yield per area"
 KINDS = {
     "Gaussian, H = 0.8": lambda height: height,
     "Gaussian, H = 0.5": lambda height: height,
@@ -48,7 +49,8 @@ def compared(case: tuple[str, float, int, int]) -> list[random_cases.Row]:
     pressure, rows = 400e6 if "load" in kind else 100e6, []
     for number in range(maps):
         answer = asp.run(map_of(kind, long, 1000 * seed + number), body, mean_pressure=pressure)
-        rows += [(row.name, row.value, row.error_of_places) for row in answer.rows if row.name in NUMBERS]
+        numbers = [answer[name] for name in NUMBERS]
+        rows += [(each.quantity, each.value, each.errors.get(POSITIONS, np.nan)) for each in numbers]
     found = pd.DataFrame(rows, columns=["number", "value", "error"]).assign(
         kind=kind, map_over_longest_wave=long
     )

@@ -80,7 +80,7 @@ def test_the_report_is_whole_without_a_network(folder):
     assert "http" not in re.sub(r"doi\S+|base64,\S+", "", page)
     assert page.index(" ± ") < page.index("tress beyond yield") < page.index("All numbers</h2>")
     assert page.index("All numbers</h2>") < page.index("<h2>Pictures") < page.index("ertificate")
-    for words in ("levelled: tilt", "How to cite", "asperity", "GPa"):
+    for words in ("levelled: tilt", "Cite as", "asperity", "GPa"):
         assert words in page
 
 
@@ -286,8 +286,8 @@ def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):
     assert any("difference" in line for line in compared)
     assert max(map(len, compared)) <= 100
     frame = pd.read_csv(tmp_path / "both/comparison.csv")
-    heights = frame[frame["quantity"] == "Sq"].set_index("map")["value"]
-    assert heights["rough"] == pytest.approx(2 * heights["steel"], rel=1e-4)
+    (height,) = frame[frame["quantity"] == "Sq"].itertuples()
+    assert height.value_rough == pytest.approx(2 * height.value_steel, rel=1e-4)
     page = (tmp_path / "both/comparison.html").read_text(encoding="utf-8")
     assert page.count("<img ") == 3
     request.getfixturevalue("without_pictures")

@@ -20,8 +20,9 @@ from asperity.cli import main as cli
 from asperity.results import dataset
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-answers-"))
-NO_PICTURES = mock.patch("asperity.engineering.output.pictures", return_value=[])
-WHOLE = {"surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv", "report.html"}
+NO_PICTURES = mock.patch("asperity.engineering.show.report.pictures", return_value=[])
+TABLES = {"answer.csv", "peaks.csv", "contact_spots.csv", "gaps.csv", "warnings.csv"}
+WHOLE = {"answer.json", "case.yaml", "surface.nc", "contact.nc", *TABLES, "report.html"}
 POINTS, EDGE = 16, 16e-6
 CASE = "map: mine.txt\nbody: {young: 210 GPa, poisson: 0.3}\n"
 
@@ -30,7 +31,7 @@ LOADS = {
     "curve": "--mean-pressure 50MPa --set load_curve.loads=[20MPa]",
     "steps": "--mean-pressure 50MPa --set load_curve.loads=[5MPa] --set load_curve.steps=3",
     "force": "--force 10mN",
-    "approach": "--approach 40nm",
+    "normal_approach": "--normal-approach 40nm",
     "area": "--contact-area-fraction 0.1",
 }
 SECOND = "--counter-young 70GPa --counter-poisson 0.33"

@@ -9,7 +9,8 @@ from project import ROOT
 from samples import HALF_SPACE, refuses
 
 import asperity as asp
-from asperity.engineering.case import Case, solid_of
+from asperity.engineering.case import Case
+from asperity.engineering.scene import solid_of
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, LineHertz, von_mises
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -160,18 +161,15 @@ def test_nearly_smooth_map_has_the_answer_of_hertz():
     answer = asp.engineering.answer_of(case)
     contact = case.hertz_contact
     assert answer.contact.mean_pressure == pytest.approx(1e9 * np.sqrt(0.75), rel=1e-6)
-    stress = answer.bodies["lower"].stress
+    stress = answer.stress["lower"]
     below = contact.stress(0.0, 0.5 * contact.half_width_x, solid_of(case.body))
     exact = [float(von_mises(below(depth)[0])) for depth in stress["plane_depth"].values]
     np.testing.assert_allclose(stress["mean_von_mises"].values[0], exact, rtol=3e-3)
     forced = a_case(kind="force", load=200.0)
     ellipse = EllipticHertz.from_load(200.0, 50e-3, 5e-3, forced.solid.effective_modulus)
     assert forced.cell_pressure == pytest.approx(ellipse.maximum_pressure, rel=1e-9)
-    rows = {row.name: row.value for row in answer.rows}
-    assert rows["half-width along x"] == contact.half_width_x
-    assert not any(
-        advice.subject == "map in the Hertz contact" and advice.level == "warning" for advice in answer.advice
-    )
+    assert answer["half-width along x"].value == contact.half_width_x
+    assert not any(each.warns and each.subject == "map in the Hertz contact" for each in answer.warnings)
 
 
 def test_a_published_ball_bearing_is_met():
@@ -179,12 +177,12 @@ def test_a_published_ball_bearing_is_met():
     page = (ROOT / "docs/validation.md").read_text("utf-8").split("## A published ball bearing")[1]
     names: dict = {}
     exec(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], names)
-    rows = {row.name: row.value for row in names["answer"].rows}
+    answer = names["answer"]
     found = [
-        rows["largest pressure"] / 1e6,
-        rows["real contact area"] * 1e6,
-        rows["largest shear stress (Tresca)"] / 1e6,
-        rows["approach since first touch"] * 1e3,
+        answer["maximum pressure"].value / 1e6,
+        answer["contact area"].value * 1e6,
+        answer["maximum shear stress (Tresca)"].value / 1e6,
+        answer["normal approach"].value * 1e3,
     ]
     table = re.findall(r"^\| [^|]+ \| ([\d.]+) \w+²? \| ([\d.]+) \w+²? \|", page, re.MULTILINE)
     published, here = np.array(table, float).T
@@ -219,7 +217,10 @@ COATED = {"young": 2e11, "poisson": 0.3, "layers": [{"thickness": 1e-6, "young":
 test_wrong_argument_is_refused = refuses(
     (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
     (lambda: a_case(at=(0.2, 0.0), radius_y=np.inf), "load.at = 0.2 0: .*across the axis of the roller"),
-    (lambda: a_case(kind="approach"), "load.approach: hertz_pressure, force or mean_pressure is needed"),
+    (
+        lambda: a_case(kind="normal_approach"),
+        "load.normal_approach: hertz_pressure, force or mean_pressure is needed",
+    ),
     (
         lambda: a_case(kind="force", radius_y=np.inf),
         "load.force: the Hertz pressure is needed under a roller",

@@ -7,7 +7,6 @@ from samples import HALF_SPACE, refuses, rough
 from scipy.stats import weibull_min
 
 import asperity as asp
-from asperity.engineering.sample import Sample
 from asperity.stress.cycles.criteria import Criteria, CycleMaps, hydrostatic_factor
 from asperity.stress.cycles.stress_cycles import weibull_exponent
 
@@ -76,16 +75,16 @@ def answers():
 
 
 def test_probability_of_an_area_with_its_interval(answers):
-    sample = asp.pool_answers(answers)
-    cracks = [row.value for each in answers for row in each.rows if row.name == "cracks expected per area"]
+    sample = asp.pool(answers)
+    cracks = [each["cracks expected per area"].value for each in answers]
     error = 4.302652729911275 * np.std(cracks, ddof=1) / np.sqrt(3)  # Student's t, two degrees of freedom
     (row,) = sample.survival(1e-8).itertuples()
     assert row.no_crack == pytest.approx(np.exp(-1e-8 * np.mean(cracks)), rel=1e-9)
     assert row.low == pytest.approx(np.exp(-1e-8 * (np.mean(cracks) + error)), rel=1e-9)
     assert row.low < row.no_crack < row.high <= 1
-    (alone,) = asp.pool_answers(answers[:1]).survival(1e-8).itertuples()
+    (alone,) = asp.pool(answers[:1]).survival(1e-8).itertuples()
     assert np.isnan(alone.low)
-    assert isinstance(sample, Sample)
+    assert isinstance(sample, asp.engineering.Sample)
 
 
 def case(**cycles):

@@ -5,11 +5,13 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 from test_sample import STEEL, a_map
 
 import asperity as asp
+from asperity.core.errors import DatasetError
 from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
 from asperity.engineering.show.comparison import _of_errors, _of_samples, compared
 
@@ -98,10 +100,36 @@ def test_three_answers_and_their_files(tmp_path):
     row = table.set_index("quantity").loc["maximum pressure"]
     assert row["value_map 1"] == sample_of(1, 2)["maximum pressure"].best
     assert row["difference_map 1"] == row["value_map 1"] - row["value_patch 1 1"]
-    assert [path.name for path in found.write(tmp_path)] == ["comparison.csv", "comparison.html"]
+    assert [path.name for path in found.write(tmp_path)] == [
+        "comparison.csv",
+        "comparison.html",
+        "comparison.json",
+    ]
     page = (tmp_path / "comparison.html").read_text(encoding="utf-8")
     assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>Numbers</h2>")
     assert "<script" not in page
     assert all(name in json.dumps(page) for name in names)
     with pytest.raises(ValueError, match="answers: at least two"):
         compared([answer_of(1)])
+    with pytest.raises(DatasetError, match="the answer of patch 1 1 was not written"):
+        asp.open_answer(tmp_path)
+
+
+def test_comparison_is_opened_and_moved_with_its_answers(tmp_path):
+    answers = {
+        f"before/{name}": asp.run(a_map(seed), STEEL, mean_pressure=2e8)
+        for seed, name in ((1, "a"), (2, "b"))
+    }
+    for name, answer in answers.items():
+        answer.write(tmp_path / name)
+    sample = asp.pool([*map(tmp_path.joinpath, answers)])
+    assert sample.names == ("a", "b")
+    found = sample.compare(*answers.values())
+    found.write(str(tmp_path / "before/compared"))
+    again = asp.open_answer((tmp_path / "before").rename(tmp_path / "after") / "compared")
+    assert again.verdict == found.verdict
+    pd.testing.assert_frame_equal(again.frame(), found.frame())
+    assert again.items["a 2"]["maximum pressure"] == answers["before/a"].record("maximum pressure")
+    assert again.items["a 1"].record("maximum pressure") == sample["maximum pressure"]
+    assert found.verdict.split(";")[0] in again._repr_html_()
+    assert again.items["b"].report().startswith("<!DOCTYPE html>")

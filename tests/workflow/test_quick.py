@@ -88,7 +88,7 @@ def test_the_hash_of_code_does_not_depend_on_its_folders(rules, tmp_path, monkey
     ("file", "scripts"),
     [
         ("cli/commands.yaml", set()),
-        ("engineering/report.html.j2", set()),
+        ("engineering/show/report.html.j2", set()),
         ("paper/figures/hertz.py", set()),  # of one figure, not of all
         ("views/style.mplstyle", {"claims", "figures"}),
         ("results/variables.yaml", STAGES),

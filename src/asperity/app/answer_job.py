@@ -12,7 +12,7 @@ import numpy as np
 from asperity.app.map_job import Ends, along, contents_of, picture
 from asperity.core.errors import InputError
 from asperity.core.types import Array
-from asperity.engineering.answer import Answer, Sample, open_answer
+from asperity.engineering.answer import Answer, Sample, opened
 from asperity.engineering.answer_data import AnswerData, by_topic, load_in_words, without_repeats
 from asperity.engineering.jobs import arranged, computed, sample_of
 from asperity.engineering.records import Advice, Record
@@ -78,7 +78,7 @@ class AnswerJob:
 
     def open(self, folder: str) -> dict[str, Any]:
         """What a folder holds in words and numbers, with the pictures of its answer or of its first map."""
-        self._whole = found = open_answer(folder)
+        self._whole = found = opened(folder)
         maps = {} if isinstance(found, Answer) else found.answers
         self._answers = {"": found} if isinstance(found, Answer) else maps
         names = found.face.name if isinstance(found, Answer) else ", ".join(maps)
@@ -108,7 +108,7 @@ class AnswerJob:
         """Verdict, and differences of all numbers, of this answer and that of another folder."""
         from asperity.engineering.show.comparison import compared
 
-        found = compared(dict(zip(names, (self._whole, open_answer(folder)), strict=True)))
+        found = compared(dict(zip(names, (self._whole, opened(folder)), strict=True)))
         first, second = (found.records[name] for name in names)
         differences = [found.difference(key, *names) for key in first if key in second]
         return {"verdict": found.verdict, "differences": differences}

@@ -106,9 +106,9 @@ class Contact:
         ny, nx = self.grid.shape
         missed = f" (imposed area missed by {100 * self.control_error:.2g} %)"
         return (
-            f"<Contact of {ny} × {nx} nodes: area fraction {self.contact_area_fraction:.4g}"
+            f"<Contact of {ny} × {nx} nodes: contact area fraction {self.contact_area_fraction:.4g}"
             f"{missed if self.control_error > SHOWN_ERROR else ''}, "
-            f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.maximum_pressure:.4g}, "
+            f"mean pressure {self.mean_pressure:.4g}, maximum pressure {self.maximum_pressure:.4g}, "
             f"approach {self.approach:.4g}; plot(), section(), to_dataset()>"
         )
 

@@ -1,8 +1,9 @@
 """From a measured map, two materials and a load to the answer of an engineer, in SI units.
 
-`run` carries out all stages and returns an `Answer`: real contact, pressures, largest stress with its depth
-and position, volume above yield, warnings and notes. `write_answer` writes result files, pictures, tables and
-a report page into a folder. The public names are listed in ``__init__.pyi`` and imported when first used.
+`run` carries out all stages and returns an `Answer`: contact area, pressures, maximum stresses with their
+positions, volume above yield, warnings and notes. `Answer.write` writes result files, tables, pictures and a
+report page into a folder, and `open_answer` opens it again. The public names are listed in ``__init__.pyi``
+and imported when first used.
 """
 
 import lazy_loader

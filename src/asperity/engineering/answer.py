@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,7 +17,7 @@ from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data, write_data
 from asperity.engineering.case import Case
 from asperity.engineering.folder import (
-    DATA,
+    COMPARISON_DATA,
     SAMPLE_DATA,
     locked,
     names_in,
@@ -25,7 +26,7 @@ from asperity.engineering.folder import (
 from asperity.engineering.sample import SampleData, named, pooled
 from asperity.engineering.show import sample as show_sample
 from asperity.engineering.show.comparison import Comparison, compared
-from asperity.engineering.show.report import preview, write_report
+from asperity.engineering.show.report import preview, report, write_report
 from asperity.engineering.show.text import text
 from asperity.engineering.stages import answer_of
 from asperity.settings.load import UNITS
@@ -81,12 +82,17 @@ class Answer(AnswerData):
                 except Exception as error:  # drawing may raise errors of any type
                     message = f"{folder}: results are written, pictures and report not ({error})"
                     raise DatasetError(message) from error
+                self.__dict__["folder"] = folder.absolute()
                 return [folder / name for name in sorted(names_in(folder))]
         except OSError as error:
             raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
-    def compare(self, *others: AnswerData) -> Comparison:
-        """Compare the answer with others, in their order."""
+    def report(self) -> str:
+        """The answer as a page that needs no other file."""
+        return report(self)
+
+    def compare(self, *others: Answer | Sample) -> Comparison:
+        """Compare the answer with others and with samples, in their order."""
         return compared([self, *others])
 
 
@@ -98,6 +104,14 @@ class Sample(SampleData):
 
     def _repr_html_(self) -> str:
         return show_sample.preview(self)
+
+    def report(self) -> str:
+        """The sample as a page that needs no other file."""
+        return show_sample.page(self)
+
+    def compare(self, *others: Answer | Sample) -> Comparison:
+        """Compare the sample with others and with answers, in their order."""
+        return compared([self, *others])
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write tables, page and case file into the parent folder of the answers of the maps.
@@ -112,13 +126,13 @@ class Sample(SampleData):
         return show_sample.write_sample(self, Path(folder))
 
 
-def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample:
-    """The answer, or the sample, that a folder holds: the same data as after the computation.
+def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample | Comparison:
+    """The answer, sample or comparison that a folder holds: the same data as after the computation.
 
     Parameters
     ----------
     folder : path
-        As `Answer.write` or ``asperity run`` wrote it; it may have been moved.
+        As its ``write`` or ``asperity run`` wrote it; it may have been moved, a comparison with its answers.
 
     Raises
     ------
@@ -140,9 +154,29 @@ def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample:
     True
     """
     folder = Path(folder)
-    if SAMPLE_DATA in names_in(folder) and DATA not in names_in(folder):
-        return Sample.read(folder)
-    return read_data(folder, Answer)
+    if COMPARISON_DATA not in names_in(folder):
+        return opened(folder)
+
+    def answer(name: str, each: str | None) -> Answer:
+        if each is None:
+            raise DatasetError(f"{folder}: the answer of {name} was not written before it was compared")
+        return read_data(Path(os.path.normpath(folder / each)), Answer)
+
+    kept = json.loads((folder / COMPARISON_DATA).read_text(encoding="utf-8"))
+    return Comparison(
+        {
+            name: pool({own: answer(own, at) for own, at in each.items()})
+            if isinstance(each, dict)
+            else answer(name, each)
+            for name, each in kept.items()
+        }
+    )
+
+
+def opened(folder: str | os.PathLike[str]) -> Answer | Sample:
+    """The answer or the sample that a folder holds; `DatasetError` if it holds none."""
+    folder = Path(folder)
+    return Sample.read(folder, Answer) if SAMPLE_DATA in names_in(folder) else read_data(folder, Answer)
 
 
 def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
@@ -169,12 +203,12 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     contact area fraction 5.1 ± 1.1 %
     """
 
-    def opened(each: Any) -> AnswerData:
+    def answer(each: Any) -> AnswerData:
         return each if isinstance(each, AnswerData) else read_data(Path(each), Answer)
 
     if isinstance(answers, Mapping):
-        return pooled({name: opened(each) for name, each in answers.items()}, Sample)
-    return pooled(named([*map(opened, answers)]), Sample)
+        return pooled({name: answer(each) for name, each in answers.items()}, Sample)
+    return pooled(named([*map(answer, answers)]), Sample)
 
 
 @own_errors
@@ -199,8 +233,8 @@ def run(
     progress : callable, optional
         Called as progress(done, total).
     **groups
-        The load by its quantity: `mean_pressure`, `force`, `approach` or `contact_area_fraction`, or as the
-        group `load`; and all other groups of `asperity.Case`, the questions among them.
+        The load by its quantity: `mean_pressure`, `force`, `normal_approach` or `contact_area_fraction`, or
+        as the group `load`; and all other groups of `asperity.Case`, the questions among them.
 
     Returns
     -------

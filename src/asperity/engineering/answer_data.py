@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,13 +16,12 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.core.errors import did_you_mean, shown
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.body_stress import STRESS_TOLERANCE
 from asperity.engineering.face import ReadFile
-from asperity.engineering.records import Advice, Record, find, frame
+from asperity.engineering.records import Advice, Record, find, frame, record_of
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.stress.extremes import Extreme
@@ -90,6 +90,8 @@ class AnswerData:
     datasets : mapping
         The datasets of the questions.
     origin : Origin
+    folder : Path or None
+        Absolute path of its folder; None before it is written.
     """
 
     case: Scene
@@ -103,6 +105,7 @@ class AnswerData:
     tables: Mapping[str, pd.DataFrame]
     datasets: Mapping[str, xr.Dataset] = field(default_factory=dict)
     origin: Origin = NO_ORIGIN
+    folder: Path | None = None
 
     def __getattr__(self, name: str) -> Any:
         """A part of an opened answer, which is read when it is first asked for."""
@@ -129,11 +132,7 @@ class AnswerData:
         KeyError
             If there is none.
         """
-        if (found := next(find(self.records, quantity, body), None)) is None:
-            near = did_you_mean(quantity, {each.quantity for each in self.records})
-            of = f" of the {body} body" if body else ""
-            raise KeyError(f"{shown(quantity)}{of}: no number of this answer{near}")
-        return found
+        return record_of(self.records, quantity, body)
 
     def frame(self) -> pd.DataFrame:
         """All numbers as a table; the columns are described in ``docs/tables.md``."""

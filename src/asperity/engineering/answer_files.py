@@ -142,6 +142,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
             | {name: partial(read, "contact.nc", names) for name, names in plain["tractions"].items()}
         ),
         "origin": Origin(date, versions, tuple(ReadFile(*each) for each in files)),
+        "folder": folder.absolute(),
         "_later": later,
     }
     found.__dict__.update(parts)
@@ -266,7 +267,7 @@ def _contact(answer: AnswerData) -> xr.Dataset:
             found = found.assign(each.data_vars)
     attributes = {
         "force": answer["force"].value,
-        "approach_since_first_touch": answer["normal approach"].value,
+        "normal_approach": answer["normal approach"].value,
         "settings": json.dumps(_settings(answer), sort_keys=True),
     }
     return found.assign_attrs(attributes)

@@ -25,7 +25,10 @@ UNFINISHED = ".unfinished-"
 COMPLETE = ".complete"
 """Name of that folder when it is complete; its files then replace the files of an earlier answer."""
 
-COMPARISON = ("comparison.csv", "comparison.html")
+COMPARISON_DATA = "comparison.json"
+"""Name of the file with the folders of the answers that a comparison is made of."""
+
+COMPARISON = ("comparison.csv", "comparison.html", COMPARISON_DATA)
 """Names of the files that compare several answers."""
 
 SAMPLE_DATA = "sample.json"

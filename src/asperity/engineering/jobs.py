@@ -17,8 +17,9 @@ from typing import Any
 
 from asperity.core.errors import InputError, shown
 from asperity.core.system import available_memory
-from asperity.engineering.answer import Answer, Sample, answer_to, open_answer, pool
+from asperity.engineering.answer import Answer, Sample, answer_to, pool
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.answer_files import read_data
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import (
     CHECKSUMS,
@@ -271,7 +272,7 @@ def computed(
         made = _one_by_one(left, progress) if beside == 1 else _beside_each_other(left, progress, beside)
         for job in arrangement.jobs:
             if job.name in kept:
-                yield replace(job, is_kept=True), open_answer(job.folder)  # type: ignore[misc]
+                yield replace(job, is_kept=True), read_data(job.folder, Answer)
             else:
                 yield job, next(made)
 
@@ -326,7 +327,7 @@ def _beside_each_other(
                             ready = sum(part >= 1 for part in done.values())
                             progress(sum(done.values()) / len(jobs), f"{ready} of {len(jobs)} maps done")
                     future.result()
-                    yield open_answer(job.folder)  # type: ignore[misc]
+                    yield read_data(job.folder, Answer)
             except BaseException:
                 for future in futures:
                     future.cancel()

@@ -7,10 +7,11 @@ and unit of a number are made here, and nowhere else.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from asperity.core.errors import did_you_mean, shown
 from asperity.core.markup import with_error
 from asperity.core.units import scaled_unit, shown_si
 
@@ -305,6 +306,15 @@ def fraction(quantity: str, value: float, **settings: Any) -> Record:
 def find(records: Iterable[Record], quantity: str, body: str | None = None) -> Iterator[Record]:
     """Records of a quantity, of one body or of all."""
     return (each for each in records if each.quantity == quantity and body in (None, each.body))
+
+
+def record_of(records: Sequence[Record], quantity: str, body: str | None = None) -> Record:
+    """The first record of a quantity, of one body or of any; `KeyError` if there is none."""
+    if (found := next(find(records, quantity, body), None)) is None:
+        near = did_you_mean(quantity, {each.quantity for each in records})
+        of = f" of the {body} body" if body else ""
+        raise KeyError(f"{shown(quantity)}{of}: no number of this answer{near}")
+    return found
 
 
 def frame(records: Iterable[Record]) -> pd.DataFrame:

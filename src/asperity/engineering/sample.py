@@ -33,6 +33,7 @@ from asperity.engineering.records import (
     Record,
     find,
     frame,
+    record_of,
 )
 from asperity.engineering.scene import Scene
 from asperity.stress.statistics.largest import FEWEST_PEAKS, Largest, check_area, largest_on
@@ -63,6 +64,8 @@ CRACKS = "cracks expected per area"
 ONE_MAP = "one map: differences between positions are not known"
 
 Kind = TypeVar("Kind", bound="SampleData")
+
+Item = TypeVar("Item", bound="AnswerData | SampleData")
 
 Key = tuple[str, str, str]
 """Topic, body and quantity of a record."""
@@ -183,13 +186,15 @@ def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
     return kind(answers)
 
 
-def named(answers: Sequence[AnswerData]) -> dict[str, AnswerData]:
-    """Answers by the names of their maps, with a number where several have one name."""
-    count = Counter(answer.face.name for answer in answers)
-    return {
-        answer.face.name if count[answer.face.name] == 1 else f"{answer.face.name} {number}": answer
-        for number, answer in enumerate(answers, 1)
-    }
+def named(items: Sequence[Item]) -> dict[str, Item]:
+    """Answers and samples by names of folders or maps, with a number where several have one name."""
+    names = []
+    for each in items:
+        own = each.folder.name if isinstance(each, AnswerData) and each.folder else ""
+        names.append(own or (each.names[0] if isinstance(each, SampleData) else each.face.name))
+    count = Counter(names)
+    unique = [name if count[name] == 1 else f"{name} {number}" for number, name in enumerate(names, 1)]
+    return dict(zip(unique, items, strict=True))
 
 
 def check_alike(faces: Mapping[str, TreatedMap]) -> None:
@@ -236,10 +241,10 @@ class SampleData:
     deepest: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, folder: Path) -> Self:
-        """The sample in a folder, of the answers in the folders of its maps."""
+    def read(cls, folder: Path, kind: type[AnswerData] = AnswerData) -> Self:
+        """The sample in a folder, of the answers, as objects of a kind, in the folders of its maps."""
         names = manifests_of_sample(folder)
-        return pooled({name: read_data(folder / name, AnswerData) for name in names}, cls)
+        return pooled({name: read_data(folder / name, kind) for name in names}, cls)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -278,9 +283,11 @@ class SampleData:
         return self._means[key_of(record)][1]
 
     def __getitem__(self, quantity: str) -> Record:
-        for each in find(self.records, quantity):
-            return each
-        raise KeyError(quantity)
+        return self.record(quantity)
+
+    def record(self, quantity: str, body: str | None = None) -> Record:
+        """The mean of a quantity, of one body or of the first that has it; `KeyError` if there is none."""
+        return record_of(self.records, quantity, body)
 
     @property
     def tiles(self) -> list[Record]:

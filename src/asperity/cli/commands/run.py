@@ -21,7 +21,7 @@ FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each
 
 GROUPS = {
     "body": "--material, or --young and --poisson",
-    "load": "--mean-pressure, --hertz-pressure, --force, --approach or --contact-area-fraction",
+    "load": "--mean-pressure, --hertz-pressure, --force, --normal-approach or --contact-area-fraction",
 }
 """Group that every case has → flags that give it."""
 
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> None:
     empty += ["--counter-map"] * ("" in (options.counter_map or []))
     if empty:
         sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
-    if all(os.path.isdir(path) for path in options.map):
+    if any(os.path.isdir(path) for path in options.map):
         _compare(options)
         return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _compare(options: argparse.Namespace) -> None:
     """Compare the answers or samples of folders, and write the comparison where a folder is named."""
-    from asperity.engineering.answer import open_answer
+    from asperity.engineering.answer import opened
     from asperity.engineering.show.comparison import compared
 
     if len(options.map) < 2:
@@ -77,10 +77,10 @@ def _compare(options: argparse.Namespace) -> None:
         flag = f"--{given[0].replace('_', '-')}"
         sys.exit(fail(f"{flag}: maps are needed beside it, folders of answers are given", WRONG_USAGE))
     names = [os.path.normpath(path) for path in options.map]
-    comparison = compared(dict(zip(names, map(open_answer, names), strict=True)))
-    print(comparison.text())
+    comparison = compared(dict(zip(names, map(opened, names), strict=True)))
     folder = Path(options.out or "comparison")
     comparison.write(folder)
+    print(comparison.text())
     print(f"\n{one_line(str(folder))}")
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections import Counter
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from asperity.core.markup import html_table, rendered, with_error
 from asperity.core.types import Array
 from asperity.engineering.answer_data import AnswerData, case_in_words, heading, without_repeats
-from asperity.engineering.folder import COMPARISON, locked, replacing
+from asperity.engineering.folder import COMPARISON, COMPARISON_DATA, locked, replacing
 from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.records import POSITIONS, Record
 from asperity.engineering.sample import (
@@ -29,6 +30,7 @@ from asperity.engineering.sample import (
     deepest_of,
     is_same,
     key_of,
+    named,
     to_one_depth,
     warnings_by_kind,
 )
@@ -83,7 +85,7 @@ class Difference(NamedTuple):
 
 
 def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData | SampleData]) -> Comparison:
-    """Answers and samples beside each other, in their order; a sequence is named by its maps.
+    """Answers and samples beside each other, in their order; a sequence is named by its folders or maps.
 
     Raises
     ------
@@ -96,12 +98,7 @@ def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData 
     loads = [next(iter(item.answers.values())).case.load for item in each if isinstance(item, SampleData)]
     if any(load != loads[0] for load in loads):
         raise ValueError("answers: samples under one load are needed to compare them")
-    if isinstance(items, Mapping):
-        return Comparison(dict(items))
-    names = [each.names[0] if isinstance(each, SampleData) else each.face.name for each in items]
-    count = Counter(names)
-    unique = [name if count[name] == 1 else f"{name} {number}" for number, name in enumerate(names, 1)]
-    return Comparison(dict(zip(unique, items, strict=True)))
+    return Comparison(dict(items) if isinstance(items, Mapping) else named(items))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -250,6 +247,10 @@ class Comparison:
 
     __str__ = text
 
+    def _repr_html_(self) -> str:
+        tables = [f"<p>{title}</p>{html_table(rows)}" for title, rows in self._numbers().items()]
+        return f"<p><b>{escape(self.verdict)}</b></p>{''.join(tables)}"
+
     def page(self, folder: Path | None = None) -> str:
         """The comparison as a page for a folder, with pictures of its first maps in one scale."""
         shown = {name: self._first(name) for name in [*self.items][:SHOWN_SURFACES]}
@@ -275,12 +276,25 @@ class Comparison:
         item = self.items[name]
         return next(iter(item.answers.values())) if isinstance(item, SampleData) else item
 
-    def write(self, folder: Path) -> list[Path]:
-        """Write the table and the page into a folder."""
+    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write the table and the page into a folder, and the names of the folders of the answers."""
+        folder = Path(folder)
+        kept = {
+            name: {own: _folder_of(each, folder) for own, each in item.answers.items()}
+            if isinstance(item, SampleData)
+            else _folder_of(item, folder)
+            for name, item in self.items.items()
+        }
         with locked(folder), replacing(folder, kept=set()) as unfinished:
             write_table(self.frame(), "answer_comparison", unfinished / COMPARISON[0])
             write_text(unfinished / COMPARISON[1], self.page(folder))
+            write_text(unfinished / COMPARISON_DATA, json.dumps(kept))
         return [folder / name for name in COMPARISON]
+
+
+def _folder_of(answer: AnswerData, folder: Path) -> str | None:
+    """Name of the folder of an answer, relative to another one; None if it was not written."""
+    return Path(os.path.relpath(answer.folder, folder)).as_posix() if answer.folder else None
 
 
 def _of_errors(first: Record, second: Record) -> Difference:

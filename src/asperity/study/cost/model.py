@@ -118,7 +118,7 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     Parameters
     ----------
     work : float
-        Work over the work of the contact; see `asperity.engineering.run.work_of`.
+        Work over the work of the contact; see `asperity.engineering.stages.work_of`.
     nodes : int
         Nodes of the grid; of a mirrored map without its images.
     boundary : "periodic" | "free"
