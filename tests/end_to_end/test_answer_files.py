@@ -92,6 +92,18 @@ def test_resume_keeps_whole_answers_alone(pool, damage, capsys):
     assert (pool / "b/contact.nc").exists()
 
 
+def test_files_of_a_killed_process_are_removed(pool):
+    """Of the sample and of the answers, also where it was killed while files were moved."""
+    for place in (pool, pool / "a"):
+        (place / ".unfinished-x").mkdir()
+        (place / ".unfinished-x/half.nc").write_text("1")
+    (pool / ".complete").mkdir()
+    for name in ("sample.csv", ".asperity-run.json"):  # the manifest is moved last
+        shutil.move(pool / name, pool / ".complete" / name)
+    assert status("run", pool / "case.yaml", "--out", pool) == status("verify", pool) == 0
+    assert not [*pool.rglob(".unfinished-*"), *pool.rglob(".complete")]
+
+
 def lost_answer(pool):
     shutil.rmtree(pool / "b")
 
@@ -208,6 +220,16 @@ def test_setting_of_another_type_is_one_line(tmp_path, setting, capsys):
     refused = setting != "checksums=5"  # a map that is named has no checksum
     assert status(*command) == 2 * refused
     assert len(capsys.readouterr().err.splitlines()) == refused
+
+
+def test_setting_of_counter_maps_is_that_of_the_flag(tmp_path, capsys):
+    maps = [write_map(tmp_path / f"{name}.txt", seed) for seed, name in enumerate("abcd")]
+    command = ["run", *maps[:2], *STEEL, "--pooled", "--check"]
+    assert status(*command, "--counter-map", *maps[2:]) == 0
+    for given, expected in (("[{2}, {3}]", 0), ("{2}", 0), ("[{1}, {2}, {3}]", 2), ("5", 2)):
+        setting = f"counter_body.map.file={given.format(*maps)}"
+        assert status(*command, "--set", "checksums=5", "--set", setting) == expected
+        assert len(capsys.readouterr().err.splitlines()) == bool(expected)
 
 
 def test_manifest_that_is_no_file_is_not_read(pool):

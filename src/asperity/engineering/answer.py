@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,9 +19,7 @@ from asperity.engineering.case import Case
 from asperity.engineering.folder import (
     COMPARISON_DATA,
     SAMPLE_DATA,
-    UNFINISHED,
     locked,
-    move_complete,
     names_in,
     replacing,
 )
@@ -77,9 +74,6 @@ class Answer(AnswerData):
         folder = Path(folder)
         try:
             with locked(folder):
-                for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a process that was killed
-                    shutil.rmtree(abandoned, ignore_errors=True)
-                move_complete(folder)
                 with replacing(folder, kept=set()) as unfinished:
                     write_data(self, unfinished, folder)
                 try:

@@ -110,7 +110,14 @@ def folder_problem(
 
 @contextmanager
 def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
-    """Folder whose files replace an earlier answer's, except for `kept`, when the block succeeds."""
+    """Folder whose files replace an earlier answer's, except for `kept`, when the block succeeds.
+
+    What a killed process has left is removed first, or moved to its places if it is complete. The folder is
+    locked.
+    """
+    for abandoned in folder.glob(f"{UNFINISHED}*"):
+        shutil.rmtree(abandoned, ignore_errors=True)
+    move_complete(folder)
     with TemporaryDirectory(prefix=UNFINISHED, dir=folder, ignore_cleanup_errors=True) as name:
         unfinished = Path(name)
         yield unfinished

@@ -105,20 +105,21 @@ def _contents(
             case_of_map(content, number) for number in range(len(maps) if isinstance(maps, list) else 1)
         ]
         sources += [file or ""] * (len(contents) - len(sources))
-    counters = options.counter_map or [None]
-    if len(counters) not in (1, len(contents)):
-        words = f"one for each MAP is needed: {len(contents)}"
-        problems.append(f"--counter-map: {len(counters)} files are given; one, or {words}")
     given: dict[str, Any] = {}
-    for key, text in _given(options, problems):
+    for key, value in _given(options, problems):
         if key == "map.file" and any(Path(path).suffix not in SUFFIXES for path in options.map):
             problems.append("--set map.file: the map is given as MAP, too; leave one of them out")
+        is_map = key in map(".".join, MAP_FILES)
+        values = value if is_map and isinstance(value, list) else [value]
+        if len(values) not in (1, len(contents)):
+            words = f"one for each MAP is needed: {len(contents)}"
+            problems.append(f"{FLAGS.get(key, key)}: {len(values)} files are given; one, or {words}")
+            continue
         for number, content in enumerate(contents):
-            value = counters[number % len(counters)] if key == "counter_body.map.file" else text
-            if key in map(".".join, MAP_FILES):
-                content.get(CHECKSUMS, {}).pop("map" if key == "map.file" else "counter_map", None)
-            put(content, key.split("."), value)
-        given[key] = text
+            if is_map and isinstance(checksums := content.get(CHECKSUMS), dict):
+                checksums.pop("map" if key == "map.file" else "counter_map", None)
+            put(content, key.split("."), values[number % len(values)])
+        given[key] = value
     return contents, sources, given, problems
 
 
