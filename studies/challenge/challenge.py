@@ -183,7 +183,7 @@ def stress_tables(found: list[xr.Dataset]) -> tuple[pd.DataFrame, pd.DataFrame]:
             row = {name: float(of_ratio[name]) for name in ("points", "poisson", *PERCENTILES)}
             row["depth"] = float(data["plane_depth"][deepest])
             rows.append(row | {name: float(data[name]) for name in ("seconds", "memory_GB")})
-            if "largest_limit" in data:
+            if "maximum_limit" in data:
                 limit = {name: float(of_ratio[f"{name}_limit"]) for name in PERCENTILES}
                 errors = {f"{name}_error": float(of_ratio[f"{name}_error"]) for name in PERCENTILES}
                 rows.append({"points": 0, "poisson": ratio, **limit, **errors})

@@ -21,7 +21,6 @@ from asperity.engineering.scene import Scene
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.extremes import Extreme, Extremes, largest_of
-from asperity.stress.peaks.selection import select_peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -207,11 +206,3 @@ class _AtInterface:
     def found(self) -> Interface | None:
         """The stress on the interface; None without one."""
         return Interface((self._along[0], self._along[1]), self._extremes) if self._along else None
-
-
-def maximum_von_mises_between(stress: xr.Dataset, first: float, last: float) -> float:
-    """Largest von Mises stress between two depths, at the nodes or between them."""
-    planes, found = stress["plane_depth"].values, select_peaks(stress, "von_mises")
-    depths = np.append(planes, found["peak_depth"].values)
-    values = np.append(stress["maximum_von_mises"].values.ravel(), found["peak_value"].values)
-    return float(np.where((first <= depths) & (depths <= last), values, -1.0).max())

@@ -154,8 +154,8 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
     key = problem.key
     if not key:
         return problem.text
-    if key == "map.file" and not source and problem.text.startswith(" = "):
-        return problem.text.removeprefix(" = ")
+    if key in ("map", "map.file") and not source and problem.text.startswith((" = ", ": ")):
+        return problem.text.removeprefix(" = ").removeprefix(": ")  # which begins with the name of the map
     if key in GROUPS and not source and ": missing" in problem.text:
         return f"{GROUPS[key]}: missing"
     in_file = bool(source) and key not in given

@@ -337,16 +337,18 @@ def maximum_von_mises(
 ) -> float:
     """Maximum von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
     from asperity.elasticity.loaded_solid import traction_direction
-    from asperity.engineering.body_stress import STRESS_TOLERANCE, maximum_von_mises_between
+    from asperity.engineering.body_stress import STRESS_TOLERANCE
     from asperity.stress.analysis import analyse_stress
+    from asperity.stress.extremes import Extremes
 
     sliding: dict[str, Any] = {
         "friction": friction,
         "sliding_direction": traction_direction(sliding_direction, body),
     }
-    stress = analyse_stress(loaded, quantities=("von_mises",), tolerance=STRESS_TOLERANCE, **sliding)
-    top = np.nextafter(loaded.layer.interface or -1.0, np.inf)
-    return maximum_von_mises_between(stress, top, np.inf)
+    extremes = Extremes(loaded.layer)
+    stress = {"quantities": ("von_mises",), "tolerance": STRESS_TOLERANCE}
+    analyse_stress(loaded, observe=extremes.add, **stress, **sliding)
+    return extremes.refined(loaded, STRESS_TOLERANCE, **sliding)[-1]["von_mises"].value
 
 
 def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callable[[float], float]) -> float:

@@ -12,7 +12,6 @@ import numpy as np
 from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.engineering.body_stress import maximum_von_mises_between
 from asperity.engineering.places import Blocks
 from asperity.engineering.press import HARDNESS_OVER_YIELD
 from asperity.engineering.question import Findings, Pressed, Question, Stages
@@ -103,8 +102,7 @@ class Yielding(Question):
             part = stages.bodies[body]
             found: Yielded | None = part.observed.get("yielding")
             if found is not None:
-                top = np.nextafter(part.layer.interface, np.inf) if part.layer.interface else 0.0
-                found.exceedance.finish(maximum_von_mises_between(part.stress, top, np.inf))
+                found.exceedance.finish(part.parts[-1]["von_mises"].value)
                 records += _records(stages, body, found)
                 volume = found.exceedance.volume * stages.face.grid.area
                 attributes[body] = {"yield_stress": part.body.yield_stress, "volume_above_yield": volume}
