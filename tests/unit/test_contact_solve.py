@@ -75,7 +75,7 @@ def test_fields_of_the_solution_are_consistent(method):
     assert contact.mean_contact_pressure == pytest.approx(contact.pressure[contact.pressure > 0].mean())
     assert 0 < contact.gradient_rms_contact < 2 * asp.roughness_parameters(height).rms_gradient
     assert min(contact.certificate.pairs, contact.certificate.iterations) > 0
-    assert repr(contact).startswith("<Contact of 64 × 64 nodes: area fraction 0.")
+    assert repr(contact).startswith("<Contact of 64 × 64 nodes: contact area fraction 0.")
     written = contact.to_dataset().attrs
     assert written["certificate_pairs"] == contact.certificate.pairs
     assert "certificate_seconds" not in written  # files are the same in every run
