@@ -64,20 +64,15 @@ def test_lengths_are_interpolated_between_nodes():
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(("rms", "in_plane"), [(0.0, np.nan), (1e-20, np.nan), (1e-9, 0.2421)])
-def test_full_smooth_contact_has_no_decay(rms, in_plane):
-    """A flat, and a wave whose stress is too small beside the mean for double precision.
-
-    The covariance of a wave that is not too small is J₀(2πr), half at r = 1.5211/2π.
-    """
+@pytest.mark.parametrize("rms", [0.0, 1e-9])
+def test_full_smooth_contact_has_no_decay(rms):
+    """A flat, and a wave whose stress is too small beside the mean for single precision."""
     wave = np.sin(2 * np.pi * np.arange(32) / 32)
     layer = asp.Solid(young=1.0, poisson=0.3)
     contact = asp.solve_contact(rms * (wave[:, None] + wave), layer, mean_pressure=1.0)
     stress = asp.analyse_stress(contact, quantities=("von_mises",), covariances=True)
     assert contact.contact_area_fraction == 1
-    lengths = decay_lengths(stress)
-    assert np.isnan(lengths[0]) == np.isnan(in_plane)
-    assert lengths[1].item() == pytest.approx(in_plane, rel=0.01, nan_ok=True)  # width of a class of lags
+    assert np.isnan(decay_lengths(stress)).all()
 
 
 @pytest.mark.parametrize("load", [{"mean_pressure": 1e2}, {"mean_pressure": 1e6}, {"approach": 1.0}])

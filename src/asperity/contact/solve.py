@@ -416,13 +416,7 @@ def _state_of(
         if full.pressure.min() > 0 and full.pressure.max() < problem.hardness:
             return full
     start = None if initial is None else problem.near_start(control, initial)
-    state = METHODS[method](problem, control, rtol, progress, start)
-    if control.kind == "mean_pressure" and problem.response.repeats and state.pressure.min() > 0:
-        full = problem.full_contact().pressure
-        full += control.value - full.mean(dtype=float)
-        if full.min() > 0 and full.max() < problem.hardness:
-            return replace(state, pressure=full, displacement=None)
-    return state
+    return METHODS[method](problem, control, rtol, progress, start)
 
 
 class _Asked(NamedTuple):
