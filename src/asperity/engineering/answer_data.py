@@ -51,7 +51,8 @@ UNCERTAINTIES = 3
 """Number of uncertainties shown above the answer, the largest ones."""
 
 FADED = 0.1
-"""A section ends where the stress is below this fraction of its largest magnitude."""
+"""A section ends where the stress is below this fraction of its largest magnitude, and below the limit of the
+material if one is known."""
 
 
 class Origin(NamedTuple):

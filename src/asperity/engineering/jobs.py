@@ -37,10 +37,7 @@ from asperity.engineering.stages import problems_on_map
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.model import Problem, SettingsError
 from asperity.stress.statistics.largest import check_area
-from asperity.surface.treatment.treatment import BYTES_PER_NODE
-
-ANSWER_MEMORY = 3.7e8
-"""Memory of an answer without its calculation, in bytes."""
+from asperity.surface.treatment.treatment import ANSWER_MEMORY, BYTES_PER_NODE
 
 SMALLEST_BESIDE = 65_536
 """Nodes of a map from which a process of its own saves time: it starts in about two seconds."""
