@@ -43,8 +43,8 @@ REPEATS = (
 )
 
 ONE_POSITION = (
-    "the map is from one position of the surface: a discretisation error does not show how positions differ; "
-    "several maps (--pooled) do"
+    "the map is from one position of the surface: a discretisation error does not include how much other "
+    "positions differ; only several maps (--pooled) show that"
 )
 
 UNCERTAINTIES = 3

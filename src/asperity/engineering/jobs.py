@@ -222,7 +222,7 @@ def _problems_of_several(
         if job.rough.files:
             other = of_checksum.setdefault(job.rough.files[0].sha256, job.name)
             if other != job.name:
-                yield f"maps: {job.name} and {other} are the same map; each position is needed once"
+                yield f"maps: {job.name} and {other} are copies of one file; give each position once"
     try:
         check_alike(faces)
         for job in jobs:
