@@ -1,4 +1,4 @@
-"""Front door: `run` computes an answer, `open_answer` opens one, `pool` makes a sample of several."""
+"""The public functions: `run` computes an answer, `open_answer` opens one, `pool` makes a sample."""
 
 from __future__ import annotations
 
@@ -53,8 +53,9 @@ class Answer(AnswerData):
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write the answer into a folder: first the results and tables, then the pictures and the report.
 
-        A killed process leaves the earlier answer or the results of the new one. If it is killed while files
-        are moved to their places, the next call moves the rest.
+        If the process is killed, the folder holds either the whole earlier answer or the new results, perhaps
+        without pictures and report. If it is killed while files are moved to their places, the next call
+        moves the rest.
 
         Parameters
         ----------

@@ -56,7 +56,7 @@ class Job:
     Attributes
     ----------
     name : str
-        Of the folder, where there are several.
+        Name of the map, and of its folder if there are several maps.
     content : mapping
         Groups of the case, as a file holds them.
     folder : Path
@@ -67,7 +67,7 @@ class Job:
     problems : tuple of Problem
         Dotted key and the message after it.
     is_kept : bool
-        True if its answer was in its folder already.
+        True if the answer that its folder held already was kept and not computed again.
     """
 
     name: str
@@ -305,11 +305,11 @@ def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> 
 def _in_parallel(
     jobs: Sequence[Job], progress: Callable[[float, str], None], processes: int
 ) -> Iterator[Answer]:
-    """Answers of several processes at the same time."""
+    """Answers in the order of the jobs, computed in several processes."""
     context, done = get_context("spawn"), dict.fromkeys(range(len(jobs)), 0.0)
     with context.Manager() as manager:
         told: Any = manager.Queue()
-        with ProcessPoolExecutor(beside, context) as pool_of_processes:
+        with ProcessPoolExecutor(processes, context) as pool_of_processes:
             futures = [
                 pool_of_processes.submit(_written, number, job.case, job.rough, job.folder, told)
                 for number, job in enumerate(jobs)
