@@ -88,5 +88,5 @@ def test_everything_that_run_refuses_is_refused_before(tmp_path):
     assert "different names" in problems(files[0], files[0])
     assert "cannot be the name of the folder" in problems(*files)
     (tmp_path / "c.npy").write_bytes(files[0].read_bytes())
-    assert "the same map" in problems(files[0], tmp_path / "c.npy")
+    assert "are copies of one file" in problems(files[0], tmp_path / "c.npy")
     assert "no such file" in problems(files[0], tmp_path / "none.npy")

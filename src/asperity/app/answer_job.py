@@ -54,7 +54,7 @@ class AnswerJob:
     def run(self, content: Mapping[str, Any], out: str, memory: float) -> dict[str, Any]:
         """Compute the answer of a case into a new folder below another, or the sample of several maps.
 
-        Jobs run side by side within some bytes of memory. The folder is locked from its first moment on.
+        Jobs run in parallel within some bytes of memory. The folder is locked from its first moment on.
         """
         for number in count(1):
             folder = Path(out, f"answer_{number}")

@@ -391,7 +391,7 @@ class Session:
 
     def _part(self, name: str, **values: Any) -> str:
         """A part of the page as HTML; texts in it are escaped."""
-        return TEMPLATES.get_template("parts.html.j2").render(part=name, session=self, **values)
+        return TEMPLATES.get_template("updates.html.j2").render(part=name, session=self, **values)
 
     def _say(self, text: str) -> None:
         self.notice = text

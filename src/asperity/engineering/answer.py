@@ -1,10 +1,10 @@
-"""Front door: `run` computes an answer, `open_answer` opens one, `pool` makes a sample of several."""
+"""The public functions: `run` computes an answer, `open_answer` opens one, `pool` makes a sample."""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from asperity.core.types import Progress
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data, write_data
 from asperity.engineering.case import Case
+from asperity.engineering.face import RoughFace
 from asperity.engineering.folder import (
     COMPARISON_DATA,
     SAMPLE_DATA,
@@ -49,8 +50,9 @@ class Answer(AnswerData):
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write the answer into a folder: first the results and tables, then the pictures and the report.
 
-        A killed process leaves the earlier answer or the results of the new one. If it is killed while files
-        are moved to their places, the next call moves the rest.
+        If the process is killed, the folder holds either the whole earlier answer or the new results, perhaps
+        without pictures and report. If it is killed while files are moved to their places, the next call
+        moves the rest.
 
         Parameters
         ----------
@@ -270,9 +272,14 @@ def run(
     return answer_to(case, progress=progress)
 
 
-def answer_to(case: Case, *stages: Any, **settings: Any) -> Answer:
+def answer_to(
+    case: Case,
+    rough: RoughFace | None = None,
+    progress: Progress | None = None,
+    on_stage: Callable[[str], None] | None = None,
+) -> Answer:
     """The answer of a case; arguments as of `asperity.engineering.stages.answer_of`."""
-    return Answer(**vars(answer_of(case, *stages, **settings)))
+    return Answer(**vars(answer_of(case, rough, progress, on_stage)))
 
 
 def _with_heights(map: Any, length: Any) -> Any:

@@ -1,7 +1,7 @@
 """The data of an answer: records, tables and datasets, and planes and sections of its stress.
 
-It is the same after a computation and after it was written and opened again: planes and sections are
-computed from the contact pressure that it holds.
+`AnswerData` is the same after a computation and after it was written and opened again: planes and sections
+are computed from the contact pressure that it holds.
 """
 
 from __future__ import annotations
@@ -36,22 +36,23 @@ INTERFACE_TILES = ("maximum shear stress on the interface", "maximum tension acr
 """Quantities of the interface of a coating, in the order of `Interface.extremes`."""
 
 ALIKE = 0.01
-"""Relative difference up to which numbers of two bodies of one material are shown once."""
+"""Relative difference up to which a number of the upper body is left out as equal to the lower body's."""
 
 REPEATS = (
     f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
 )
 
 ONE_POSITION = (
-    "the map is from one position of the surface: a discretisation error does not show how positions differ; "
-    "several maps (--pooled) do"
+    "the map is from one position of the surface: a discretisation error does not include how much other "
+    "positions differ; only several maps (--pooled) show that"
 )
 
 UNCERTAINTIES = 3
 """Number of uncertainties shown above the answer, the largest ones."""
 
 FADED = 0.1
-"""A section ends where the stress is below this fraction of its largest magnitude."""
+"""A section ends where the stress is below this fraction of its largest magnitude, and below the limit of the
+material if one is known."""
 
 
 class Origin(NamedTuple):
@@ -108,7 +109,7 @@ class AnswerData:
     folder: Path | None = None
 
     def __getattr__(self, name: str) -> Any:
-        """A part of an opened answer, which is read when it is first asked for."""
+        """A part of an opened answer, read when it is first asked for; `read_data` sets `_later`."""
         later = self.__dict__.get("_later", {})
         if name not in later:
             raise AttributeError(f"{type(self).__name__} has no attribute {name}")
@@ -171,7 +172,7 @@ class AnswerData:
         return self.stress[self._of(body)]["plane_depth"].values
 
     def _of(self, body: str) -> str:
-        """The body whose stress is kept for a body."""
+        """``lower`` if the stress of both bodies is equal and kept once, else the body itself."""
         return body if body in self.stress else "lower"
 
     def loaded(self, body: str = "lower") -> LoadedSolid:

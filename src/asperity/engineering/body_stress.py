@@ -26,7 +26,8 @@ from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
 
 STRESS_TOLERANCE = 1e-4
-"""Error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
+"""Tolerance of the planes of the stress in `asperity run` and its answers: the error of a deep plane on a
+coarser grid, relative to the rms of σ_zz in it. The default of the library is `PLANE_TOLERANCE`."""
 
 ESTIMATED = ("pressure", "von_mises")
 """Quantities whose peaks are estimated for vanishing pixels."""

@@ -114,8 +114,11 @@ def changed_files(content: Mapping[str, Any]) -> Iterator[Problem]:
     """A problem for each file of a case that has another checksum now."""
     for key, file, checksum in files_with_checksums(content):
         if os.path.isfile(file) and sha256_of(file) != checksum:
-            kept = "run it as it is now" if key.startswith(CHECKSUMS) else "keep the constants of the case"
-            yield Problem(key, f": {one_line(file)} has changed since; delete the key to {kept}")
+            kept = (
+                "use the file as it is now" if key.startswith(CHECKSUMS) else "keep the constants in the case"
+            )
+            changed = f"{one_line(file)} has changed since the case was written"
+            yield Problem(key, f": {changed}; delete `{key}` in the case file to {kept}")
 
 
 def case_of_answer(folder: Path) -> dict[str, Any]:

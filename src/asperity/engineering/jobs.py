@@ -1,4 +1,4 @@
-"""Several maps as jobs: arranged from the contents of cases, checked, and computed side by side.
+"""Several maps as jobs: arranged from the contents of cases, checked, and computed in parallel.
 
 The command line and the page arrange, check and compute through this module.
 """
@@ -37,18 +37,16 @@ from asperity.engineering.stages import problems_on_map
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.model import Problem, SettingsError
 from asperity.stress.statistics.largest import check_area
-from asperity.surface.treatment.treatment import BYTES_PER_NODE
+from asperity.surface.treatment.treatment import ANSWER_MEMORY, BYTES_PER_NODE
 
-ANSWER_MEMORY = 3.7e8
-"""Memory of an answer without its calculation, in bytes."""
-
-SMALLEST_BESIDE = 65_536
-"""Nodes of a map from which a process of its own saves time: it starts in about two seconds."""
+SMALLEST_PARALLEL = 65_536
+"""Least nodes of the largest map for which maps are computed in parallel processes; a process takes about two
+seconds to start."""
 
 POLL = 0.2
 """Seconds between two looks for the progress of other processes."""
 
-Read = Callable[..., RoughFace]
+ReadFace = Callable[..., RoughFace]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +56,7 @@ class Job:
     Attributes
     ----------
     name : str
-        Of the folder, where there are several.
+        Name of the map, and of its folder if there are several maps.
     content : mapping
         Groups of the case, as a file holds them.
     folder : Path
@@ -69,7 +67,7 @@ class Job:
     problems : tuple of Problem
         Dotted key and the message after it.
     is_kept : bool
-        True if its answer was in its folder already.
+        True if the answer that its folder held already was kept and not computed again.
     """
 
     name: str
@@ -120,7 +118,7 @@ def arranged(
     *,
     pooled: bool = False,
     only: str = "",
-    read: Read = read_face,
+    read: ReadFace = read_face,
 ) -> Arrangement:
     """The jobs of the contents of one or several cases, each with one map.
 
@@ -161,7 +159,7 @@ def arranged(
     return Arrangement(tuple(jobs), whole, pooled, tuple(Problem("", text) for text in found))
 
 
-def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: Read) -> Job:
+def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: ReadFace) -> Job:
     """The job of one map, with everything that is wrong with its settings, its map and its folder."""
     changed = [*changed_files(content)]
     content = {key: group for key, group in content.items() if key not in (OUT, CHECKSUMS)}
@@ -228,7 +226,7 @@ def _problems_of_several(
         if job.rough.files:
             other = of_checksum.setdefault(job.rough.files[0].sha256, job.name)
             if other != job.name:
-                yield f"maps: {job.name} and {other} are the same map; each position is needed once"
+                yield f"maps: {job.name} and {other} are copies of one file; give each position once"
     try:
         check_alike(faces)
         for job in jobs:
@@ -247,7 +245,7 @@ def computed(
 ) -> Iterator[tuple[Job, Answer]]:
     """Compute and write the answers of all jobs; each is given when it is written, in their order.
 
-    Jobs run side by side in processes of their own on all cores, within the memory that is available.
+    Jobs run in parallel, each in a process, on all cores and within the memory that is available.
 
     Parameters
     ----------
@@ -268,8 +266,8 @@ def computed(
             if resume and job.rough and holds_answer(job.folder, job.case, job.rough.files)
         }
         left = [job for job in arrangement.jobs if job.name not in kept]
-        beside = _side_by_side(left, cores)
-        made = _one_by_one(left, progress) if beside == 1 else _beside_each_other(left, progress, beside)
+        processes = _parallel_jobs(left, cores)
+        made = _one_by_one(left, progress) if processes == 1 else _in_parallel(left, progress, processes)
         for job in arrangement.jobs:
             if job.name in kept:
                 yield replace(job, is_kept=True), read_data(job.folder, Answer)
@@ -277,13 +275,14 @@ def computed(
                 yield job, next(made)
 
 
-def _side_by_side(jobs: Sequence[Job], cores: int | None) -> int:
-    """Number of jobs that run at the same time."""
+def _parallel_jobs(jobs: Sequence[Job], cores: int | None) -> int:
+    """Number of jobs that run in parallel."""
     most = max((job.memory for job in jobs), default=1.0)
     nodes = max((job.rough.face.height.size for job in jobs if job.rough), default=0)
-    if nodes < SMALLEST_BESIDE:
+    if nodes < SMALLEST_PARALLEL:
         return 1
-    return max(1, min(len(jobs), cores or os.cpu_count() or 1, int(1e6 * available_memory() / most)))
+    available = 1e6 * available_memory()  # from MB to bytes
+    return max(1, min(len(jobs), cores or os.cpu_count() or 1, int(available / most)))
 
 
 def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> Iterator[Answer]:
@@ -306,14 +305,14 @@ def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> 
         yield answer
 
 
-def _beside_each_other(
-    jobs: Sequence[Job], progress: Callable[[float, str], None], beside: int
+def _in_parallel(
+    jobs: Sequence[Job], progress: Callable[[float, str], None], processes: int
 ) -> Iterator[Answer]:
-    """Answers of several processes at the same time."""
+    """Answers in the order of the jobs, computed in several processes."""
     context, done = get_context("spawn"), dict.fromkeys(range(len(jobs)), 0.0)
     with context.Manager() as manager:
         told: Any = manager.Queue()
-        with ProcessPoolExecutor(beside, context) as pool_of_processes:
+        with ProcessPoolExecutor(processes, context) as pool_of_processes:
             futures = [
                 pool_of_processes.submit(_written, number, job.case, job.rough, job.folder, told)
                 for number, job in enumerate(jobs)

@@ -39,7 +39,7 @@ RESOLUTION_CHANGE = 0.1
 
 
 class Picture(NamedTuple):
-    """A picture: the name of its file without the ending, its caption, the figure, and the body it shows.
+    """A picture: the name of its file without the suffix, its caption, the figure, and the body it shows.
 
     The body is empty for pictures of the contact.
     """
@@ -57,8 +57,8 @@ class Pressed:
     Attributes
     ----------
     asked, case : Scene
-        The case as it was asked, and as the bodies were pressed: `Question.prepare` may change load and
-        hardness.
+        `asked` is the case of the user; `case` is the one whose contact is solved, after `Question.prepare`
+        of every question, which may change load and hardness.
     rough : RoughFace
         The rough face that was pressed.
     contact : Contact
@@ -124,17 +124,17 @@ class Findings:
     assumption : str
         The assumptions, as sentences.
     tables : mapping
-        Name of a file without its ending → the table in it.
+        Name of a file without its suffix → the table in it.
     datasets : mapping
-        Name of a file without its ending → the dataset in it, with its attribute ``title``.
+        Name of a file without its suffix → the dataset in it, with its attribute ``title``.
     peaks : sequence of DataFrame
         Rows of its own in the table of peaks.
     attributes : mapping
-        Body → numbers for the result of its stress.
+        Body → attributes that are added to the dataset of its stress.
     input_errors : mapping
         Quantity and body of a record → its relative error by the tolerances of the inputs.
     bounds : mapping
-        Quantity of a record of the contact → bounds that it has under this question.
+        Quantity of a record → bounds in place of its own while this question is asked.
     """
 
     records: Sequence[Record] = ()
@@ -153,13 +153,13 @@ class Question(Settings):
     """A group of settings of a case that asks a question. Every method does nothing by default."""
 
     ASKS: ClassVar[str] = ""
-    """How the form asks it; empty for a group that the form asks for at another place."""
+    """How the form asks it; empty for `sliding` and `sample`, which stand elsewhere in the form."""
     TILES: ClassVar[tuple[str, ...]] = ()
     """Quantities that answer it, which stand at the top of the report."""
     LEAD: ClassVar[str] = ""
     """Name of the picture that stands beside them."""
     FILES: ClassVar[tuple[str, ...]] = ()
-    """Names of its files, without the ending of the body."""
+    """Beginnings of the names of its files, without ``_lower`` or ``_upper`` and the suffix."""
 
     @classmethod
     def is_implied(cls, case: Scene) -> bool:
@@ -174,7 +174,7 @@ class Question(Settings):
         return iter(())
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
-        """Work of `prepare` and `tractions`, and of `compute`; the contact has a work of 1."""
+        """Work of `prepare` and `tractions` together, and of `compute`, over the work of the contact."""
         return 0.0, 0.0
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, Any]:
@@ -190,7 +190,10 @@ class Question(Settings):
         return loaded
 
     def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> Observer | None:
-        """Takes each plane of the stress in a body; `BodyStress.observed` keeps it for `compute`."""
+        """An object whose `add` gets every plane of the stress in a body.
+
+        `compute` finds it in ``stages.bodies[body].observed``, under the name of the question.
+        """
         return None
 
     def other_cases(self, case: Any) -> dict[str, Any]:
@@ -218,6 +221,8 @@ def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, 
     most = max(ratios.values(), key=lambda ratio: abs(ratio - 1))
     changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
     size, factor = abs(most - 1), 1 / most if most else math.inf
-    text = f"pixels as they are, instead of twice as large ones, changed {changed} (from a second solution)."
+    text = (
+        f"pixels as they are, instead of twice as large ones, changed {changed} (found by solving with both)."
+    )
     short = f"pixels: those twice as large change {what} by a factor of {factor:.3g}"
     return Advice(size > RESOLUTION_CHANGE, "pixels of the interface", text, short, size)

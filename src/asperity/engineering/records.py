@@ -93,7 +93,8 @@ class Record:
     note : str
         Text after the number.
     varies : bool
-        True if it differs between measurement positions, so that an error without them is incomplete.
+        True if it differs between measurement positions, so that its error is incomplete without the cause
+        `POSITIONS`.
     better : "less", "more" or ""
         Direction in which the surface with this number is better.
     """
@@ -132,7 +133,7 @@ class Record:
 
     @property
     def error(self) -> float:
-        """Half-width of the interval by all causes that are known together; NaN without any."""
+        """Half-width of the interval by all known causes together; NaN without any."""
         return math.hypot(*self.errors.values()) if self.errors else math.nan
 
     @property
@@ -148,12 +149,12 @@ class Record:
         return min(max(ends[0], low), high), min(max(ends[1], low), high)
 
     def with_error(self, cause: str, error: float) -> Record:
-        """The record with an error in its unit; the same where it is not known."""
+        """The record with the error of a cause, in its unit; unchanged if the error is NaN or 0."""
         return replace(self, errors={**self.errors, cause: error}) if error > 0 else self
 
     @property
     def unknown(self) -> list[str]:
-        """Causes of errors that are not known although the number has them."""
+        """Causes that add to the error of the number, but whose part was not estimated."""
         return [POSITIONS] if self.varies and POSITIONS not in self.errors else []
 
     def scale(self, units: Any = None) -> tuple[float, str]:
@@ -200,7 +201,7 @@ class Record:
         return found + ", ".join(shown)
 
     def error_texts(self, units: Any = None) -> list[str]:
-        """Each error with its cause as text, and causes that are not known."""
+        """Each error with its cause as text, and the `unknown` causes."""
         factor, symbol = self.scale(units)
         found = []
         for cause, error in self.errors.items():
@@ -208,12 +209,13 @@ class Record:
                 found.append(f"{self._best_text(error, factor, symbol)} {EXTRAPOLATED}")
             else:
                 found.append(f"± {_rounded(self.best, error, factor)[1]} {symbol}".strip() + f" by {cause}")
+        # The cause `POSITIONS` reads without "by".
         return [*(text.replace("by between", "between") for text in found)] + [
             f"{cause}: {NOT_KNOWN}" for cause in self.unknown
         ]
 
     def _best_text(self, error: float, factor: float, symbol: str) -> str:
-        """The best value with an error, or with the interval where a bound cuts it."""
+        """The best value with an error or, where the interval is cut at the bounds, with its ends."""
         low, high = self._within(error)
         if low > self.best - error or high < self.best + error:
             best, *ends = (f"{end / factor:.3g}" for end in (self.best, low, high))
@@ -231,7 +233,8 @@ class Record:
     def text(self, units: Any = None) -> str:
         """The number, its position, its note and its known errors, in one line."""
         first = " ".join(filter(None, [self.number(units), self.place(units)]))
-        known = self.error_texts(units)[: len(self.errors)]  # a reader says once what is not known
+        # Unknown causes are left out: the terminal states them once, not for each number.
+        known = self.error_texts(units)[: len(self.errors)]
         return "; ".join(filter(None, [", ".join(filter(None, [first, self.note])), *known]))
 
     def as_plain(self) -> dict[str, Any]:
@@ -281,7 +284,7 @@ def per_cent(share: float) -> str:
 
 
 def _plain(value: float) -> float:
-    """A number of Python; one object for all that are not known, so that equal records compare equal."""
+    """A Python float; NaN is always the object `math.nan`, so that tuples and dicts with it compare equal."""
     return math.nan if math.isnan(value) else float(value)
 
 

@@ -1,6 +1,7 @@
 """All stages from a map to an answer: map → contact → stress in the bodies → questions → answer.
 
-Each stage adds its results once. A question gets the complete results of the stages before it.
+Each stage returns new objects, which no later stage changes. A question gets the complete results of the
+stages before it.
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
 SEPARATE_SHARE = 0.4
-"""Edge of a map over the smaller width of its Hertz contact up to which the pressure of the contact changes
-by less than a tenth over the map."""
+"""Edge of a map over the smaller width of its Hertz contact, of which a part is proposed as ``map.crop``: the
+pressure of the contact falls by less than a tenth from the middle of that part to the middle of an edge."""
 
 STRESS = 2.0
 """Work of the stress in a body; the contact has a work of 1."""
@@ -86,6 +87,7 @@ def answer_of(
     parts = _Parts(progress, work_of(asked, rough.face.grid.mirrored), on_stage)
     pressed = _pressed(asked, rough, parts)
     bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
+    # Two equal bodies share one result.
     bodies = {name: bodies.get(name, bodies["lower"]) for name in pressed.case.bodies}
     parts.next("comparisons")
     compared = _compared(pressed)
@@ -144,9 +146,10 @@ def _pressed(asked: Case, rough: RoughFace, parts: _Parts) -> Pressed:
 
 
 def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
-    """Blocks of the map, whose scatter gives the error between positions; None if too few, or with a form.
+    """Blocks of the map, whose scatter gives the error between positions.
 
-    Under an imposed approach or contact area the numbers do not follow the load on a block.
+    None if the map holds too few, has a form (``map.radius``) or a free boundary, or if an approach or
+    contact area is imposed: the numbers then do not follow the load on a block.
     """
     imposed = case.load.kind in ("normal_approach", "contact_area_fraction")
     if imposed or case.map.radius is not None or face.boundary == "free":
@@ -177,7 +180,7 @@ def _analysed(pressed: Pressed, name: str, parts: _Parts) -> BodyStress:
 
 
 def _compared(pressed: Pressed) -> Compared:
-    """Further contacts with which the answer is compared."""
+    """Contacts to compare the answer with: without periodic images, under a hardness, without filters."""
     face, case, contact = pressed.face, pressed.case, pressed.contact
     neighbours = None
     if face.boundary == "periodic" and case.map.radius is not None and len(pressed.spots):
@@ -201,7 +204,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
 
 
 def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list[Record]:
-    """The records, those of a topic together, with the bounds and errors that questions give to others."""
+    """The records, those of a topic together, with the bounds and input errors that the questions found."""
     relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
     bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
     completed = [
@@ -287,8 +290,7 @@ def _origin(rough: RoughFace, contact: Contact) -> Origin:
 def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     """Stages of the answer of a case → their work; the contact has a work of 1.
 
-    The contact takes about equal time at all loads but the largest. The work of a stage is known to a factor
-    of two: the numbers serve for the progress and for estimates of time.
+    The work of a stage is known to a factor of two: the numbers serve for progress and estimates of time.
     """
     costs = {name: question.cost(case, is_mirrored) for name, question in case.questions.items()}
     work = {f"before {name}": before for name, (before, _) in costs.items()}

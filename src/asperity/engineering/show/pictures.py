@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import INTERFACE_TILES, AnswerData
+from asperity.engineering.answer_data import FADED, INTERFACE_TILES, AnswerData
 from asperity.engineering.drawing import (
     draw_framed,
     framed_part,
@@ -36,9 +36,6 @@ MAPS = {
     "plastic_depth": (PLASTIC_DEPTH, "Plastic depth, by which the surface is flattened at the hardness"),
 }
 """Field of the contact → its colours, and the caption of its picture."""
-
-FADED = 0.1
-"""A section ends where the stress is below the limit of the material and this fraction of its maximum."""
 
 INTERFACE = {"shear": ("shear stress on", ("xz", "yz")), "tension": ("tension across", ("zz",))}
 """Picture of an interface → its words, and the components of the stress of which it is the size."""

@@ -19,8 +19,8 @@ The error that remains is a share of the change from half of the nodes to all no
 full contact. So that the stated error is not small by chance, sizes, depths and decay lengths use the
 largest change of the numbers of their kind. `SHARE_OF_CHANGE` and the constants beside it hold the measured
 shares. With hundreds of peaks the error of their sizes is a multiple of the share of peaks that the grid
-missed (`OF_MISSED`, `benchmarks/statements.py`). Half of the nodes cannot represent waves shorter than four
-nodes; the corrections of a surface with such waves have larger errors.
+missed (`OF_MISSED`). Half of the nodes cannot represent waves shorter than four nodes; the corrections of a
+surface with such waves have larger errors.
 
 Extreme values of the fields are not corrected. Their errors grow with the change from half of the nodes to
 all, and with the correction of the area, which says how well patches are resolved (`OF_RESOLUTION`). On a
@@ -31,8 +31,10 @@ two spacings leave the diagonals of the grid empty.
 These shares hold for isotropic Gaussian surfaces. The errors of others are larger: along a lay neighbouring
 nodes err alike, plateaus and sharp crests have edges that the grid does not resolve. Their shares of the
 change are larger, and two measures of the grid are added (`OF_DEPARTURE`), both in proportion to the
-departure of the surface from an isotropic Gaussian one. `benchmarks/answers.py` tests it on other
-surfaces than those on which the factors were chosen.
+departure of the surface from an isotropic Gaussian one.
+
+The constants were fitted to surfaces that are not kept; `benchmarks/continuum.py` and `benchmarks/answers.py`
+test them on others.
 
 A number whose error would be larger than `LARGEST_ERROR` has no estimate.
 
@@ -393,10 +395,8 @@ def extrapolated_numbers(
                 error[name] = np.maximum(error[name], least * (of_area / (1 - area)) ** 0.25)
                 if name in PERCENTILES:  # pressures at the hardness are the same on every grid
                     error[name] = error[name].where(found[name] != other[name], 0.0)
-            for name in (
-                *DEPTHS,
-                *DECAYS,
-            ):  # the depth of the largest stress below an edge changes many times
+            # The depth of the largest stress below an edge changes many times.
+            for name in (*DEPTHS, *DECAYS):
                 best[name], error[name] = best[name] * np.nan, error[name] * np.nan
     for name in {*best} & {*error}:
         error[name] = error[name].where(best[name].notnull() & (error[name] <= LARGEST_ERROR))

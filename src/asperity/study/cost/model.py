@@ -108,8 +108,8 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     )
 
 
-ANSWER_SECONDS, ANSWER_MEMORY = 4.0, 3.7e8
-"""Time and memory of an answer without its calculation: start, pictures, report."""
+ANSWER_SECONDS = 4.0
+"""Time of an answer without its calculation: start, pictures, report."""
 
 
 def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
@@ -123,7 +123,7 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
         Nodes of the grid; of a mirrored map without its images.
     boundary : "periodic" | "free"
     """
-    from asperity.surface.treatment.treatment import BYTES_PER_NODE
+    from asperity.surface.treatment.treatment import ANSWER_MEMORY, BYTES_PER_NODE
 
     seconds = 1e-6 * coefficients()["contact"]["seconds_per_node"] * work * nodes
     return Cost(ANSWER_MEMORY + BYTES_PER_NODE[boundary] * nodes, ANSWER_SECONDS, seconds, 0.0)

@@ -44,6 +44,9 @@ BYTES_PER_NODE = {"periodic": 205.0, "free": 410.0}
 """Memory of a contact and its stress for each node of the grid, by the boundary; measured by
 `asperity run`, for a periodic map from 512² to 1024² points."""
 
+ANSWER_MEMORY = 3.7e8
+"""Memory of an answer of `asperity run` without its calculation, in bytes."""
+
 FLAT_VARIATION = 1e-13
 """Largest variation, relative to the heights, of a map that is flat except for rounding."""
 
