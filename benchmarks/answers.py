@@ -30,7 +30,7 @@ SMOOTH = "Gaussian", "one wavelength", "lay", "honed", "skewed", "two scales", "
 CREASED = "worn plateau", "turned crests", "honing grooves", "scales of roofs"
 UNDER_HARDNESS = "Gaussian, hardness", "lay, hardness"
 YIELD = 0.5, 0.8, 0.95
-"""Yield stresses over the largest von Mises stress on eight nodes."""
+"""Yield stresses over the maximum von Mises stress on eight nodes."""
 
 Case = dict[str, float | str]
 
@@ -114,7 +114,10 @@ def measured(contact: asp.Contact, limits: Array) -> tuple[xr.Dataset, list[Exce
 
 def numbers_of(estimates: xr.Dataset) -> Iterator[tuple[str, float, float, float]]:
     """Name, value on the grid, estimate and its error of the numbers of an answer."""
-    chosen = {"real contact": "contact_area_fraction", "rms gradient in contact": "gradient_rms_contact"}
+    chosen = {
+        "contact area fraction": "contact_area_fraction",
+        "rms gradient in contact": "gradient_rms_contact",
+    }
     numbers = {words: estimates[name] for words, name in chosen.items()}
     for words, quantity in (("pressure", "pressure"), ("von Mises", "von_mises")):
         names = {"p90": "90th", "p99": "99th"} | ({"maximum": "maximum"} if quantity == "pressure" else {})
@@ -123,7 +126,7 @@ def numbers_of(estimates: xr.Dataset) -> Iterator[tuple[str, float, float, float
     for name in ("mean_depth", "mean_depth_highest"):
         numbers[name.replace("_", " ")] = estimates[name].sel(quantity="von_mises")
     for name in DIRECTION:
-        numbers[f"largest {name}"] = estimates["extreme"].sel(field=name)
+        numbers[f"maximum {name}"] = estimates["extreme"].sel(field=name)
     for words, values in numbers.items():
         on_grid, _, estimate, error = values.values.ravel()
         yield words, on_grid, estimate, error * estimate

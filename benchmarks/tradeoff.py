@@ -105,7 +105,7 @@ def pressed(
             for kind in ("pressure", "von_mises")
             for name in ("p90", "p99")
         },
-        "maximum_von_mises": von_mises["largest"],
+        "maximum_von_mises": von_mises["maximum"],
         "peak_depth": von_mises["mean_depth"],
         "peak_depth_highest": von_mises["mean_depth_highest"],
         **{name: found[name] for name in ("decay_length_depth", "decay_length_plane")},

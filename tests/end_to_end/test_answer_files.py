@@ -3,6 +3,8 @@
 Small maps, through the command line alone.
 """
 
+import hashlib
+import json
 import os
 import shutil
 import signal
@@ -186,6 +188,26 @@ def test_case_of_an_answer_without_its_map(pool, capsys):
 
 class Waits(BaseException):
     """Raised where a command would wait for ever."""
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", '{"maps": 5}', '{"maps": {"../a": "1"}}'])
+def test_damaged_list_of_a_sample_is_one_line(pool, text, capsys):
+    (pool / "sample.json").write_text(text)
+    checksums = json.loads((pool / ".asperity-run.json").read_text())
+    checksums["sample.json"] = hashlib.sha256(text.encode()).hexdigest()
+    (pool / ".asperity-run.json").write_text(json.dumps(checksums))
+    for command in (["verify", pool], ["run", pool, pool]):
+        assert status(*command) == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "sample.json: damaged; run" in line
+
+
+@pytest.mark.parametrize("setting", ["out=5", "out.a=5", "map.points=65536", "checksums=5", "map=5"])
+def test_setting_of_another_type_is_one_line(tmp_path, setting, capsys):
+    command = ["run", write_map(tmp_path / "a.txt", 1), *STEEL, "--check", "--set", setting]
+    refused = setting != "checksums=5"  # a map that is named has no checksum
+    assert status(*command) == 2 * refused
+    assert len(capsys.readouterr().err.splitlines()) == refused
 
 
 def test_manifest_that_is_no_file_is_not_read(pool):

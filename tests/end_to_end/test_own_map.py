@@ -50,7 +50,7 @@ COMMAND = ["run", "steel.x3p", "--despike", "8", "--out", "steel"]
 LOADS = {
     "mean_pressure": ("50 MPa", 50e6),
     "force": ("0.3 N", 0.3),
-    "approach": ("200 nm", 200e-9),
+    "normal_approach": ("200 nm", 200e-9),
     "contact_area_fraction": ("0.03", 0.03),
 }
 
@@ -68,7 +68,7 @@ def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
     found = [answer.contact for answer in answers]
     indenter = read_face(Map(**settings)).face
     # The library's approach is the position of the indenter.
-    imposed = value + indenter.height.min() if kind == "approach" else value
+    imposed = value + indenter.height.min() if kind == "normal_approach" else value
     layer = asp.Solid(210e9, 0.3)
     found.append(asp.solve_contact(indenter.height, layer, indenter.grid, **{kind: imposed}))
     for contact in found[1:]:
@@ -125,7 +125,7 @@ def test_every_flag_of_the_table_can_be_added(flags, answers):
     words = shlex.split(flags)
     load = (
         []
-        if {"--force", "--approach", "--contact-area-fraction"} & {*words}
+        if {"--force", "--normal-approach", "--contact-area-fraction"} & {*words}
         else ["--mean-pressure", "50 MPa"]
     )
     assert main(["run", "steel.x3p", "--young", "210 GPa", "--poisson", "0.3", *load, *words, "--check"]) == 0

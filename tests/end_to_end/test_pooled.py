@@ -1,5 +1,6 @@
 """``asperity run --pooled``: patches of two faces of a bearing to one folder; kept answers; refusals."""
 
+import copy
 import sys
 from pathlib import Path
 
@@ -8,7 +9,10 @@ import pandas as pd
 import pytest
 import yaml
 
+import asperity as asp
 from asperity.cli.main import main
+from asperity.engineering.sample import SampleData
+from asperity.engineering.show.comparison import compared
 
 sys.path.append(str(Path(__file__).parents[1] / "data"))
 import bearing
@@ -75,6 +79,22 @@ def test_two_pools_are_compared(folder, tmp_path, monkeypatch, capsys):
     own = pd.read_csv(folder / "ring_1/answer.csv").drop_duplicates("quantity").set_index("quantity")
     pressure = table.loc["maximum pressure"].filter(like="value_").iloc[1]
     assert pressure == pytest.approx(own["extrapolated"].fillna(own["value"])["maximum pressure"])
+
+
+@pytest.mark.parametrize("option", [["--friction", "0"], ["--pooled"], ["--set", "body.young=1 GPa"]])
+def test_options_of_maps_are_refused_beside_answers(option, folder, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", str(folder), str(folder / "ring_1"), *option])
+    assert f"{option[0]}: maps are needed beside it" in capsys.readouterr().err
+
+
+def test_samples_under_other_loads_are_not_compared(folder):
+    sample = asp.open_answer(folder)
+    more = {name: copy.copy(answer) for name, answer in sample.answers.items()}
+    for answer in more.values():
+        answer.__dict__["case"] = answer.case.replaced(load={"mean_pressure": 1e6})
+    with pytest.raises(ValueError, match="samples under one load are needed"):
+        compared([sample, SampleData(more)])
 
 
 def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):

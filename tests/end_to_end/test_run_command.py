@@ -218,6 +218,7 @@ def test_everything_wrong_is_named_at_once(tmp_path, refused):
         ("body.hardness=1MPa", "--hardness = 1 MPa: more than the pressure"),
         ("map.form=cylinder", "map.form: needs map.radius"),
         ("map.cylinder_axis=x", "map.cylinder_axis: needs map.form: cylinder"),
+        ("map.file=b.txt", "--set map.file: the map is given as MAP, too"),
         ("sample.area=1m2", "area = 1 m²: an area > 0 and"),
     ],
 )

@@ -31,7 +31,7 @@ LOADS = {
     "curve": "--mean-pressure 50MPa --set load_curve.loads=[20MPa]",
     "steps": "--mean-pressure 50MPa --set load_curve.loads=[5MPa] --set load_curve.steps=3",
     "force": "--force 10mN",
-    "approach": "--approach 40nm",
+    "normal_approach": "--normal-approach 40nm",
     "area": "--contact-area-fraction 0.1",
 }
 SECOND = "--counter-young 70GPa --counter-poisson 0.33"

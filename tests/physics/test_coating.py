@@ -222,3 +222,11 @@ def test_depths_hold_both_faces_of_the_interface_once(face):
     assert np.all(np.diff(depths) > 0)
     assert np.flatnonzero(np.diff(depths) < 1e-9 * depths[1:]).tolist() == [at]
     assert depths[at + 1] == np.nextafter(face, np.inf)
+
+
+def test_depths_end_at_the_lower_face_of_an_interface():
+    """As for a coating as thick as the cell, whose planes end just below it."""
+    below = np.nextafter(2.0, np.inf)
+    depths = asp.stress.depth_grid(asp.Grid((8, 8)), below, interface=2.0)
+    assert (np.diff(depths) > 0).all()
+    assert depths[-2:].tolist() == [2.0, below]

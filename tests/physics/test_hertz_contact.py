@@ -217,7 +217,10 @@ COATED = {"young": 2e11, "poisson": 0.3, "layers": [{"thickness": 1e-6, "young":
 test_wrong_argument_is_refused = refuses(
     (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
     (lambda: a_case(at=(0.2, 0.0), radius_y=np.inf), "load.at = 0.2 0: .*across the axis of the roller"),
-    (lambda: a_case(kind="approach"), "load.approach: hertz_pressure, force or mean_pressure is needed"),
+    (
+        lambda: a_case(kind="normal_approach"),
+        "load.normal_approach: hertz_pressure, force or mean_pressure is needed",
+    ),
     (
         lambda: a_case(kind="force", radius_y=np.inf),
         "load.force: the Hertz pressure is needed under a roller",

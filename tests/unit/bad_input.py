@@ -57,8 +57,8 @@ CONFIGS = [
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
     (
-        "contact: {contact_area_fraction: 0.1, approach: 0.1}",
-        "contact.approach = 0.1: not accepted together with",
+        "contact: {contact_area_fraction: 0.1, normal_approach: 0.1}",
+        "contact.normal_approach = 0.1: not accepted together with",
     ),
     ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-06 with"),
     ("", "overlay.yaml: keys with values are needed"),
@@ -146,9 +146,9 @@ COMMANDS = [
     (f"{RUN} --mean-pressure 5Mpa", 2, "(kPa, MPa, GPa, N/mm^2; did you mean 5 MPa?) is needed"),
     ("run map.x3p --pressure 5MPa", 2, "--pressure: not accepted; did you mean --mean-pressure?"),
     (
-        f"{RUN} --approach -3nm",
+        f"{RUN} --normal-approach -3nm",
         2,
-        "--approach = '-3nm': a length > 0 with its unit (nm, um, mm, m) is needed",
+        "--normal-approach = '-3nm': a length > 0 with its unit (nm, um, mm, m) is needed",
     ),
     (f"{RUN} --force -.5 N", 2, "--force = '-.5 N': a force > 0 with its unit (mN, N, kN) is needed"),
     (
@@ -213,7 +213,7 @@ MAPS = [
 ]
 
 HALF_SPACE = asp.Solid(1.0, 0.3)
-STEP = {"method": "active_set", "approach": 0.9, "tolerance": 1e-6, "precision": "float64"}
+STEP = {"method": "active_set", "normal_approach": 0.9, "tolerance": 1e-6, "precision": "float64"}
 
 
 def loaded(of):
@@ -226,7 +226,7 @@ CALLS = [
     (lambda of: asp.self_affine((64, 64), **BAND | {"wavelength_short": 0.5}), "wavelength_short = 0.5: "),
     (lambda of: asp.self_affine((16, 16), **BAND), "wavelength_short = 0.05: "),
     (lambda of: asp.surface.with_moments(asp.self_affine((64, 64), **BAND), 1.0, 2.0), "no Johnson curve"),
-    (lambda of: press_surface(of("surface"), LAYER, STEP), "approach = 0.9: less than 0.0"),
+    (lambda of: press_surface(of("surface"), LAYER, STEP), "normal_approach = 0.9: less than 0.0"),
     (
         lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, contact_area_fraction=10**400),
         "contact_area_fraction = 1",

@@ -180,9 +180,9 @@ def test_all_problems_are_found_at_once():
     assert found["body.young"].startswith(" = '210': a pressure > 0 with its unit")
     assert found["body.poisson"] == " = 0.7: a number > -1 and ≤ 0.5 is needed"
     assert found["body.yeild_stress"] == ": unknown key; did you mean yield_stress?"
-    assert found["load.mean_pressure, hertz_pressure, force, approach, contact_area_fraction"].endswith(
-        "exactly one of them is needed, mean_pressure and force given"
-    )
+    assert found[
+        "load.mean_pressure, hertz_pressure, force, normal_approach, contact_area_fraction"
+    ].endswith("exactly one of them is needed, mean_pressure and force given")
     assert found["lek"] == ": unknown key; did you mean leak?"
     assert found["leak.direction"] == " = 'z': x or y is needed"
     assert "distinct items" in found["fields"]

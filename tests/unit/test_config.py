@@ -70,7 +70,7 @@ def test_all_problems_are_named_at_once():
     assert found == ["studies.mine", "claims", "contact.tolerance", "stress.poisson"]
 
 
-@pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"approach": 0.001}])
+@pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"normal_approach": 0.001}])
 def test_a_load_replaces_that_beneath(load):
     """An overlay of the paper imposes another quantity, and needs not take back the paper's area."""
     config = merged(PAPER, {"contact": load})

@@ -91,9 +91,9 @@ def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
         ("--mean-pressure 1e60MPa", "--mean-pressure = 1e+54 TPa: a mean pressure of less than 230800 TPa"),
         ("--mean-pressure 1e80MPa", "--mean-pressure = '1e80MPa': a pressure > 0 with its unit"),
         ("--force 1N --hardness 1kPa", "--hardness = 1 kPa: more than the pressure 976.6 MPa is needed"),
-        ("--approach 1m", "--approach = 1 m: less than"),
-        ("--approach 1e6m --periodic none", "--approach = 1000000 m: a length from"),
-        (f"--approach 1e-60m {COATING}", "--approach = 1e-45 fm: a length from"),
+        ("--normal-approach 1m", "--normal-approach = 1 m: less than"),
+        ("--normal-approach 1e6m --periodic none", "--normal-approach = 1000000 m: a length from"),
+        (f"--normal-approach 1e-60m {COATING}", "--normal-approach = 1e-45 fm: a length from"),
         (
             "--mean-pressure 1MPa --set map.points=32768",
             "map.points: a grid of 32768 × 32768 nodes needs about 220 GB of m",

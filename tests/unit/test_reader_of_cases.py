@@ -19,6 +19,7 @@ from asperity.engineering.case_file import (
     changed_files,
     leaves,
     load_case,
+    names_of_maps,
     put,
 )
 from asperity.engineering.templates import hint, template, templates
@@ -203,6 +204,7 @@ def test_value_of_any_type_is_refused_in_one_line(key, tmp_path):
         ({"materials": "none.yaml"}, "materials = '.*: no such file"),
         ({"materials": {"mine": {"yong": 1}}}, "materials.mine.yong: unknown key; did you mean young"),
         ({"run_in": {}}, "run_in: is called running_in now"),
+        ({"load": {"approach": "9 nm"}}, "load.approach: is called normal_approach now"),
         ({"body": STEEL | {"coating": {}}}, "body.coating: does not exist any more; give layers, a list"),
         ({"body": STEEL | {"layer": {}}}, "body.layer: does not exist any more; .*, and base: bonded"),
         ({"lambda": 1}, "lambda: unknown key; did you mean film.lambda_ratio"),
@@ -291,6 +293,11 @@ def test_own_material_is_known_later(tmp_path):
         210e9,
         {"layers", "base", "conductivity"},
     )
+
+
+def test_folders_of_maps_have_different_names():
+    names = names_of_maps(["a/steel.npy", "a/steel.txt", "b/steel.x3p", "b/rough.x3p"])
+    assert names == ["steel.npy", "steel.txt", "b_steel", "rough"]
 
 
 def test_solid_of_the_library_is_a_body():

@@ -42,4 +42,8 @@ test_wrong_tolerance_is_refused = refuses(
         lambda: asp.Case(map="a", body={"young": "2 GPa", "poisson": "0.3 ± 5 %"}, load={"force": "1 N"}),
         "body.poisson: a tolerance is accepted for load.force, body.young",
     ),
+    (
+        lambda: asp.Case(map="a", body={"young": "2 GPa ± 200 %", "poisson": 0.3}, load={"force": "1 N"}),
+        "body.young: a tolerance below 100 % is needed, ± 200 % is given",
+    ),
 )

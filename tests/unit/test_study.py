@@ -50,7 +50,10 @@ def incompressible():
 
 
 test_wrong_setting_is_refused = refuses(
-    (lambda: press_surface(ROUGH, LAYER, UNLOADED | {"approach": 0.5}), r"contact.approach = 0.5: less than"),
+    (
+        lambda: press_surface(ROUGH, LAYER, UNLOADED | {"normal_approach": 0.5}),
+        r"contact.normal_approach = 0.5: less than",
+    ),
     (incompressible, r"stress\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"),
 )
 

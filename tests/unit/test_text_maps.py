@@ -479,6 +479,14 @@ def test_pictures_in_big_and_ome_tiff(tmp_path):
         read_map(tmp_path / "map.ome.tif", **said)
 
 
+def test_a_quoted_field_of_any_length_is_a_field(tmp_path):
+    """The csv module refuses those of more than 131,072 characters."""
+    rows = ['"1","2","3"'] * 5
+    (tmp_path / "map.csv").write_text("\n".join([*rows, f'"{"1" * 140_000}","2","3"']))
+    with pytest.raises(MapError, match="a point has no position"):
+        read_map(tmp_path / "map.csv")
+
+
 def test_values_in_a_heading_are_no_units(tmp_path):
     """The unit of a length beside a number is not the unit of a column."""
     for heading in ("Length: 30 mm", "Length,30.0 mm", "Stylus,Radius: 2.5 um"):

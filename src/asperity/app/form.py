@@ -16,7 +16,7 @@ from asperity.settings.reader import parse
 LOADS = {
     "mean_pressure": ("mean_pressure",),
     "force": ("force",),
-    "approach": ("approach",),
+    "normal_approach": ("normal_approach",),
     "contact_area_fraction": ("contact_area_fraction",),
     "hertz": ("hertz_pressure", "force", "mean_pressure", "radius_x", "radius_y", "at"),
 }

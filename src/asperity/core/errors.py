@@ -118,6 +118,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """End of a message on an unknown word: suggests the most similar known one; may be empty."""
     names, own = {name.lstrip("-"): name for name in known}, word.lstrip("-")
     longer = [name for name in names if own and name.startswith(own)]
+    longer += [name for name in names if own in name.split("_")]
     found = longer or difflib.get_close_matches(own, list(names), 1, 0.7)
     return f"; did you mean {names[found[0]]}?" if found else ""
 

@@ -239,8 +239,8 @@ def run(
     progress : callable, optional
         Called as progress(done, total).
     **groups
-        The load by its quantity: `mean_pressure`, `force`, `approach` or `contact_area_fraction`, or as the
-        group `load`; and all other groups of `asperity.Case`, the questions among them.
+        The load by its quantity: `mean_pressure`, `force`, `normal_approach` or `contact_area_fraction`, or
+        as the group `load`; and all other groups of `asperity.Case`, the questions among them.
 
     Returns
     -------

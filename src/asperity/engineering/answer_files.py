@@ -267,7 +267,7 @@ def _contact(answer: AnswerData) -> xr.Dataset:
             found = found.assign(each.data_vars)
     attributes = {
         "force": answer["force"].value,
-        "approach_since_first_touch": answer["normal approach"].value,
+        "normal_approach": answer["normal approach"].value,
         "settings": json.dumps(_settings(answer), sort_keys=True),
     }
     return found.assign_attrs(attributes)

@@ -179,12 +179,17 @@ def leaves(content: Any, known: Entry | None = None, prefix: str = "") -> Iterat
 
 
 def names_of_maps(paths: Sequence[str]) -> list[str]:
-    """Names of folders for several answers: stems of the files, equal ones after the folder's name."""
-    stems = [Path(path).stem for path in paths]
-    count = Counter(stems)
+    """Names of folders for several answers: stems of the files, with their folders if equal, else whole."""
+    files = [Path(path) for path in paths]
+    choices = [
+        [file.stem for file in files],
+        [f"{file.absolute().parent.name}_{file.stem}" for file in files],
+        [file.name for file in files],
+    ]
+    counts = [Counter(names) for names in choices]
     return [
-        stem if count[stem] == 1 else f"{Path(path).resolve().parent.name}_{stem}"
-        for path, stem in zip(paths, stems, strict=True)
+        next((name for name, count in zip(names, counts, strict=True) if count[name] == 1), names[-1])
+        for names in zip(*choices, strict=True)
     ]
 
 

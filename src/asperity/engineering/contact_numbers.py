@@ -38,7 +38,7 @@ class ContactNumbers:
         Load over nominal area, load over real contact area, and the largest pressure at a node.
     force : float
         Load on the area of the map.
-    approach, mean_gap : float
+    normal_approach, mean_gap : float
         Approach of the bodies since their first touch, and mean distance of the deformed surfaces.
     rms_height, rms_gradient, peak_to_valley : float
         Of the surface that was pressed.
@@ -64,7 +64,7 @@ class ContactNumbers:
     mean_pressure: float = _named("mean contact pressure", "Pa")
     maximum_pressure: float = _named("maximum pressure", "Pa")
     force: float = _named("force", "N")
-    approach: float = _named("normal approach", "m")
+    normal_approach: float = _named("normal approach", "m")
     mean_gap: float = _named("mean gap", "m")
     rms_height: float = _named("Sq", "m")
     rms_gradient: float = _named("Sdq", "1")
@@ -201,7 +201,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         mean_pressure=force / area if area else 0.0,
         maximum_pressure=float(pressure.max()),
         force=force,
-        approach=contact.approach - float(contact.height.min()),
+        normal_approach=contact.approach - float(contact.height.min()),
         mean_gap=float(gap_of(contact).mean(dtype=float)),
         rms_height=roughness.rms_height,
         rms_gradient=roughness.rms_gradient,

@@ -11,7 +11,7 @@ import numpy as np
 from asperity.core.errors import one_line
 from asperity.core.system import sha256_of
 from asperity.core.types import Array
-from asperity.settings.map import CounterMap, Map
+from asperity.settings.map import MOST_POINTS, CounterMap, Map
 from asperity.surface.description import MapMeasures, map_warnings
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, is_period
 from asperity.surface.reading.map_file import open_shared_map
@@ -168,6 +168,9 @@ def _completed(options: Map, surface: HeightMap | None = None) -> Map:
     periodic = options.periodic or (None if surface and surface.periodic else "mirrored")
     points = options.points
     if points is not None and periodic == "mirrored":
+        if 2 * points > MOST_POINTS:
+            needed = f"points = {points}: at most {MOST_POINTS // 2} are accepted on a map that is mirrored"
+            raise MapError(str(options.file), [needed])
         points *= 2
     return options.replaced(periodic=periodic, undefined="harmonic", points=points)
 

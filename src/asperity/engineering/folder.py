@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from asperity.core.errors import DatasetError
 from asperity.core.system import flush, sha256_of
 from asperity.engineering.scene import Scene
 from asperity.results.atomic import LOCK as LOCK
@@ -153,6 +154,24 @@ def move_complete(folder: Path) -> None:
 def names_in(folder: Path) -> set[str]:
     """Names of the files of the answer in a folder."""
     return set(checksums_in(folder))
+
+
+def manifests_of_sample(folder: Path) -> dict[str, str]:
+    """Name of each pooled map → checksum of the manifest of its answer.
+
+    Raises
+    ------
+    DatasetError
+        If the file of the sample is damaged.
+    """
+    path = folder / SAMPLE_DATA
+    try:
+        found = {str(name): str(text) for name, text in json.loads(path.read_text("utf-8"))["maps"].items()}
+        if found and all(Path(name).name == name for name in found):
+            return found
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        pass
+    raise DatasetError(f"{path}: damaged; run {folder / CASE_FILE} again")
 
 
 def checksums_in(folder: Path) -> dict[str, str]:

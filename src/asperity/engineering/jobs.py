@@ -139,7 +139,11 @@ def arranged(
     """
     maps = [str(at(content, MAP_FILES[0]) or "map") for content in contents]
     several = len(contents) > 1 or pooled
-    given = folder or at(contents[0], (OUT,)) or (("pooled" if pooled else "comparison") if several else None)
+    out, found = at(contents[0], (OUT,)), list[str]()
+    if not isinstance(out, str | None):
+        found.append(f"{OUT} = {shown(out)}: the name of a folder is needed")
+        out = None
+    given = folder or out or (("pooled" if pooled else "comparison") if several else None)
     whole = Path(given) if given and several else None
     jobs: list[Job] = []
     for name, file, content in zip(names_of_maps(maps), maps, contents, strict=True):
@@ -150,7 +154,6 @@ def arranged(
         sliding = jobs[0].case.sliding if jobs else None  # all slide along the lay of the first map
         jobs = [replace(job, case=job.case.replaced(sliding=sliding)) for job in jobs]
     names = names_of_maps(maps)
-    found: list[str] = []
     if only and only not in names:
         found.append(f"--only {only}: one of {', '.join(names)} is needed")
     elif whole and not only:
@@ -194,7 +197,7 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
             found.append(Problem("", str(error)))
     if problem := folder_problem(folder, stems=() if case is None else stems_of(case)):
         found.append(Problem("out", f" = {folder}: {problem}"))
-    elif folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
+    elif not missing and folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
         found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
     return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *changed, *missing]),))
 

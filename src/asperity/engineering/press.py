@@ -48,7 +48,7 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
         if wrong := [*case.problems_of_pressure(mean_pressure)]:
             raise SettingsError("", [Problem(*each) for each in wrong])
         return {"mean_pressure": mean_pressure}
-    if load.kind != "approach":
+    if load.kind != "normal_approach":
         return {load.kind: load.value}
     least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.period)
     accepted = ""
@@ -58,7 +58,9 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
     elif load.value >= (most := approach_of_full_contact(face.height, case.solid, face.boundary) - lowest):
         accepted = f"less than {shown_si(most, 'm')} is needed, {FULL_CONTACT}"
     if accepted:
-        raise SettingsError("", [Problem("load.approach", f" = {shown_si(load.value, 'm')}: {accepted}")])
+        raise SettingsError(
+            "", [Problem("load.normal_approach", f" = {shown_si(load.value, 'm')}: {accepted}")]
+        )
     return {"approach": lowest + load.value}
 
 

@@ -6,7 +6,6 @@ The maximum of a peak on an area that was not measured follows from the peaks of
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -22,7 +21,7 @@ from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import AnswerData, case_in_words, tile_names, without_repeats
 from asperity.engineering.answer_files import read_data
-from asperity.engineering.folder import SAMPLE_DATA
+from asperity.engineering.folder import manifests_of_sample
 from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.records import (
     CAUSES,
@@ -244,7 +243,7 @@ class SampleData:
     @classmethod
     def read(cls, folder: Path, kind: type[AnswerData] = AnswerData) -> Self:
         """The sample in a folder, of the answers, as objects of a kind, in the folders of its maps."""
-        names = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
+        names = manifests_of_sample(folder)
         return pooled({name: read_data(folder / name, kind) for name in names}, cls)
 
     @property

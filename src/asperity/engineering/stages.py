@@ -148,7 +148,7 @@ def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
 
     Under an imposed approach or contact area the numbers do not follow the load on a block.
     """
-    imposed = case.load.kind in ("approach", "contact_area_fraction")
+    imposed = case.load.kind in ("normal_approach", "contact_area_fraction")
     if imposed or case.map.radius is not None or face.boundary == "free":
         return None
     return blocks_of(face, contact.pressure)

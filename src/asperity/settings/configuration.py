@@ -70,7 +70,7 @@ Names = Annotated[list[Text], Strict(), Field(min_length=0, max_length=4), DISTI
 
 _AREA_FRACTION = (
     "Real over nominal contact area at which the stress is analysed. One of `contact_area_fraction`, "
-    "`mean_pressure` and `approach` is given."
+    "`mean_pressure` and `normal_approach` is given."
 )
 _MEAN_PRESSURE: Any = optional(
     _OTHER_LOAD,
@@ -79,7 +79,7 @@ _MEAN_PRESSURE: Any = optional(
     gt=0,
     le=1000,
 )
-_APPROACH: Any = optional(
+_NORMAL_APPROACH: Any = optional(
     _OTHER_LOAD,
     "Approach of the bodies since their first touch (δ − min h, docs/glossary.md), in place of "
     "`contact_area_fraction`.",
@@ -94,7 +94,7 @@ class Load(OneOf):
 
     contact_area_fraction: Fraction = optional(_OTHER_LOAD, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
-    approach: Fraction = _APPROACH
+    normal_approach: Fraction = _NORMAL_APPROACH
 
 
 class Johnson(Settings):
@@ -293,7 +293,7 @@ class Contact(Settings):
     """Solver: damped dynamics as in the paper (`gfmd`), or the faster `active_set` with the same result."""
     contact_area_fraction: Fraction = setting(0.1, _AREA_FRACTION)
     mean_pressure: Number = _MEAN_PRESSURE
-    approach: Fraction = _APPROACH
+    normal_approach: Fraction = _NORMAL_APPROACH
     hardness: Annotated[Number, Field(gt=0, le=1000)] = optional("an elastic contact")
     """Largest pressure of a plastic contact, in effective moduli E*."""
     path_contact_area_fractions: Annotated[list[Fraction], Strict(), Field(min_length=1), DISTINCT] = (

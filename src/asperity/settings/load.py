@@ -13,7 +13,7 @@ UNITS = {
     "mean_pressure": "Pa",
     "hertz_pressure": "Pa",
     "force": "N",
-    "approach": "m",
+    "normal_approach": "m",
     "contact_area_fraction": "1",
 }
 """Quantity that may be imposed → its unit."""
@@ -27,16 +27,20 @@ OTHER = "another quantity is imposed"
 
 
 class OneLoad(Settings):
-    """The load: exactly one of mean_pressure, force, approach, contact_area_fraction and hertz_pressure."""
+    """The load: exactly one of mean_pressure, force, normal_approach, contact_area_fraction and
+    hertz_pressure.
+    """
 
-    model_config = ConfigDict(json_schema_extra={"accepts": ACCEPTED})
+    model_config = ConfigDict(
+        json_schema_extra={"accepts": ACCEPTED, "renamed": {"approach": "normal_approach"}}
+    )
 
     mean_pressure: Pressure | None = optional(OTHER, example="50 MPa")
     """Load over the nominal area; in a Hertz contact its pressure at the place of the map."""
     force: Force | None = optional(OTHER, example="12 N")
     """Load on the area of the map, or on the whole Hertz contact."""
-    approach: Length | None = optional(OTHER, example="200 nm")
-    """Normal approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
+    normal_approach: Length | None = optional(OTHER, example="200 nm")
+    """Approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
     contact_area_fraction: Number | None = optional(OTHER, gt=0, le=1, example=0.05)
     """Contact area fraction: real over nominal contact area."""
     hertz_pressure: Pressure | None = optional(OTHER, example="1.2 GPa")
@@ -83,7 +87,9 @@ class Hertz(OneLoad):
         yield from super().contradictions()
         text = ": hertz_pressure, force or mean_pressure is needed in a Hertz contact"
         yield from (
-            (name, text) for name in ("approach", "contact_area_fraction") if getattr(self, name) is not None
+            (name, text)
+            for name in ("normal_approach", "contact_area_fraction")
+            if getattr(self, name) is not None
         )
         is_roller = math.inf in self.radii
         if self.radii == (math.inf, math.inf):

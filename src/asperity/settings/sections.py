@@ -10,7 +10,7 @@ from typing import Any
 LOAD_LABELS = {
     "contact_area_fraction": "$A/A_0$ = ",
     "mean_pressure": r"$\bar{p}/E^*$ = ",
-    "approach": "approach ",
+    "normal_approach": "approach ",
 }
 """Settings of section ``contact`` that impose the load, with their names in figures; one of them is given.
 

@@ -21,7 +21,7 @@ FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each
 
 GROUPS = {
     "body": "--material, or --young and --poisson",
-    "load": "--mean-pressure, --hertz-pressure, --force, --approach or --contact-area-fraction",
+    "load": "--mean-pressure, --hertz-pressure, --force, --normal-approach or --contact-area-fraction",
 }
 """Group that every case has → flags that give it."""
 
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> None:
     empty += ["--counter-map"] * ("" in (options.counter_map or []))
     if empty:
         sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
-    if all(os.path.isdir(path) for path in options.map):
+    if any(os.path.isdir(path) for path in options.map):
         _compare(options)
         return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
@@ -72,11 +72,15 @@ def _compare(options: argparse.Namespace) -> None:
                 f"{options.map[0]}: a folder; maps, case files or two or more folders are needed", WRONG_USAGE
             )
         )
+    own = {name: each for name, each in vars(options).items() if name not in ("command", "map", "out")}
+    if given := [name for name, each in own.items() if each is not None and each is not False]:
+        flag = f"--{given[0].replace('_', '-')}"
+        sys.exit(fail(f"{flag}: maps are needed beside it, folders of answers are given", WRONG_USAGE))
     names = [os.path.normpath(path) for path in options.map]
     comparison = compared(dict(zip(names, map(opened, names), strict=True)))
-    print(comparison.text())
     folder = Path(options.out or "comparison")
     comparison.write(folder)
+    print(comparison.text())
     print(f"\n{one_line(str(folder))}")
 
 
@@ -107,6 +111,8 @@ def _contents(
         problems.append(f"--counter-map: {len(counters)} files are given; one, or {words}")
     given: dict[str, Any] = {}
     for key, text in _given(options, problems):
+        if key == "map.file" and any(Path(path).suffix not in SUFFIXES for path in options.map):
+            problems.append("--set map.file: the map is given as MAP, too; leave one of them out")
         for number, content in enumerate(contents):
             value = counters[number % len(counters)] if key == "counter_body.map.file" else text
             if key in map(".".join, MAP_FILES):
@@ -199,10 +205,10 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Any]) -> Itera
     save = Path(options.save)
     if len(jobs) > 1:
         yield "--save: one MAP is needed, several are given"
-    elif _is_written(options.save, jobs[0].folder):
-        return
     elif problem := write_problem(save):
         yield f"--save {save}: {problem}"
+    elif _is_written(options.save, jobs[0].folder):
+        return
     elif save.suffix not in SUFFIXES:
         yield f"--save {save}: a name that ends in {' or '.join(SUFFIXES)} is needed"
     elif save.exists():

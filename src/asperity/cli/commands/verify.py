@@ -1,7 +1,6 @@
 """``asperity verify``: whether results are unchanged, and their contacts fulfil the conditions of contact."""
 
 import argparse
-import json
 import os
 import sys
 from collections.abc import Iterator
@@ -17,7 +16,14 @@ from asperity.core.types import Array
 from asperity.core.version import __version__
 from asperity.engineering.case_file import files_with_checksums, load_case
 from asperity.engineering.contact_numbers import certificate_in_words, stored_certificate
-from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE, SAMPLE_DATA, checksums_in
+from asperity.engineering.folder import (
+    CASE_FILE,
+    MANIFEST,
+    SAMPLE,
+    SAMPLE_DATA,
+    checksums_in,
+    manifests_of_sample,
+)
 from asperity.engineering.sample import SampleData
 from asperity.results import dataset
 from asperity.results.tables import read_table
@@ -108,7 +114,7 @@ def _of_answer(folder: Path) -> Iterator[Check]:
 
 def _of_sample(folder: Path) -> Iterator[Check]:
     """Checks that the answers of a sample are unchanged, and that the means follow from them."""
-    manifests = json.loads((folder / SAMPLE_DATA).read_text(encoding="utf-8"))["maps"]
+    manifests = manifests_of_sample(folder)
     same = True
     for name, checksum in manifests.items():
         manifest = folder / name / MANIFEST

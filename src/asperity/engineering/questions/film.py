@@ -77,7 +77,7 @@ class Film(Question):
         elif not self.share < 1:
             whole = "the film carries all of the load by this correlation"
             yield "film.lambda_ratio", f" = {self.lambda_ratio:g}: {whole}"
-        if case.load.kind in ("approach", "contact_area_fraction"):
+        if case.load.kind in ("normal_approach", "contact_area_fraction"):
             needed = "a pressure or force is needed with a film, which carries a part of it"
             yield f"load.{case.load.kind}", f": {needed}"
         if "load_curve" in case.questions:

@@ -36,7 +36,7 @@ TOPIC = "load curve"
 COLUMNS = {
     "mean_pressure": "mean_pressure_Pa",
     "contact_area_fraction": "contact_area_fraction",
-    "approach": "normal_approach_m",
+    "normal_approach": "normal_approach_m",
     "mean_gap": "mean_gap_m",
     "maximum_pressure": "maximum_pressure_Pa",
     "stiffness": "stiffness_Pa_m",
@@ -221,7 +221,8 @@ class LoadCurve(Question):
 
         bodies = list(case.different_bodies)
         curve = load_curve(contacts(), bodies, constants, case.loaded_body, more, **_sliding(case))
-        return curve.assign(approach=curve["approach"] - float(stages.contact.height.min()))
+        approach = curve["approach"] - float(stages.contact.height.min())
+        return curve.assign(approach=approach).rename(approach="normal_approach")
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The numbers against the mean pressure."""
@@ -346,8 +347,8 @@ def maximum_von_mises(
         "sliding_direction": traction_direction(sliding_direction, body),
     }
     extremes = Extremes(loaded.layer)
-    stress = {"quantities": ("von_mises",), "tolerance": STRESS_TOLERANCE}
-    analyse_stress(loaded, observe=extremes.add, **stress, **sliding)
+    asked: dict[str, Any] = {"quantities": ("von_mises",), "tolerance": STRESS_TOLERANCE}
+    analyse_stress(loaded, observe=extremes.add, **asked, **sliding)
     return extremes.refined(loaded, STRESS_TOLERANCE, **sliding)[-1]["von_mises"].value
 
 

@@ -45,11 +45,13 @@ class Sensitivity(Question):
     """Dotted key of an input → its relative tolerance; filled from inputs such as `210 GPa ± 5 %`."""
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
-        """Tolerances of other settings."""
+        """Tolerances of other settings, and those that allow inputs of the other sign."""
         known = inputs_of(case)
-        for key in self.tolerances:
+        for key, tolerance in self.tolerances.items():
             if key not in known:
                 yield key, f": a tolerance is accepted for {', '.join(known)}"
+            elif not 0 <= tolerance < 1:
+                yield key, f": a tolerance below 100 % is needed, ± {100 * tolerance:g} % is given"
 
     def other_cases(self, case: Any) -> dict[str, Any]:
         """The cases with one per cent more of an input, by its key."""

@@ -94,6 +94,10 @@ def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData 
     """
     if len(items) < 2:
         raise ValueError("answers: at least two are needed to compare them")
+    each = [*items.values()] if isinstance(items, Mapping) else [*items]
+    loads = [next(iter(item.answers.values())).case.load for item in each if isinstance(item, SampleData)]
+    if any(load != loads[0] for load in loads):
+        raise ValueError("answers: samples under one load are needed to compare them")
     return Comparison(dict(items) if isinstance(items, Mapping) else named(items))
 
 

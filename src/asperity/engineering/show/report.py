@@ -128,6 +128,9 @@ def constants_of_table(case: Scene) -> list[str]:
     for name, body in case.groups_of_bodies.items():
         for part, group in ((name, body), *((f"{name}, layer", layer) for layer in body.layers)):
             if constants := group.from_material:
-                values = [f"{each} {found.value} ({found.source})" for each, found in constants.items()]
+                values = [
+                    f"{each} {found.value}{found.source and f' ({found.source})'}"
+                    for each, found in constants.items()
+                ]
                 lines.append(f"{part.replace('_', ' ')}, {group.material}: {'; '.join(values)}")
     return lines

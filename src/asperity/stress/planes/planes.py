@@ -228,8 +228,8 @@ def depth_grid(
         inside = found[(found >= start) & (found < face / near)]
         if inside.size < COATING_PLANES:
             inside = np.linspace(start, face, COATING_PLANES, endpoint=False)
-        outside = (found > face * near) | (found == height)
         below = float(np.nextafter(face, np.inf))
+        outside = (found > face * near) | ((found == height) & (found > below))
         found = np.concatenate([found[found < start], inside, [face, below], found[outside]])
         start = below
     require_finite("depth_grid", {"depths": found})

@@ -101,8 +101,10 @@ def press_surface(
     if kind == "contact_area_fraction":
         fractions.add(value)
     lowest = float(height.min())
-    if kind == "approach" and value >= (most := approach_of_full_contact(height, layer) - lowest):
-        raise ValueError(f"contact.approach = {value!r}: less than {most:.6g} is needed, {FULL_CONTACT}")
+    if kind == "normal_approach" and value >= (most := approach_of_full_contact(height, layer) - lowest):
+        raise ValueError(
+            f"contact.normal_approach = {value!r}: less than {most:.6g} is needed, {FULL_CONTACT}"
+        )
     path = sorted(fractions)
     solver = {argument: contact_settings.get(name) for argument, name in SOLVER.items()}
     press = partial(solve_load_path, height, layer, grid_of(surface), progress=progress, **solver)

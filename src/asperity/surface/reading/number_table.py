@@ -108,7 +108,9 @@ class Dialect(NamedTuple):
             line = line.removesuffix(self.separator)
         if '"' not in line:
             return line.split(self.separator)
-        return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
+        with suppress(csv.Error):  # of a field that is too long
+            return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
+        return line.replace('"', "").split(self.separator)
 
     def heading(self, line: str) -> str:
         """A line that is no row, with blanks between its fields and decimal points."""
