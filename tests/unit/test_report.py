@@ -10,7 +10,7 @@ from test_sample import STEEL, a_map
 
 import asperity as asp
 from asperity.engineering.show.pictures import compared_pictures, lead_of, pictures, png_of
-from asperity.engineering.show.report import TILES, preview, report
+from asperity.engineering.show.report import TILES, constants_of_table, preview, report
 from asperity.engineering.show.tables import for_reader, tables
 from asperity.engineering.show.text import text
 from asperity.results.tables import check_columns
@@ -126,3 +126,13 @@ def test_compared_pictures_have_one_scale():
         ]
         assert (norms[0].vmin, norms[0].vmax) == (norms[1].vmin, norms[1].vmax)
         assert (first.get_title("left")[0], second.get_title("left")[0]) == ("a", "b")
+
+
+def test_constants_are_those_of_the_own_material():
+    """Which has the name of one of the table, and no source."""
+    own = {"100Cr6": {"young": "70 GPa", "poisson": 0.3}}
+    body, load = {"material": "100Cr6"}, {"mean_pressure": 1e6}
+    (line,) = constants_of_table(asp.Case(map="a", body=body, load=load, materials=own))
+    assert line == "body, 100Cr6: young 70 GPa; poisson 0.3"
+    (line,) = constants_of_table(asp.Case(map="a", body=body, load=load))
+    assert "young 210 GPa (" in line
