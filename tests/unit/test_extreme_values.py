@@ -37,6 +37,22 @@ def test_extremes_are_those_of_hertz():
     assert found["von_mises"].x == pytest.approx(0.5 - 0.5 / 64 + 0.003, abs=2e-3)
 
 
+def test_extreme_between_nodes_is_found_where_nodes_of_another_contact_are_higher():
+    """Two alike contacts, one with its middle between four nodes: at nodes the weaker one is higher."""
+    grid = Grid((64, 64))
+    y, x = np.mgrid[:64, :64] / 64
+    on_node, between = ((16 / 64, 16 / 64, 0.97), (47.5 / 64, 46.5 / 64, 1.0))
+    pressure = sum(
+        size * np.exp(-((y - at_y) ** 2 + (x - at_x) ** 2) * (0.6 * 64) ** 2)
+        for at_y, at_x, size in (on_node, between)
+    )
+    loaded = asp.LoadedSolid(np.asarray(pressure), grid, HALF_SPACE, "periodic")
+    stress = asp.analyse_stress(loaded, quantities=("von_mises",))
+    (found,) = extremes_of(loaded)
+    assert (found["von_mises"].y, found["von_mises"].x) == pytest.approx(between[:2], abs=0.5 / 64)
+    assert found["von_mises"].value > 1.02 * float(stress["maximum_von_mises"].max())
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @pytest.mark.parametrize("layer", [HALF_SPACE, COATED], ids=["half-space", "coated"])
 @pytest.mark.parametrize("boundary", ["periodic", "mirrored", "free"])

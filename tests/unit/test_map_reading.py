@@ -312,7 +312,7 @@ def test_the_description_says_what_a_map_is():
     steps = np.array(make_maps.SPIKES).shape[0] * 15000**2 / HEIGHT.size  # by 15 µm in four of the points
     assert float(height) == pytest.approx(np.sqrt(400**2 + steps), rel=0.1)
     assert found.properties["size"] == "80 µm x 96 µm (y, x)"
-    assert found.properties["without data"] == "7 points (0.36 %)"
+    assert found.properties["non-measured"] == "7 points (0.36 %)"
     assert found.properties["spikes"].startswith("4 points (0.21 %) in 3 spikes of up to 15.")
     assert found.properties["Str"].endswith("lay at 90° from x towards y")  # ground along y
     assert [text.split(":")[0] for text in found.choices] == ["periodic", "undefined"]
@@ -354,7 +354,7 @@ def test_doubts_about_a_map_name_their_option():
     answered = MapOptions(despike=8, detrend="curvature")
     assert map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), answered) == []
     (doubt,) = map_warnings(HeightMap(1e-3 * curved, (1e-7, 1e-7), unit="mm"), answered)
-    assert doubt.startswith("unit: an rms height of")
+    assert doubt.startswith("unit: Sq of")
 
 
 def test_smooth_high_peaks_are_no_spikes(tmp_path):

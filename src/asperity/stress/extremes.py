@@ -1,6 +1,7 @@
 """Extreme values of fields of the stress, between nodes and planes, with the whole stress tensor there.
 
-While planes pass, the extreme value of each field at the nodes is found. Around each of these nodes the six
+While planes pass, the extreme value of each field at the nodes is found, and nodes under other contacts whose
+von Mises stress is nearly as high: between nodes it may be higher there. Around each of these nodes the six
 components are then interpolated, by splines in the plane and by a polynomial through five planes along the
 depth, and the extreme value of the field of the interpolated tensor is sought. Every field is compared at the
 points of all of them. Inequalities between fields at one point therefore hold for their extreme values, too:
@@ -34,6 +35,9 @@ of the time at 512²."""
 
 BOUND_ERROR = 1e-5
 """Uncertainty of these bounds by rounding in single precision, relative to the highest of a plane."""
+
+RIVAL, MOST_RIVALS = 0.9, 4
+"""Least von Mises stress at further nodes, over the highest, and most of these nodes."""
 
 PATCH = 8
 """Nodes on each side of a node through which splines pass: the edge of the patch changes them by 1e-4."""
@@ -92,6 +96,7 @@ class Extremes:
         self._depths: list[float] = []
         self._parts: list[dict[str, _AtNode]] = []
         self._starts: list[int] = []
+        self._rivals: list[list[_AtNode]] = []
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
         self._sizes: dict[str, float] = {}
 
@@ -100,10 +105,12 @@ class Extremes:
         poisson = self._layer.poisson
         if not self._depths or plane.depth == np.nextafter(self._depths[-1], np.inf):
             self._parts.append({})
+            self._rivals.append([])
             self._starts.append(len(self._depths))
         part = self._parts[-1]
         self._depths.append(plane.depth)
         von_mises, hydrostatic = (plane.field(name, poisson) for name in ("von_mises", "hydrostatic"))
+        self._rivals[-1] = self._with_rivals(self._rivals[-1], plane, von_mises)
         highest, ends = von_mises.max(), {1.0: hydrostatic.max(), -1.0: hydrostatic.min(), 0.0: 0.0}
         for name in self._fields:
             least = part[name].size if name in part else -np.inf
@@ -133,6 +140,30 @@ class Extremes:
                 self._sizes[name] = float(sizes[best])
                 self.planes[name] = plane.depth, plane.grid, plane.field(name, poisson)
 
+    def _with_rivals(self, before: list[_AtNode], plane: LinearPlane, von_mises: Array) -> list[_AtNode]:
+        """The nodes of highest von Mises stress under different contacts, of a plane and those before."""
+        values, apart = von_mises.ravel(), plane.depth + 2 * max(plane.grid.spacing)
+        found, number = [*before], len(self._depths) - 1
+        least = RIVAL * max([float(values.max()), *(each.size for each in before)])
+        nodes = np.flatnonzero(values >= least)
+        places = np.stack(np.divmod(nodes, plane.grid.shape[1]), -1) * plane.grid.spacing + plane.first_node
+        values = values[nodes]
+        for _ in range(MOST_RIVALS):
+            if not values.max(initial=0.0) >= least:
+                break
+            best = int(values.argmax())
+            y, x = places[best].tolist()
+            found.append(_AtNode(float(values[best]), number, plane.grid.spacing, (y, x)))
+            values[np.hypot(*(places - places[best]).T) < apart] = 0.0
+        kept: list[_AtNode] = []
+        for each in sorted(found, key=lambda each: -each.size):
+            reaches = (self._depths[other.plane] + 2 * max(other.spacing) for other in kept)
+            distances = (np.hypot(*np.subtract(each.place, other.place)) for other in kept)
+            far = all(distance >= reach for distance, reach in zip(distances, reaches, strict=True))
+            if far and len(kept) < MOST_RIVALS and each.size >= least:
+                kept.append(each)
+        return kept
+
     def refined(
         self,
         loaded: LoadedSolid,
@@ -142,7 +173,7 @@ class Extremes:
     ) -> list[dict[str, Extreme]]:
         """Field → its extreme value in each material from the surface down, when all planes passed.
 
-        At most five planes for each field are computed again: of its node, the neighbours, and between them.
+        At most five planes for each node are computed again: of the node, the neighbours, and between them.
 
         Parameters
         ----------
@@ -152,8 +183,10 @@ class Extremes:
         ends = [*self._starts[1:], len(self._depths)]
         found: list[list[tuple[Array, Array]]] = [[] for _ in self._parts]
         sought = []
-        for own, first, end, part in zip(found, self._starts, ends, self._parts, strict=True):
-            for name, at_node in part.items():
+        for own, first, end, part, rivals in zip(
+            found, self._starts, ends, self._parts, self._rivals, strict=True
+        ):
+            for name, at_node in (*part.items(), *(("von_mises", rival) for rival in rivals)):
                 near = [] if loaded.is_plastic else [at_node.plane - 1, at_node.plane + 1]
                 depth = self._depths[at_node.plane]
                 others = [self._depths[each] for each in near if first <= each < end]
