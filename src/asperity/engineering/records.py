@@ -178,11 +178,14 @@ class Record:
         return (units or scaled_unit)(largest, self.unit)
 
     def number(self, units: Any = None, digits: int = 4) -> str:
-        """The value with its unit as text."""
+        """The value with its unit as text, with the digits that its error leaves, or at most so many."""
         if self.words:
             return self.words
         factor, symbol = self.scale(units)
-        return f"{self.value / factor:.{digits}g} {symbol}".strip()
+        text = f"{self.value / factor:.{digits}g}"
+        if 1e-3 * abs(self.value) < self.error < abs(self.value):
+            text = min(_rounded(self.value, self.error, factor)[0], text, key=len)
+        return f"{text} {symbol}".strip()
 
     def place(self, units: Any = None) -> str:
         """Its position as text; empty without one."""
