@@ -34,6 +34,7 @@ from asperity.stress.peaks.selection import (
     HIGHEST_SHARE,
     SELECTIONS,
     has_percentile,
+    in_cell,
     is_selected,
     select_peaks,
 )
@@ -217,12 +218,13 @@ def _pooled_peaks(
         ]
         of_quantities.append(bin_edges(np.concatenate(values), bins))
     edges = np.stack(of_quantities)
-    counts = np.zeros((len(stresses), *shape, bins), np.int64)
-    joint = np.zeros((*shape, bins, depth_edges.size - 1), np.int64)
+    maps = in_cell(stresses[0])[1]  # in the period whose peaks are counted
+    counts = np.zeros((len(stresses), *shape, bins), np.int64 if maps == 1 else float)
+    joint = np.zeros((*shape, bins, depth_edges.size - 1), counts.dtype)
     density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
     median_depth = np.full((2, *shape), np.nan)
     for q, p in np.ndindex(shape[1:]):
-        every = [select_peaks(stress, quantities[q], float(ratios[p])) for stress in stresses]
+        every = [in_cell(select_peaks(stress, quantities[q], float(ratios[p])))[0] for stress in stresses]
         for s, selection in enumerate(SELECTIONS):
             masks = [is_selected(found, selection) for found in every]
             values, depths = (
@@ -231,9 +233,9 @@ def _pooled_peaks(
             )
             values = [value / g for value, g in zip(values, scale, strict=True)]
             own = np.stack([np.histogram(v, edges[q])[0] for v in values])
-            counts[:, s, q, p] = own
+            counts[:, s, q, p] = own / maps
             found_at = np.concatenate(values), np.concatenate(depths)
-            joint[s, q, p] = np.histogram2d(*found_at, bins=(edges[q], depth_edges))[0]
+            joint[s, q, p] = np.histogram2d(*found_at, bins=(edges[q], depth_edges))[0] / maps
             # The highest peaks: those in the bins of the largest values with at most `HIGHEST_SHARE` of all.
             above = np.cumsum(joint[s, q, p].sum(axis=1)[::-1])[::-1]
             highest = joint[s, q, p][above <= HIGHEST_SHARE * joint[s, q, p].sum()]
