@@ -17,8 +17,9 @@ from project import ROOT
 import asperity as asp
 from asperity.core.errors import DatasetError
 from asperity.core.packages import absent
+from asperity.core.system import sha256_of
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, case_of_map, load_case, put
-from asperity.engineering.folder import CASE_FILE, DATA
+from asperity.engineering.folder import CASE_FILE, DATA, MANIFEST
 from asperity.engineering.records import FRACTION
 from asperity.engineering.templates import template, templates
 
@@ -166,20 +167,40 @@ def test_heights_of_an_array_are_kept(written):
     assert again["contact area fraction"] == answer["contact area fraction"]
 
 
+def rewritten(folder, content):
+    """`DATA` with another content, which its manifest knows, as from another version of asperity."""
+    (folder / DATA).write_text(content, encoding="utf-8")
+    manifest = json.loads((folder / MANIFEST).read_text("utf-8")) | {DATA: sha256_of(folder / DATA)}
+    (folder / MANIFEST).write_text(json.dumps(manifest), encoding="utf-8")
+
+
 def test_another_format_is_refused_in_one_line(written):
     _, folder = written
     plain = json.loads((folder / DATA).read_text("utf-8"))
-    (folder / DATA).write_text(json.dumps(plain | {"format": plain["format"] + 1}), encoding="utf-8")
+    rewritten(folder, json.dumps(plain | {"format": plain["format"] + 1}))
     with pytest.raises(DatasetError, match=r"answer\.json: format \d+; format \d+ is read by") as caught:
         asp.open_answer(folder)
     assert "\n" not in str(caught.value)
     assert load_case(folder / CASE_FILE)["body"]["poisson"] == 0.3
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"records": []}'])
+def test_changed_files_of_an_answer_are_refused(written):
+    _, folder = written
+    opened = asp.open_answer(folder)
+    for name in ("peaks.csv", "contact.nc", DATA):
+        content = (folder / name).read_bytes()
+        (folder / name).write_bytes(content[:-20] + b"x" * 20)
+    for wrong in (lambda: opened.contact, lambda: opened.tables["peaks"], lambda: asp.open_answer(folder)):
+        with pytest.raises(DatasetError, match="changed after it was written"):
+            wrong()
+
+
+@pytest.mark.parametrize(
+    "content", ["", "{", "[]", '{"records": []}', '{"format": 1}', '{"format": 1, "records": [{}]}']
+)
 def test_damaged_answer_is_refused_in_one_line(written, content):
     _, folder = written
-    (folder / DATA).write_text(content, encoding="utf-8")
+    rewritten(folder, content)
     with pytest.raises(DatasetError, match=r"answer\.json: damaged") as caught:
         asp.open_answer(folder)
     assert "\n" not in str(caught.value)
@@ -188,3 +209,17 @@ def test_damaged_answer_is_refused_in_one_line(written, content):
 def test_folder_without_an_answer_is_refused(tmp_path):
     with pytest.raises(DatasetError, match="the folder of an answer of asperity run is needed"):
         asp.open_answer(tmp_path)
+
+
+def test_every_question_that_changes_inputs_has_a_report():
+    """Its table has a column without a unit; an answer is not pooled with itself."""
+    height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, 1e-7, seed=1, length=2e-4)
+    surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=3e8, sensitivity={})
+    assert "one per cent" in answer.report()
+    for answers, message in (([answer, answer], "given twice"), (answer, "a list or a mapping")):
+        with pytest.raises((ValueError, TypeError), match=message):
+            asp.pool(answers)
+    for wrong in (lambda: answer.plane(field="vonmises"), lambda: answer.section("z")):
+        with pytest.raises(ValueError, match="is needed"):
+            wrong()

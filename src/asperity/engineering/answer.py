@@ -164,8 +164,11 @@ def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample | Comparison:
             raise DatasetError(f"{folder}: the answer of {name} was not written before it was compared")
         return read_data(Path(os.path.normpath(folder / each)), Answer)
 
-    kept = json.loads((folder / COMPARISON_DATA).read_text(encoding="utf-8"))
-    return Comparison(
+    try:
+        kept = dict(json.loads((folder / COMPARISON_DATA).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError) as error:
+        raise DatasetError(f"{folder / COMPARISON_DATA}: damaged ({error})") from error
+    return compared(
         {
             name: pool({own: answer(own, at) for own, at in each.items()})
             if isinstance(each, dict)
@@ -192,7 +195,7 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     Raises
     ------
     ValueError
-        If there is no answer, or maps, bodies or loads differ.
+        If there is no answer, or one twice, or maps, bodies or loads differ.
 
     Examples
     --------
@@ -208,6 +211,8 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     def answer(each: Any) -> AnswerData:
         return each if isinstance(each, AnswerData) else read_data(Path(each), Answer)
 
+    if isinstance(answers, (AnswerData, str, os.PathLike)):
+        raise TypeError("answers: a list or a mapping of answers or folders is needed")
     if isinstance(answers, Mapping):
         return pooled({name: answer(each) for name, each in answers.items()}, Sample)
     return pooled(named([*map(answer, answers)]), Sample)

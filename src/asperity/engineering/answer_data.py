@@ -16,6 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
+from asperity.core.arguments import choice
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -164,7 +165,10 @@ class AnswerData:
 
     def extreme(self, field: str, body: str = "lower") -> Extreme:
         """The extreme value of a field of the case in a body, and its place."""
-        value, depth, y, x = map(float, self.stress[self._of(body)].attrs[f"extreme_{field}"])
+        attributes = self.stress[self._of(body)].attrs
+        known = [name.removeprefix("extreme_") for name in attributes if name.startswith("extreme_")]
+        choice("field", field, known)
+        value, depth, y, x = map(float, attributes[f"extreme_{field}"])
         return Extreme(value, depth, y, x)
 
     def depths(self, body: str = "lower") -> Array:
@@ -239,6 +243,7 @@ class AnswerData:
         DataArray
             In Pa, along `depth` and the horizontal axis, with the position as a coordinate.
         """
+        choice("along", along, ("x", "y"))
         extreme, loaded = self.extreme(field, body), self.loaded(body)
         at = (extreme.y if along == "x" else extreme.x) if at is None else at
         depths = self.depths(body)

@@ -14,15 +14,17 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.contact import Certificate, Contact
 from asperity.core.errors import DatasetError
+from asperity.core.system import sha256_of
 from asperity.engineering.answer_data import AnswerData, Origin
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import case_of_answer, case_text
 from asperity.engineering.face import ReadFile
-from asperity.engineering.folder import CASE_FILE, DATA, names_in
+from asperity.engineering.folder import CASE_FILE, DATA, checksums_in
 from asperity.engineering.records import Advice, Record
 from asperity.engineering.scene import solid_of
 from asperity.fourier.grid import grid_of
@@ -118,7 +120,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
     plain = plain_data(folder)
 
     def read(name: str, names: Sequence[str] | None = None) -> xr.Dataset:
-        found = dataset.read(folder / name)
+        found = dataset.read(unchanged(folder, name))
         return found if names is None else found[list(names)]
 
     found = kind.__new__(kind)
@@ -127,26 +129,42 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
         "face": lambda: _face_from(plain["face"], read("surface.nc")),
         "contact": lambda: _contact_from(read("contact.nc"), found, plain["contact"]),
     }
+    try:
+        parts = _parts(plain, folder, read)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise DatasetError(f"{folder / DATA}: damaged ({error}); run {folder / CASE_FILE} again") from error
+    found.__dict__.update(parts, folder=folder.absolute(), _later=later)
+    return found
+
+
+def unchanged(folder: Path, name: str) -> Path:
+    """A file of an answer; `DatasetError` if its content is not what was written."""
+    path, checksum = folder / name, checksums_in(folder).get(name, "")
+    if checksum and path.is_file() and sha256_of(path) != checksum:
+        raise DatasetError(f"{path}: changed after it was written; run {folder / CASE_FILE} again")
+    return path
+
+
+def _parts(plain: Mapping[str, Any], folder: Path, read: Callable[..., xr.Dataset]) -> dict[str, Any]:
+    """The parts of an answer that are not read later."""
     date, versions, files = plain["origin"]
-    parts = {
+    return {
         "records": tuple(Record.from_plain(each) for each in plain["records"]),
         "verdict": tuple(plain["verdict"]),
         "warnings": tuple(Advice(*each) for each in plain["warnings"]),
         "assumptions": tuple(plain["assumptions"]),
         "stress": OpenedWhenAsked({body: partial(read, name) for body, name in plain["stress"].items()}),
-        "tables": OpenedWhenAsked(
-            {name: partial(read_table, f"answer_{name}", folder / f"{name}.csv") for name in plain["tables"]}
-        ),
+        "tables": OpenedWhenAsked({name: partial(_table, folder, name) for name in plain["tables"]}),
         "datasets": OpenedWhenAsked(
             {name: partial(read, f"{name}.nc") for name in plain["datasets"]}
             | {name: partial(read, "contact.nc", names) for name, names in plain["tractions"].items()}
         ),
         "origin": Origin(date, versions, tuple(ReadFile(*each) for each in files)),
-        "folder": folder.absolute(),
-        "_later": later,
     }
-    found.__dict__.update(parts)
-    return found
+
+
+def _table(folder: Path, name: str) -> pd.DataFrame:
+    return read_table(f"answer_{name}", unchanged(folder, f"{name}.csv"))
 
 
 def plain_data(folder: Path) -> dict[str, Any]:
@@ -157,10 +175,10 @@ def plain_data(folder: Path) -> dict[str, Any]:
     DatasetError
         If there is none, or one of another format.
     """
-    if DATA not in names_in(folder):
+    if DATA not in checksums_in(folder):
         raise DatasetError(f"{folder}: the folder of an answer of asperity run is needed")
     try:
-        plain = json.loads((folder / DATA).read_text(encoding="utf-8"))
+        plain = json.loads(unchanged(folder, DATA).read_text(encoding="utf-8"))
         number = plain["format"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DatasetError(f"{folder / DATA}: damaged ({error}); run {folder / CASE_FILE} again") from error

@@ -84,6 +84,8 @@ def contact_records(
             continue
         quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
         record = Record(quantity, value, each.metadata["unit"])
+        if each.name != "normal_approach":
+            record = replace(record, bounds=POSITIVE)
         if each.name == "contact_area_fraction":
             record = fraction(quantity, value, note=f"of {shown_si(numbers.nominal_area, 'm^2')}")
         elif each.name == "contact_area":

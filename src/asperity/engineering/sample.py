@@ -173,10 +173,12 @@ def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
     Raises
     ------
     ValueError
-        If there is no answer, or maps, bodies or loads differ.
+        If there is no answer, or one twice, or maps, bodies or loads differ.
     """
     if not answers:
         raise ValueError("answers: at least one is needed")
+    if len({answer.folder or id(answer) for answer in answers.values()}) < len(answers):
+        raise ValueError("answers: one is given twice; each position is needed once")
     check_alike({name: answer.face for name, answer in answers.items()})
     cases = {name: case_in_words(answer.case) for name, answer in answers.items()}
     first, *_ = cases
