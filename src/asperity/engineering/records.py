@@ -182,7 +182,7 @@ class Record:
         if self.words:
             return self.words
         factor, symbol = self.scale(units)
-        text = f"{self.value / factor:.{digits}g}"
+        text = f"{float(f'{self.value / factor:.{digits}g}'):.7g}"  # 40000 in place of 4e+04
         if 1e-3 * abs(self.value) < self.error < abs(self.value):
             text = min(_rounded(self.value, self.error, factor)[0], text, key=len)
         return f"{text} {symbol}".strip()
