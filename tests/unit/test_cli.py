@@ -1,6 +1,7 @@
 """The command line: streams, faults, missing packages, slow imports."""
 
 import os
+import shlex
 import subprocess
 import sys
 
@@ -47,11 +48,11 @@ def test_help_does_not_wait_for_libraries(code, library):
         ("numba", "asperity --version", "asperity"),
         ("yaml", "asperity.settings check config/config.yaml", "config"),
         ("matplotlib", "asperity view a.nc gap", "asperity"),
-        ("SurfaceTopography", f"asperity info {STEEL.with_suffix('.gwy')}", "asperity"),
+        ("SurfaceTopography", f"asperity info {shlex.quote(str(STEEL.with_suffix('.gwy')))}", "asperity"),
     ],
 )
 def test_a_missing_package_is_one_line(tmp_path, name, command, program):
     path = os.pathsep.join([str(hide(tmp_path / "dark", name)), str(ROOT / "src")])
-    command, environment = [sys.executable, "-m", *command.split()], os.environ | {"PYTHONPATH": path}
+    command, environment = [sys.executable, "-m", *shlex.split(command)], os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert (found.returncode, found.stdout, found.stderr) == (1, "", f"{program}: {message([name])}\n")
