@@ -39,6 +39,9 @@ BOUND_ERROR = 1e-5
 RIVAL, MOST_RIVALS = 0.9, 4
 """Least von Mises stress at further nodes, over the highest, and most of these nodes."""
 
+MOST_HIGH = 20_000
+"""Most such nodes of a plane; if there are more, as in full contact, the highest alone is kept."""
+
 PATCH = 8
 """Nodes on each side of a node through which splines pass: the edge of the patch changes them by 1e-4."""
 
@@ -146,6 +149,8 @@ class Extremes:
         found, number = [*before], len(self._depths) - 1
         least = RIVAL * max([float(values.max()), *(each.size for each in before)])
         nodes = np.flatnonzero(values >= least)
+        if nodes.size > MOST_HIGH:
+            nodes = np.array([values.argmax()])
         places = np.stack(np.divmod(nodes, plane.grid.shape[1]), -1) * plane.grid.spacing + plane.first_node
         values = values[nodes]
         for _ in range(MOST_RIVALS):
