@@ -134,3 +134,13 @@ def test_table_has_each_record_with_its_causes():
     assert table["text"][1] == records[1].text()
     assert [*find(records, "stress", "upper")] == [*find(records, "stress")] == records[1:]
     assert not [*find(records, "stress", "lower")]
+
+
+def test_an_error_beyond_a_bound_is_shown_as_an_interval_within_it():
+    size = Record(
+        "volume above yield per area", 9.3e-10, "m", errors={DISCRETISATION: 9.9e-10}, bounds=POSITIVE
+    )
+    assert size.error_texts() == ["0 to 1900 pm by discretisation"]
+    assert Record("maximum pressure", 1e9, "Pa", errors={DISCRETISATION: 1e8}).error_texts() == [
+        "± 0.10 GPa by discretisation"
+    ]

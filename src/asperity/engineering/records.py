@@ -182,7 +182,7 @@ class Record:
         if self.words:
             return self.words
         factor, symbol = self.scale(units)
-        text = f"{float(f'{self.value / factor:.{digits}g}'):.7g}"  # 40000 in place of 4e+04
+        text = _digits(self.value / factor, digits)
         if 1e-3 * abs(self.value) < self.error < abs(self.value):
             text = min(_rounded(self.value, self.error, factor)[0], text, key=len)
         return f"{text} {symbol}".strip()
@@ -210,6 +210,9 @@ class Record:
         for cause, error in self.errors.items():
             if cause == DISCRETISATION and math.isfinite(self.extrapolated):
                 found.append(f"{self._best_text(error, factor, symbol)} {EXTRAPOLATED}")
+            elif self._within(error) != (self.best - error, self.best + error):
+                ends = (_digits(end / factor, 2) for end in self._within(error))
+                found.append(f"{' to '.join(ends)} {symbol}".strip() + f" by {cause}")
             else:
                 found.append(f"± {_rounded(self.best, error, factor)[1]} {symbol}".strip() + f" by {cause}")
         # The cause `POSITIONS` reads without "by".
@@ -221,7 +224,7 @@ class Record:
         """The best value with an error or, where the interval is cut at the bounds, with its ends."""
         low, high = self._within(error)
         if low > self.best - error or high < self.best + error:
-            best, *ends = (f"{end / factor:.3g}" for end in (self.best, low, high))
+            best, *ends = (_digits(end / factor, 3) for end in (self.best, low, high))
             text = best if ends[0] == ends[1] else f"{best} ({ends[0]} to {ends[1]})"
             reason = "" if self.bounds in (FRACTION, POSITIVE) else f", limited by {self.bounds.reason}"
             return f"{text} {symbol}".strip() + reason
@@ -296,6 +299,11 @@ def _length(value: float, units: Any) -> str:
         return shown_si(value, "m")
     factor, symbol = units(value, "m")
     return f"{value / factor:.4g} {symbol}"
+
+
+def _digits(value: float, digits: int) -> str:
+    """A number with significant digits: 40000 in place of 4e+04."""
+    return f"{float(f'{value:.{digits}g}'):.7g}"
 
 
 def _rounded(value: float, error: float, factor: float) -> tuple[str, str]:
