@@ -30,7 +30,7 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (a minute and a quarter)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
-theories: $(VENV)/ready ## Compare theories of rough contact with certified contacts, in docs/theories.md (four minutes of processor time)
+theories: $(VENV)/ready ## Compare theories of rough contact with certified contacts, in studies/theories/README.md (four minutes of processor time)
 	snakemake --snakefile studies/theories/Snakefile --cores $(CORES)
 
 pages: study theories ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
@@ -42,7 +42,7 @@ pages: study theories ## Write README's sentences, docs and the kept table again
 	python studies/challenge/challenge.py
 	python studies/stability/stability.py
 	python benchmarks/tradeoff.py --pages
-	git diff --exit-code -- '*.md' docs/claims.csv
+	git diff --exit-code -- '*.md' paper/supplement/claims.csv
 
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	cd "$(FOLDER)" && sha256sum --quiet --check SHA256SUMS
@@ -111,7 +111,7 @@ replication: ## Build the article on what of the paper holds, paper/replication.
 bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact stress" for less
 	python benchmarks/page.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
 
-tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and docs/tradeoff.md (ten minutes)
+tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and paper/supplement/tradeoff.md (ten minutes)
 	python benchmarks/tradeoff.py
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and tests/requirements-oldest.lock (needs uv)

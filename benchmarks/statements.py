@@ -1,6 +1,6 @@
 """Corrected numbers of the paper's statements about H and ν on 8 nodes, against those on 32.
 
-    python benchmarks/statements.py    # writes docs/statements.csv, in five minutes
+    python benchmarks/statements.py    # writes paper/supplement/statements.csv, in five minutes
 
 The surfaces of both Hurst exponents lie in a cell a quarter as wide as the study's, and are pressed under the
 same load on both grids.
@@ -64,4 +64,4 @@ def table() -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    table().to_csv("docs/statements.csv", index=False, float_format="%.4g")
+    table().to_csv("paper/supplement/statements.csv", index=False, float_format="%.4g")

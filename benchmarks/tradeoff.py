@@ -10,7 +10,7 @@ output is the largest of all surfaces under that load. Times hold for a surface 
 paper.
 
 Written are ``src/asperity/study/cost/errors.csv``, which `asperity plan` uses, the tables of
-``docs/tradeoff.md`` and ``config/README.md``, and ``docs/tradeoff.png``.
+``paper/supplement/tradeoff.md`` and ``config/README.md``, and ``paper/supplement/tradeoff.png``.
 """
 
 import re
@@ -35,8 +35,8 @@ from asperity.study.cost.plan import spacing_of
 from asperity.views.style import panels, save, style
 
 ERRORS = Path("src/asperity/study/cost/errors.csv")
-PAGES = {"grids": Path("docs/tradeoff.md"), "presets": Path("config/README.md")}
-FIGURE = Path("docs/tradeoff.png")
+PAGES = {"grids": Path("paper/supplement/tradeoff.md"), "presets": Path("config/README.md")}
+FIGURE = Path("paper/supplement/tradeoff.png")
 
 AREAS, EXPONENTS, SEEDS = (0.02, 0.1), (0.2, 0.8), range(1, 9)
 GRIDS, FINEST, PAPER = (4, 6, 8, 12, 16), 32, 8

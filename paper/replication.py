@@ -29,7 +29,7 @@ def main() -> None:
     """Write the PDF."""
     docs, text = FOLDER.parent / "docs", (FOLDER / "replication.md").read_text(encoding="utf-8")
     metadata = yaml.safe_load((FOLDER / "metadata.yaml").read_text(encoding="utf-8"))
-    findings = findings_of(pd.read_csv(docs / "claims.csv"), CLAIMS)
+    findings = findings_of(pd.read_csv(FOLDER / "supplement/claims.csv"), CLAIMS)
     statements = pd.concat(tables(findings).values())
 
     def table(verdict: str, columns: list[str]) -> str:

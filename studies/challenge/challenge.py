@@ -1,9 +1,9 @@
-"""Contact of the surface of the contact-mechanics challenge, without adhesion: writes docs/challenge.md.
+"""Contact of the surface of the contact-mechanics challenge, without adhesion: writes README.md beside it.
 
     python studies/challenge/challenge.py studies/challenge/config.yaml
 
 solves the contacts that are missing in the folder of results and computes the stress under one load, then
-writes the tables docs/challenge*.csv, the figures and the page. ``map: FILE`` in the configuration takes the
+writes the table challenge*.csv, the figures and the page. ``map: FILE`` in the configuration takes the
 heights of a map, peaks upward, in place of the random surface; its grid is interpolated to the finer ones.
 Without a configuration, figures and page are written from the tables that are kept. Run it in the project's
 folder.
@@ -44,7 +44,9 @@ from asperity.views.style import panels, save, style
 BINS = np.linspace(0, 2.5, 101)
 """Edges of the bins of the pressure over E*ḡ."""
 
-FILES = [Path(f"docs/challenge{name}.csv") for name in ("", "_pressures", "_stress", "_profiles")]
+FILES = [
+    Path(f"studies/challenge/challenge{name}.csv") for name in ("", "_pressures", "_stress", "_profiles")
+]
 """Tables that are kept: contacts, distributions of the pressure, percentiles and profiles of the stress."""
 
 TOLERANCE = 1e-4
@@ -270,7 +272,7 @@ def draw(rows: pd.DataFrame, densities: pd.DataFrame) -> Figure:
 
 
 def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
-    """The page docs/challenge.md, from its template."""
+    """The page README.md beside this file, from its template."""
     grids = sorted(points for points in set(rows["points"]) if points)
     tables = {points: of_grid.set_index("load") for points, of_grid in rows.groupby("points")}
     limit, middle, finest = tables[0], tables[grids[1]], tables[grids[-1]]
@@ -330,7 +332,7 @@ def main() -> None:
     with style():
         save(draw(rows, densities), FILES[0].with_suffix(".png"))
         save(draw_stress(profiles), FILES[2].with_suffix(".png"))
-    FILES[0].with_suffix(".md").write_text(page(rows, stress), encoding="utf-8")
+    FILES[0].with_name("README.md").write_text(page(rows, stress), encoding="utf-8")
 
 
 if __name__ == "__main__":

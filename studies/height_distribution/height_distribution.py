@@ -1,8 +1,8 @@
-"""Effects of skewness and kurtosis of the heights at one spectrum: writes docs/height_distribution.md.
+"""Effects of skewness and kurtosis of the heights at one spectrum: writes README.md beside it.
 
     python studies/height_distribution/height_distribution.py studies/height_distribution/config.yaml
 
-computes the surfaces that are missing in the folder of results, then the table docs/height_distribution.csv.
+computes the surfaces that are missing in the folder of results, then the table height_distribution.csv.
 Without a configuration figure and page are written from the table that is kept. Run it in the project's
 folder.
 
@@ -169,7 +169,7 @@ def statements(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def page(rows: pd.DataFrame) -> str:
-    """The page docs/height_distribution.md, from its template."""
+    """The page README.md beside this file, from its template."""
     share = change(rows, "p99", "moments_plus", "moments_minus")[0]
     share /= change(rows, "p99", "johnson_plus", "johnson_minus")[0]
     return rendered(

@@ -1,9 +1,9 @@
-"""Test whether height and depth of the von Mises peaks follow one curve: writes docs/master_curve.md,
+"""Test whether height and depth of the von Mises peaks follow one curve: writes README.md beside it,
 .csv, .png.
 
     python studies/master_curve/master_curve.py studies/master_curve/config.yaml
 
-computes the surfaces that are missing in the folder of results, then the table docs/master_curve.csv. Without
+computes the surfaces that are missing in the folder of results, then the table master_curve.csv. Without
 a configuration the page is written from the table that is kept. Run it in the project's folder.
 
 A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a scale
@@ -267,7 +267,7 @@ def _label(key: str) -> str:
 
 
 def page(rows: pd.DataFrame) -> str:
-    """The page docs/master_curve.md, from its template."""
+    """The page README.md beside this file, from its template."""
     height = min(HEIGHT_SCALES, key=lambda key: scatter(rows, key)[0])
     length = min(list(DEPTH_SCALES)[:-1], key=lambda key: scatter(rows, WAVELENGTH, [key])[0])
     filters = {

@@ -1,8 +1,8 @@
-"""Real contact area against Nayak's parameter of the surface: writes docs/nayak.md with its figure and table.
+"""Real contact area against Nayak's parameter of the surface: writes README.md, its figure and table.
 
     python studies/nayak/nayak.py studies/nayak/config.yaml
 
-computes the contacts that are missing in the folder of results, then the table docs/nayak.csv. Without a
+computes the contacts that are missing in the folder of results, then the table nayak.csv. Without a
 configuration the page is written from the table that is kept. Run it in the project's folder.
 
 κ = a_r E* ḡ / p̄ and κ_r = a_r E* ḡ_r / p̄, with the area fraction a_r, the rms gradients ḡ of the whole
@@ -288,7 +288,7 @@ def _draw_panel(axis: Axes, rows: pd.DataFrame, key: str) -> None:
 
 
 def page(rows: pd.DataFrame) -> str:
-    """The page docs/nayak.md, from its template."""
+    """The page README.md beside this file, from its template."""
     rows = with_logarithms(rows)
     found = {number: {term: regress(rows, number, term) for term in STRUCTURE} for number in NUMBERS}
     change, error, _ = found["kappa"]["ln_nayak"]

@@ -2,7 +2,7 @@
 
     python studies/stability/stability.py
 
-computes them in three minutes of processor time and writes docs/stability.md. Run it in the project's folder.
+computes them in three minutes of processor time and writes README.md. Run it in the project's folder.
 """
 
 from pathlib import Path
@@ -60,7 +60,7 @@ def main() -> None:
         beyond=len(beyond),
         refused=int((beyond["outcome"] == REFUSED).sum()),
     )
-    Path("docs/stability.md").write_text(page, encoding="utf-8")
+    Path("studies/stability/README.md").write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

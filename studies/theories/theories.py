@@ -1,4 +1,4 @@
-"""Theories of rough contact against certified contacts: writes docs/theories.md and its figures.
+"""Theories of rough contact against certified contacts: writes README.md beside it and its figures.
 
     make theories
 
@@ -329,7 +329,7 @@ def _draw_profile(results: Results) -> Figure:
 
 
 def page(results: Results, config: Mapping[str, Any]) -> str:
-    """The page docs/theories.md, from its template."""
+    """The page README.md beside this file, from its template."""
     wide = {
         name: octaves(data, "pressure_spectrum", config["surfaces"][name]["wavelength_long"])
         for name, data in results["elastic"].items()
@@ -379,8 +379,8 @@ def main() -> None:
     results = read(config)
     with style():
         for name, figure in draw(results, config).items():
-            save(figure, Path(f"docs/theories_{name}.png"))
-    Path("docs/theories.md").write_text(page(results, config), encoding="utf-8")
+            save(figure, Path(f"studies/theories/theories_{name}.png"))
+    Path("studies/theories/README.md").write_text(page(results, config), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ def test_half_space_is_exact_to_rounding(poisson, dtype):
 
 
 def test_green_tensor_is_exact_to_rounding():
-    """Every element over √(G_ii G_jj); largest in ``docs/stability.md``: 8.2e-16."""
+    """Every element over √(G_ii G_jj); largest in ``studies/stability/README.md``: 8.2e-16."""
     errors = element_errors(poisson=(-0.999999, 0.33, 0.5), per_decade=1)
     assert errors.shape == (6, 6)
     assert 1e-17 < errors.max() < 8e-15

@@ -121,7 +121,7 @@ def test_estimates_decide_with_their_errors(of, expected):
 
 
 def test_kolmogorov_distance_from_quantiles_is_hardly_low():
-    """Bounds of docs/claims.md, against the distance of all peaks; exact for uniform distributions."""
+    """Bounds of a distance, against the distance of all peaks; exact for uniform distributions."""
     distance = Number("peak_quantile", ("one", "other"), ("xx",))
     shifted = Evidence({"one": quantiles(QUANTILES), "other": quantiles(QUANTILES + 0.2)})
     np.testing.assert_allclose(distance(shifted).values, [0.2], rtol=1e-9)

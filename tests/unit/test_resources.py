@@ -19,7 +19,7 @@ def test_cost_is_linear_in_the_nodes(stage):
 
 @pytest.mark.parametrize(("points", "measured"), [(1024, 0.41e9), (4096, 2.98e9), (16384, 18.4e9)])
 def test_memory_of_a_stress_is_covered_and_not_wasted(points, measured):
-    """Four ratios at tolerance 1e-4, 16 nodes on the shortest wave; docs/challenge.md has 16384²."""
+    """Four ratios at tolerance 1e-4, 16 nodes on the shortest wave; `studies/challenge` has 16384²."""
     assert measured < job_cost("stress", points**2, 4).memory < 1.2 * measured
 
 

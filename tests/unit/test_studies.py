@@ -123,9 +123,9 @@ def test_tiny_height_distribution(tmp_path, monkeypatch):
     ids=lambda each: getattr(each, "__name__", ""),
 )
 def test_pages_follow_from_kept_tables(study, tables):
-    docs = ROOT / "docs"
-    kept = [pd.read_csv(docs / f"{study.__name__}{table}.csv") for table in tables]
-    assert study.page(*kept) == (docs / f"{study.__name__}.md").read_text("utf-8")
+    folder = ROOT / "studies" / study.__name__
+    kept = [pd.read_csv(folder / f"{study.__name__}{table}.csv") for table in tables]
+    assert study.page(*kept) == (folder / "README.md").read_text("utf-8")
 
 
 def test_persson_area_is_an_error_function():

@@ -552,7 +552,7 @@ class Solid:
         Notes
         -----
         The error of an element (i, j) is below 8e-15 of √(G_ii G_jj) for every height and ν
-        (``docs/stability.md``). For q height below about 1e-4 the stretching is below the rounding error of
+        (``studies/stability``). For q height below about 1e-4 the stretching is below the rounding error of
         the bending in G33 and G36, so that displacements cannot be inverted to tractions:
         `asperity.elasticity.layer_fields` does not use the tensor.
 

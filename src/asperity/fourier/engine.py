@@ -34,7 +34,7 @@ from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 
 DEFAULT = ENGINES[0]
-"""Engine where none is chosen; docs/tradeoff.md has the measurement behind it."""
+"""Engine where none is chosen; paper/supplement/tradeoff.md has the measurement behind it."""
 
 VARIABLE = "ASPERITY_FFT_ENGINE"
 """Environment variable with the engine of a process in which none is chosen."""

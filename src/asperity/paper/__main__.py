@@ -1,10 +1,11 @@
-"""Write the pages of the documentation that describe the results of the paper's study.
+"""Write what README.md and the supplement of the paper say about the results of its study.
 
     python -m asperity.paper [RESULTS [MORE_SEEDS MORE_NODES]]
 
-With the folder of its results, the table of all interpretations of the statements replaces docs/claims.csv.
+With the folder of its results, the table of all interpretations of the statements replaces claims.csv
+of `paper/supplement`.
 With the folders of the studies of config/decide.yaml and config/decide_nodes.yaml, their tables replace
-docs/decided.csv. The verdicts in docs/claims.md and their counts in README.md are written from the two files.
+decided.csv there. The verdicts in claims.md and their counts in README.md are written from the two files.
 """
 
 import re
@@ -19,8 +20,8 @@ from asperity.core import markup
 from asperity.paper.claims.report import beside, counted, findings_of, markdown
 from asperity.paper.claims.verdicts import CLAIMS, NO_DATA, UNDECIDED, Finding
 
-TABLE = Path("docs/claims.csv")
-LARGER = Path("docs/decided.csv")
+FOLDER = Path("paper/supplement")
+TABLE, LARGER = FOLDER / "claims.csv", FOLDER / "decided.csv"
 NODES = 8, 16
 """Nodes on the shortest wave of the surfaces of the statements in the two larger studies."""
 
@@ -36,13 +37,13 @@ def main(results: Path | None = None, *larger: Path) -> None:
     findings = findings_of(pd.read_csv(TABLE), CLAIMS)
     by_nodes = pd.read_csv(LARGER).groupby("nodes")
     larger_studies = {nodes: findings_of(table.drop(columns="nodes"), CLAIMS) for nodes, table in by_nodes}
-    replace(Path("docs/claims.md"), f"{markdown(findings)}\n{undecided(findings, larger_studies)}")
+    replace(FOLDER / "claims.md", f"{markdown(findings)}\n{undecided(findings, larger_studies)}")
     surfaces = max(finding.own.seeds for finding in findings)
     said = (
         f"`make study` presses {surfaces} random surfaces of every kind, corrects the numbers for the error "
         f"of the grid, and tests {len(findings)} statements of the paper under every interpretation that its "
-        f"text admits. **{counted(findings)}.** [docs/claims.md](docs/claims.md) has each statement with its "
-        "number, its interval and the interpretations on which it depends."
+        f"text admits. **{counted(findings)}.** [A table](paper/supplement/claims.md) has each statement "
+        "with its number, its interval and the interpretations on which it depends."
     )
     replace(Path("README.md"), textwrap.fill(said, 118, break_on_hyphens=False) + "\n")
 

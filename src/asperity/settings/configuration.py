@@ -484,7 +484,7 @@ class Configuration(Settings):
         json_schema_extra={
             "renamed": {"body": "stress"},
             "removed": {
-                "interpretations": "every statement is judged under all interpretations (docs/claims.md)",
+                "interpretations": "every statement is judged under all interpretations",
                 "ensemble": "give more seeds; asperity plan says how many an error needs",
                 "nayak": "the settings are in studies/nayak/config.yaml",
                 "tradeoff": "make tradeoff measures the errors of all settings",

@@ -21,18 +21,18 @@ def write_study(
     draw: Callable[[pd.DataFrame], Figure],
     page: Callable[[pd.DataFrame], str],
 ) -> None:
-    """Write the table, the figure and the page of a study, ``docs/NAME.csv``, ``.png`` and ``.md``.
+    """Write table, figure and page of a study: ``NAME.csv``, ``.png``, ``README.md`` in ``studies/NAME``.
 
     The table is computed from the configuration that the command line names, and kept if it names none.
     """
-    kept = Path("docs", f"{name}.csv")
+    kept = Path("studies", name, f"{name}.csv")
     if sys.argv[1:]:
         config = yaml.safe_load(Path(sys.argv[1]).read_text(encoding="utf-8"))
         table(config).to_csv(kept, index=False, float_format="%.6g")
     rows = pd.read_csv(kept)
     with style():
         save(draw(rows), kept.with_suffix(".png"))
-    kept.with_suffix(".md").write_text(page(rows), encoding="utf-8")
+    kept.with_name("README.md").write_text(page(rows), encoding="utf-8")
 
 
 def computed_once(

@@ -223,7 +223,7 @@ def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
 
     Only values above the smallest peak of both are compared, because a grid finds no smaller peaks. The
     distance is smaller than the distance of all peaks, by at most 0.0025 for ten thousand of them
-    (`docs/claims.md`).
+    (`paper/supplement/claims.md`).
     """
     one, other = (found.transpose("seed", "level") for found in xr.align(one, other, join="inner"))
     levels, distances = one["level"].values, []

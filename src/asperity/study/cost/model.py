@@ -27,7 +27,7 @@ TRANSFORM_POINTS = 512
 """Grid of the Fourier transform by which machines are compared: row ``transform`` of `jobs.csv`."""
 
 SPACING_POWER = -0.76
-"""Power of the distance between planes with which the time of the stress grows (``docs/tradeoff.md``)."""
+"""Power of the distance between planes with which the time of the stress grows (``make tradeoff``)."""
 
 PAPER_SPACING = 0.5
 """Distance between planes, in grid spacings, to which the times of `jobs.csv` belong."""
