@@ -1,6 +1,6 @@
 """Coverage of the discretisation errors that `asperity run` states, by number, kind of surface and nodes.
 
-    python benchmarks/answers.py    # writes docs/answers.csv and prints it, in a quarter of an hour
+    python benchmarks/answers.py    # writes answers.csv and prints it, in a quarter of an hour
 
 Surfaces of band-limited and of creased kinds, and some under a hardness, are pressed with 2, 4 and 8 nodes on
 their shortest wavelength, and with 16 under the same load. A stated error covers the true one if the number
@@ -203,4 +203,4 @@ def too_many(missed: int, count: int) -> bool:
 
 
 if __name__ == "__main__":
-    random_cases.run(__doc__, "docs/answers.csv", cases, compared, table, count=10, seed=9)
+    random_cases.run(__doc__, "paper/supplement/answers.csv", cases, compared, table, count=10, seed=9)

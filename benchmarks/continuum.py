@@ -1,6 +1,6 @@
 """Errors of `asperity.continuum_limit` on random surfaces, against 32 nodes on the shortest wavelength.
 
-    python benchmarks/continuum.py    # writes docs/continuum.csv and prints it, in a quarter of an hour
+    python benchmarks/continuum.py    # writes continuum.csv and prints it, in a quarter of an hour
 
 The Hurst exponent, the wavelengths and the contact area of every surface are random, and one in four is
 skewed. It is pressed with 2, 4, 8 and 32 nodes on its shortest wavelength under the same load, and the
@@ -99,4 +99,4 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    random_cases.run(__doc__, "docs/continuum.csv", cases, compared, table, count=120, seed=3)
+    random_cases.run(__doc__, "paper/supplement/continuum.csv", cases, compared, table, count=120, seed=3)

@@ -1,6 +1,6 @@
 """Largest stress of 9 and 39 times the area of 4 cells of a surface, predicted from these.
 
-    python benchmarks/largest.py    # writes docs/largest.csv and prints it, in three minutes
+    python benchmarks/largest.py    # writes paper/supplement/largest.csv and prints it, in three minutes
 
 Each group of 4 of the 160 cells of a surface predicts the largest pressure and von Mises stress of 36 and of
 all 156 other cells. A prediction is met if the true value is in its 95 % interval; the other two shares are
@@ -83,5 +83,5 @@ def table() -> pd.DataFrame:
 
 if __name__ == "__main__":
     found = table()
-    found.to_csv("docs/largest.csv", index=False)
+    found.to_csv("paper/supplement/largest.csv", index=False)
     print(found.to_string(index=False))

@@ -1,9 +1,9 @@
-"""Measures speed and memory, and writes docs/performance.md.
+"""Measures speed and memory, and writes the tables of the supplement and their summary, docs/performance.md.
 
     python benchmarks/page.py [--grids 512 1024 2048] [--parts contact stress] [--page]
 
-runs the benchmarks of all parts, or of those named, and writes the page from the tables that they keep in
-docs/performance; with ``--page`` it writes the page alone.
+runs the benchmarks of all parts, or of those named, and writes both pages from the tables that they keep in
+paper/supplement/performance; with ``--page`` it writes the pages alone.
 """
 
 import os
@@ -26,7 +26,9 @@ from asperity.study.small_studies import rendered
 from asperity.views.style import panels, save, style
 
 ROOT = Path(__file__).parents[1]
-FOLDER = ROOT / "docs/performance"
+FOLDER = ROOT / "paper/supplement/performance"
+PAGES = {"performance": FOLDER.with_suffix(".md"), "summary": ROOT / "docs/performance.md"}
+"""Template → the page that it makes."""
 GRIDS = [512, 1024, 2048, 4096, 8192]
 FAST = "active_set float64"
 LOADS = "5e-5 5e-4 5e-3 0.05 0.4"
@@ -147,6 +149,12 @@ def over_area() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def advantage(some: pd.DataFrame) -> str:
+    """Range of the time of the next fastest program over that of asperity."""
+    ratios = some[[SOLVERS[name] for name in AREA_MARKERS if name != FAST]].min(axis=1) / some[SOLVERS[FAST]]
+    return f"{ratios.min():.2g} to {ratios.max():.2g}"
+
+
 def draw_areas(table: pd.DataFrame, path: Path) -> None:
     """Times against the area, a panel for each boundary."""
     with style():
@@ -169,11 +177,11 @@ def shown(table: pd.DataFrame, **columns: str) -> str:
 
 
 def main() -> None:
-    """Measure, and write the page."""
+    """Measure, and write the pages."""
     parser = parser_of(__doc__)
     parser.add_argument("--grids", type=int, nargs="+", default=GRIDS, help="nodes on an edge")
     parser.add_argument("--parts", nargs="+", choices=commands(GRIDS), help="all by default")
-    parser.add_argument("--page", action="store_true", help="write the page from the numbers that there are")
+    parser.add_argument("--page", action="store_true", help="write the pages from the numbers that there are")
     given = parser.parse_args()
     every = commands(given.grids)
     for part in [] if given.page else given.parts or every:
@@ -183,17 +191,20 @@ def main() -> None:
     others = periodic[~periodic["solver"].str.contains("float")]["program"].unique()
     areas = over_area()
     draw_areas(areas, ROOT / "docs/performance_area.png")
-    page = rendered(
-        Path(__file__).with_name("page.md.j2"),
-        read=read,
-        shown=shown,
-        equal=lambda boundary: markdown(equal(contacts(boundary))),
-        areas=markdown(areas.rename(columns=lambda name: name + ", s" if name in SOLVERS.values() else name)),
-        fast=fast.sort_values(["hurst", "points"]),
-        programs=", ".join(others),
-        machine=(FOLDER / "machine.txt").read_text("utf-8").strip(),
-    )
-    (ROOT / "docs/performance.md").write_text(page, encoding="utf-8")
+    values = {
+        "read": read,
+        "shown": shown,
+        "equal": lambda boundary: markdown(equal(contacts(boundary))),
+        "areas": markdown(
+            areas.rename(columns=lambda name: name + ", s" if name in SOLVERS.values() else name)
+        ),
+        "advantage": {boundary: advantage(some) for boundary, some in areas.groupby("boundary")},
+        "fast": fast.sort_values(["hurst", "points"]),
+        "programs": ", ".join(others),
+        "machine": (FOLDER / "machine.txt").read_text("utf-8").strip(),
+    }
+    for template, path in PAGES.items():
+        path.write_text(rendered(Path(__file__).with_name(f"{template}.md.j2"), **values), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Coverage of the error between measurement positions that `asperity run` states for a single map.
 
-    python benchmarks/places.py    # writes docs/places.csv and prints it, in five minutes
+    python benchmarks/places.py    # writes paper/supplement/places.csv and prints it, in five minutes
 
 Maps are cut from random surfaces of one kind, each from another seed, and pressed alone. A stated interval
 covers the number of the surface if it holds the mean over all maps of the kind. The constants of
@@ -71,4 +71,4 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    random_cases.run(__doc__, "docs/places.csv", cases, compared, table, count=24, seed=SEED)
+    random_cases.run(__doc__, "paper/supplement/places.csv", cases, compared, table, count=24, seed=SEED)

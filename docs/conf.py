@@ -100,6 +100,7 @@ def link_to_pages(app: Sphinx, name: str, content: list[str]) -> None:
     for target, page in PAGES.items():
         text = text.replace(f"]({target}", f"]({page}")
     text = text.replace("](../docs/", "](").replace("](docs/", "](")
+    text = re.sub(r"\[([^]]+)\]\(\.\./([\w/.]+?)(/README\.md)?(#[\w-]+)?\)", r"\1 (`\2`)", text)
     text = re.sub(r"\[(?:docs/|config/)?\w+\.md\]\(", "[](", text)
     content[0] = re.sub(r"`docs/(\w+\.md)`", r"[](\1)", text)
 

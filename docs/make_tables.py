@@ -6,7 +6,6 @@ python docs/make_tables.py
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from asperity.core.data import packaged_yaml
 from asperity.engineering.case import Case
 from asperity.settings.configuration import Configuration
 from asperity.settings.materials import CONSTANTS, table
@@ -105,25 +104,17 @@ def settings() -> str:
 
 
 def materials() -> str:
-    """The materials: their constants, and the numbered sources."""
-    texts = list(packaged_yaml("asperity.settings", "materials.yaml")["sources"].values())
+    """The materials and their constants."""
     every = [name for each in table().values() for name in each.constants]
     listed = [name for name in CONSTANTS if every.count(name) >= FEWEST]
-    rows, used = [], []
+    rows = []
     for each in table().values():
-        numbers = []
-        for constant in each.constants.values():
-            source = max((text for text in texts if constant.source.startswith(text)), key=len)
-            used += [source] if source not in used else []
-            numbers.append(used.index(source) + 1)
         rare = [f"{name} {found.value}" for name, found in each.constants.items() if name not in listed]
         kind = ", ".join(filter(None, [each.group, str(each.state), *rare]))
         shown = [str(each.constants[name].value) if name in each.constants else "" for name in listed]
-        cited = ", ".join(map(str, sorted(set(numbers))))
-        rows.append([", ".join([f"**{each.name}**", *each.also]), kind, *shown, cited])
-    head = ["**material**, other names", "kind", *(UNITS.get(name, name) for name in listed), "sources"]
-    numbered = "\n".join(f"{number}. {source}" for number, source in enumerate(used, 1))
-    return f"{_table(head, rows)}\n\n## Sources\n\n{numbered}\n"
+        rows.append([", ".join([f"**{each.name}**", *each.also]), kind, *shown])
+    head = ["**material**, other names", "kind", *(UNITS.get(name, name) for name in listed)]
+    return f"{_table(head, rows)}\n"
 
 
 def _table(head: list[str], rows: list[list[str]]) -> str:

@@ -1,7 +1,7 @@
 """The paper's equations of the elastic layer, as printed and corrected.
 
-They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
-corrected ones (`rounding.py`); the tensor that is right for every height is the library's,
+They serve to show which printed equations do not hold (`paper/supplement/method.md`) and how rounding
+affects the corrected ones (`rounding.py`); the tensor that is right for every height is the library's,
 `asperity.Solid.green_tensor`. ``corrected``: False gives the printed text literally, True the nearest form
 that holds.
 

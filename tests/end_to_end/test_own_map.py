@@ -23,7 +23,7 @@ from asperity.settings.study import read_study
 
 DATA = ROOT / "tests/data"
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
-OWN_MAP, OWN_STUDY = PAGES["own_map.md"], PAGES["own_study.md"]
+OWN_MAP, OWN_STUDY = PAGES["first_map.md"], PAGES["own_study.md"]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 

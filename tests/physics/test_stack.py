@@ -67,7 +67,7 @@ def test_modes_are_exact(seed):
 
 
 def closed_forms(bottom, h, d, nu):
-    """Z, L, T, V and W of ``docs/method.md``, to 60 digits."""
+    """Z, L, T, V and W of ``paper/supplement/method.md``, to 60 digits."""
     h, d, nu = mp.mpf(h), mp.mpf(d), mp.mpf(nu)
     t, m, m1, k = h - d, 1 - 2 * nu, 2 - 2 * nu, 3 - 4 * nu
     (sh, st, sd), (ch, ct, cd) = ([f(x) for x in (h, t, d)] for f in (mp.sinh, mp.cosh))

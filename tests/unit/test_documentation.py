@@ -26,7 +26,14 @@ RETURNED = {"Answer", "Record", "Sample", "Certificate", "SettingsError"}
 DOCSTRINGS = [
     (resolve_name(module), name) for module, name in LISTED if module.count(".") < 2 and name not in RETURNED
 ]
-PAGES = ("README.md", "docs/index.md", "docs/contact.md", "docs/two_bodies.md", "docs/paraview.md")
+PAGES = (
+    "README.md",
+    "docs/index.md",
+    "docs/contact.md",
+    "docs/bodies.md",
+    "docs/export.md",
+    "docs/errors.md",
+)
 BLOCKS = {
     f"{page} {number}": block
     for page in PAGES
@@ -110,7 +117,16 @@ def anchors_of(page):
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
-@pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md")])
+@pytest.mark.parametrize(
+    "page",
+    [
+        *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
+        *ROOT.glob("docs/*.md"),
+        *ROOT.glob("paper/supplement/*.md"),
+        *ROOT.glob("studies/*/README.md"),
+    ],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
 def test_links_to_files_and_headings_exist(page):
     lost = []
     for link in re.findall(r"\]\((?!https?:)([^)\s]+)\)", page.read_text("utf-8")):

@@ -55,7 +55,7 @@ def on_two_grids():
     ],
 )
 def test_estimate_is_that_of_a_finer_grid(on_two_grids, output, tolerance):
-    """Bounds: the grid error of one small surface, some times the medians of docs/continuum.md."""
+    """Bounds: the grid error of one small surface, some times the medians of continuum.md."""
     coarse, fine = (grid[output] for grid in on_two_grids)
     truth = fine.sel(kind="estimate")
     error = abs(coarse.sel(kind="estimate") / truth - 1).fillna(0)  # pressure has no depth
@@ -68,7 +68,7 @@ def test_estimate_is_that_of_a_finer_grid(on_two_grids, output, tolerance):
     ("hurst", "waves", "area"), [(0.8, 4, 0.02), (0.5, 4, 0.45), (0.8, 4, 0.9), (0.95, 20, 0.85)]
 )
 def test_stated_errors_cover_the_true_ones(hurst, waves, area):
-    """Against four times as many nodes; of many surfaces, 97 to 100 % are covered (docs/continuum.md)."""
+    """Against four times as many nodes; of many surfaces, 97 to 100 % are covered (continuum.md)."""
     long = 1 / max(16 // waves, 1)
 
     def estimates(nodes, **load):
@@ -147,7 +147,7 @@ CASES = {
 }
 """Contact as the page calls it, how it is made, and the reason against all of its estimates."""
 ROWS = re.findall(
-    r"^\| (.+?) \| ((?:(?:yes|no) \| ?){4})$", (ROOT / "docs/continuum.md").read_text("utf-8"), re.MULTILINE
+    r"^\| (.+?) \| ((?:(?:yes|no) \| ?){4})$", (ROOT / "docs/errors.md").read_text("utf-8"), re.MULTILINE
 )
 NUMBERS = (
     ["contact_area_fraction", "gradient_rms_contact"],
@@ -267,7 +267,7 @@ def test_straight_ridges_are_within_the_error(points, phase):
 
 @pytest.mark.parametrize("kind", ["gaussian", "lay", "skewed"])
 def test_only_other_surfaces_have_a_least_error(kind):
-    """Errors of isotropic Gaussian surfaces are those that docs/continuum.md lists for them."""
+    """Errors of isotropic Gaussian surfaces are those that paper/supplement/continuum.md lists for them."""
     height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=5)
     length = (4.0, 1.0) if kind == "lay" else 1.0  # the same heights, four times as long along y
     height = asp.surface.johnson(height, 0.6, 1.0) if kind == "skewed" else height

@@ -44,7 +44,7 @@ def test_own_figure_is_drawn_from_results(quick_study, tmp_path, monkeypatch):
     (tmp_path / "results/quick").symlink_to(quick_study.results, target_is_directory=True)
     monkeypatch.chdir(tmp_path)
     for block in re.findall(
-        r"```python\n(.*?)```", (ROOT / "docs/own_figure.md").read_text("utf-8"), re.DOTALL
+        r"```python\n(.*?)```", (ROOT / "docs/own_study.md").read_text("utf-8"), re.DOTALL
     ):
         exec(block, {})
     assert {path.name for path in tmp_path.glob("*.png")} == {"von_mises_peaks.png", "pressure.png"}

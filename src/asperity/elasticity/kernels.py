@@ -1,6 +1,6 @@
 """Numba kernels of the elastic layer and the half-space: fields of one pressure mode, and compliances.
 
-All are in closed form; the equations are in ``docs/method.md``. In the names and comments
+All are in closed form; the equations are in ``paper/supplement/method.md``. In the names and comments
 
     h = q height,   d = q depth,   t = h − d   (scaled height of the layer, depth, and distance to the bottom)
     m = 1 − 2ν,     m1 = 2 − 2ν,   k = 3 − 4ν.

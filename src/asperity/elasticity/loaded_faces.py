@@ -216,7 +216,7 @@ def layer_fields(
     mean shear tractions on a free layer are a uniform shear if ``lateral`` is "confined": the neighbouring
     cells bear the moment. In other modes bending bears the moment of the tractions.
 
-    The equations and the errors are in ``docs/method.md``.
+    The equations and the errors are in ``paper/supplement/method.md``.
 
     Examples
     --------

@@ -527,7 +527,8 @@ class Solid:
         """Displacements of both faces of the layer per tractions on both faces, whatever its `bottom`.
 
         Eqs. 5 to 8 and A.1 to A.3 of the paper. As printed, A.3 does not hold for G11, G12, G22, G33, G36,
-        G16 and G26, and A.2 not for its entries (5, 4), (6, 4) and (6, 5); ``docs/method.md`` has both forms.
+        G16 and G26, and A.2 not for its entries (5, 4), (6, 4) and (6, 5);
+        ``paper/supplement/method.md`` has both forms.
 
         Parameters
         ----------

@@ -559,8 +559,8 @@ def _add_sliding(
 ) -> None:
     """Add to `out` the coefficients of a A + b B of one component under a shear traction.
 
-    The traction is `traction` times the pressure; the equations are in ``docs/method.md``. `directions` are
-    as of `_fill_spectra`, and 1/q of the rows with q_y ≥ 0; `kernels` N, M, X, P and Q of
+    The traction is `traction` times the pressure; the equations are in ``paper/supplement/method.md``.
+    `directions` are as of `_fill_spectra`, and 1/q of the rows with q_y ≥ 0; `kernels` N, M, X, P and Q of
     `Solid.shear_kernels`, `modes` and `out` complex.
     """
     (qx, odd_qx), (qy, odd_qy), over_q = directions

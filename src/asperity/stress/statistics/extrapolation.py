@@ -1,7 +1,7 @@
 """Extrapolation to vanishing grid spacing, from a contact and the same contact on half as many nodes.
 
 The largest error of a contact on a grid is usually the discretisation error. Each of its parts is corrected
-by theory and by results of many random surfaces (``docs/continuum.md``):
+by theory and by results of many random surfaces (``paper/supplement/continuum.md``):
 
 Area
     The whole pixel of a node in contact is counted, so that every patch is too wide by a share of the spacing
