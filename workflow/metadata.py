@@ -71,7 +71,6 @@ def codemeta() -> str:
         "name": "asperity",
         "description": citation["abstract"],
         "version": citation["version"],
-        "dateModified": str(citation["date-released"]),
         "license": f"https://spdx.org/licenses/{citation['license']}",
         "codeRepository": citation["repository-code"],
         "programmingLanguage": "Python",

@@ -2,7 +2,7 @@ r"""
 Reading result files
 ====================
 
-`asperity run` and every rule of the study write NetCDF files, and so does ``write_result``. ``read_result``
+``asperity run`` and every rule of the study write NetCDF files, and so does ``write_result``. ``read_result``
 checks their fingerprint; ``xarray.open_dataset`` and ``ncdump`` read them too. The command line, here called
 in this process, draws and exports them; in a shell the same words follow ``asperity``.
 """

@@ -8,10 +8,10 @@ shear, hydrostatic or von Mises stress) larger than K (1 + q d) e^(−q d) |p̂|
 the von Mises stress are seminorms, and principal stresses move by at most the spectral norm of the change (H.
 Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops therefore
 bounds the error of every field at every node. ``paper/supplement/method.md`` has the proof of K in a
-half-space; for a layer K is computed from its kernels. The grid chosen is the coarsest whose bound is below the
-tolerance times the root mean square of σ_zz in that plane, which Parseval's theorem gives beforehand and which
-is at most the largest |σ_zz| there. The rest of the tolerance bounds the columns of modes that are left out of the
-transforms along y.
+half-space; for a layer K is computed from its kernels. The grid chosen is the coarsest whose bound is below
+the tolerance times the root mean square of σ_zz in that plane, which Parseval's theorem gives beforehand and
+which is at most the largest |σ_zz| there. The rest of the tolerance bounds the columns of modes that are left
+out of the transforms along y.
 """
 
 from __future__ import annotations
