@@ -1,12 +1,14 @@
-"""Write the tables of cases.md, materials.md and config/README.md from settings and data file of materials.
+"""Write the tables of pages from the settings and the data files of materials and tables.
 
 python docs/make_tables.py
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
 from asperity.engineering.case import Case
+from asperity.results.tables import TABLES
 from asperity.settings.configuration import Configuration
 from asperity.settings.materials import CONSTANTS, table
 from asperity.settings.model import Entry, Settings, accepted, described, item_of
@@ -30,18 +32,31 @@ _KINDS = {
 """Values that several settings accept → their short name in the tables, which `describe` explains once."""
 
 REPEATED = 3
-"""A group that repeats at least so many settings of another one refers to it."""
+"""A group that repeats at least so many settings of another one refers to it, and so does a table."""
 
 
-def describe(root: type[Settings] = Configuration, title: str = "Settings of the whole study") -> str:
-    """All settings of a class: a table for each group, and one of this title for settings outside groups."""
+def study() -> str:
+    """The settings of a study; options of a map are described with those of a case."""
+    of_case = {"`map` of a [case](../docs/cases.md#map)": described(Case)["properties"]["map"]["properties"]}
+    return describe(Configuration, "Settings of the whole study", of_case)
+
+
+def describe(root: type[Settings], title: str, known: dict[str, Entry] | None = None) -> str:
+    """All settings of a class: a table for each group, and one of this title for settings outside groups.
+
+    A group that repeats one in `known`, name → settings, refers to it. Keys of `validation` are only named.
+    """
     whole = described(root)
     sections = whole["properties"]
     alone = {key: entry for key, entry in sections.items() if entry.get("type") != "object"}
     parts = [f"### {title}", whole["description"], settings_table(alone.items())]
-    known: dict[str, Entry] = {}
+    known = known or {}
     for key, entry in sections.items():
-        if key not in alone:
+        if key == "validation":
+            names = ", ".join(f"`{name}`" for name in entry["properties"])
+            schema = "`workflow/schemas/config.schema.yaml` has their keys."
+            parts += [f"### `{key}`", f"{entry['description']} They are {names}; {schema}"]
+        elif key not in alone:
             words, rows = _group(key, entry, known)
             parts += [f"### `{key}`", entry["description"] + words]
             parts += [settings_table(rows)] if rows else []
@@ -76,15 +91,16 @@ def _group(group: str, entry: Entry, known: dict[str, Entry]) -> tuple[str, list
     alike = {other: [name for name in own if own[name] == each.get(name)] for other, each in known.items()}
     other = max(alike, key=lambda name: len(alike[name]), default="")
     common = alike.get(other, [])
+    shown = other if " " in other else f"`{other}`"
     if len(common) < min(REPEATED, len(own)):
         common = []
     elif common == [*own]:
-        words = f" Settings as in `{other}`." if own else ""
+        words = f" Settings as in {shown}." if own else ""
     else:
         names = (
             "Settings" if common == [*known[other]] else f"{', '.join(f'`{name}`' for name in common)} are"
         )
-        words = f" {names} as in `{other}`, besides those below."
+        words = f" {names} as in {shown}, besides those below."
     if own:
         known[group] = own
     for name, below in own.items():
@@ -123,7 +139,40 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *cells])
 
 
-PAGES = {"cases.md": settings, "materials.md": materials, "../config/README.md": describe}
+def tables(of_answers: bool) -> str:
+    """The tables of answers or of a study with their columns; those of an earlier table are not repeated."""
+    parts = []
+    shown: dict[str, dict[str, list[str]]] = {}
+    for name, described_table in TABLES.items():
+        if of_answers != (name.startswith("answer") or name == "peaks"):
+            continue
+        columns = described_table["columns"]
+        common = {
+            other: [each for each in known if columns.get(each) == known[each]]
+            for other, known in shown.items()
+        }
+        other = max(common, key=lambda each: len(common[each]), default="")
+        repeated = common[other] if len(common.get(other, ())) >= REPEATED else []
+        lines = [
+            f"- `{column}`{f' ({unit})' if unit not in ('', 'see unit') else ''}: {content}"
+            for column, (unit, content, *_) in columns.items()
+            if column not in repeated
+        ]
+        if repeated:
+            lines.append(f"- {', '.join(f'`{each}`' for each in repeated)}: as in `{other}`")
+        head = f"## {name}\n\n{described_table['source'][0].upper()}{described_table['source'][1:]}. A row is {described_table['row']}.\n"
+        parts.append("\n".join([head, *lines]))
+        shown[name] = columns
+    return "\n\n".join(parts) + "\n"
+
+
+PAGES: dict[str, Callable[[], str]] = {
+    "cases.md": settings,
+    "materials.md": materials,
+    "../config/README.md": study,
+    "tables.md": partial(tables, True),
+    "../paper/supplement/tables.md": partial(tables, False),
+}
 """Page → function that makes its tables."""
 
 

@@ -1,7 +1,6 @@
 """Tables as files: their columns are described, and come back from CSV as they were."""
 
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,11 +8,9 @@ import pytest
 
 import asperity as asp
 from asperity import Body, run
-from asperity.results.tables import check_columns, describe_tables, units, write_table, write_workbook
+from asperity.results.tables import check_columns, units, write_table, write_workbook
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.views.export import peak_table
-
-DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture
@@ -25,11 +22,6 @@ def costs(tmp_path):
         text = f"max_rss\tcpu_time\trule_name\twildcards\tresources\n{memory}\t{seconds}\t{rule}\t{wildcards}"
         (tmp_path / f"benchmark/{number}.tsv").write_text(text + "\t{'mem_mb': 200}\n")
     return cost_table(job_costs(tmp_path))
-
-
-def test_page_of_tables_is_current():
-    page = (DOCS / "tables.md").read_text(encoding="utf-8")
-    assert page.endswith("<!-- python -m asperity.results.tables -->\n\n" + describe_tables())
 
 
 def test_tables_of_an_answer_are_described(tmp_path):

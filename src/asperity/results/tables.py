@@ -33,9 +33,6 @@ optional.
 Numbers in a column have one unit, ``1`` for a plain number; texts and truth values have none.
 """
 
-FEWEST = 3
-"""A table that repeats at least so many columns of an earlier one refers to it on the page."""
-
 
 def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format: str | None = None) -> None:
     """Write a table as CSV or Parquet, by the suffix of the path, whole or not at all.
@@ -133,31 +130,6 @@ def _described(name: str, columns: dict[str, Any]) -> str:
     """Name under which a column is described, empty if it is not; ``error_…`` describes all such names."""
     families = (known for known in columns if known[-1] == "…" and name.startswith(known[:-1]))
     return name if name in columns else next(families, "")
-
-
-def describe_tables() -> str:
-    """All tables with their columns, in Markdown; columns of an earlier table are not repeated."""
-    parts = []
-    shown: dict[str, dict[str, Any]] = {}
-    for name, table in TABLES.items():
-        columns = table["columns"]
-        common = {
-            other: [each for each in known if columns.get(each) == known[each]]
-            for other, known in shown.items()
-        }
-        other = max(common, key=lambda each: len(common[each]), default="")
-        repeated = common[other] if other and len(common[other]) >= FEWEST else []
-        lines = [
-            f"- `{column}`{f' ({unit})' if unit else ''}: {content}"
-            for column, (unit, content, *_) in columns.items()
-            if column not in repeated
-        ]
-        if repeated:
-            lines.append(f"- {', '.join(f'`{each}`' for each in repeated)}: as in `{other}`")
-        head = f"## {name}\n\n{table['source'][0].upper()}{table['source'][1:]}. A row is {table['row']}.\n"
-        parts.append("\n".join([head, *lines]))
-        shown[name] = columns
-    return "\n\n".join(parts) + "\n"
 
 
 SHEET_UNITS = {
@@ -259,7 +231,3 @@ def _cell(value: Any) -> str:
         return f"<c><v>{value:.16g}</v></c>"
     text = _NOT_IN_XML.sub("?", str(value))
     return f'<c t="inlineStr"><is><t xml:space="preserve">{escape(text, quote=False)}</t></is></c>'
-
-
-if __name__ == "__main__":
-    print(describe_tables(), end="")
