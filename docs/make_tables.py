@@ -160,7 +160,8 @@ def tables(of_answers: bool) -> str:
         ]
         if repeated:
             lines.append(f"- {', '.join(f'`{each}`' for each in repeated)}: as in `{other}`")
-        head = f"## {name}\n\n{described_table['source'][0].upper()}{described_table['source'][1:]}. A row is {described_table['row']}.\n"
+        source, row = described_table["source"], described_table["row"]
+        head = f"## {name}\n\n{source[0].upper()}{source[1:]}. A row is {row}.\n"
         parts.append("\n".join([head, *lines]))
         shown[name] = columns
     return "\n\n".join(parts) + "\n"
