@@ -30,10 +30,10 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (a minute and a quarter)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
-theories: $(VENV)/ready ## Compare theories of rough contact with certified contacts, in studies/theories/README.md (four minutes of processor time)
+theories: $(VENV)/ready ## Compare theories of rough contact with certified contacts, in studies/theories (four minutes of processor time)
 	snakemake --snakefile studies/theories/Snakefile --cores $(CORES)
 
-pages: study theories ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
+pages: study theories ## Write the numbers of README, docs, supplement and studies again, and fail if one differs from the commit
 	python -m asperity.paper results
 	python docs/make_tables.py
 	python studies/height_distribution/height_distribution.py
@@ -42,6 +42,8 @@ pages: study theories ## Write README's sentences, docs and the kept table again
 	python studies/challenge/challenge.py
 	python studies/stability/stability.py
 	python benchmarks/tradeoff.py --pages
+	python benchmarks/page.py --page
+	python benchmarks/film_and_running_in.py
 	git diff --exit-code -- '*.md' paper/supplement/claims.csv
 
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
@@ -108,10 +110,10 @@ replication: ## Build the article on what of the paper holds, paper/replication.
 	.venv-article/bin/pip install --quiet --disable-pip-version-check --editable ".[article]"
 	.venv-article/bin/python paper/replication.py
 
-bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact stress" for less
+bench: $(VENV)/ready ## Measure speed and memory, and write the pages of performance; GRIDS="512 1024 2048" PARTS="contact stress" for less
 	python benchmarks/page.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
 
-tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and paper/supplement/tradeoff.md (ten minutes)
+tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and its page (ten minutes)
 	python benchmarks/tradeoff.py
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and tests/requirements-oldest.lock (needs uv)

@@ -3,8 +3,8 @@
     python workflow/metadata.py [--address URL]
 
 workflow/envs/asperity.yaml has the requirements of pyproject.toml, workflow/schemas/config.schema.yaml
-the settings of the study, workflow/README.md some of them and the rules of the quick study, and codemeta.json
-what CITATION.cff says, which GitHub and Zenodo read themselves.
+the settings of the study, workflow/README.md some of them and the rules of the quick study. codemeta.json,
+.zenodo.json and the authors in pyproject.toml say what CITATION.cff says.
 With --address the address of the repository, field Repository of pyproject.toml, is replaced there and
 wherever it is written.
 """
@@ -76,10 +76,41 @@ def codemeta() -> str:
         "programmingLanguage": "Python",
         "runtimePlatform": f"Python {project()['requires-python']}",
         "keywords": citation["keywords"],
-        "author": [{"@type": "Organization", "name": author["name"]} for author in citation["authors"]],
+        "author": [{"@type": "Organization", "name": name} for name in names(citation)],
         "referencePublication": {"@type": "ScholarlyArticle", "name": paper["title"]},
     }
     return json.dumps(found, indent=2, ensure_ascii=False) + "\n"
+
+
+def names(citation: Mapping[str, Any]) -> list[str]:
+    """Authors of CITATION.cff: groups by their name, persons as family name, given names."""
+    return [
+        author.get("name") or "{family-names}, {given-names}".format(**author)
+        for author in citation["authors"]
+    ]
+
+
+def zenodo() -> str:
+    """Metadata of the archive of a release."""
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    found = {
+        "upload_type": "software",
+        "title": citation["title"],
+        "description": citation["abstract"],
+        "license": citation["license"],
+        "access_right": "open",
+        "keywords": citation["keywords"],
+        "creators": [{"name": name} for name in names(citation)],
+    }
+    return json.dumps(found, indent=2, ensure_ascii=False) + "\n"
+
+
+def pyproject() -> str:
+    """pyproject.toml with the authors of CITATION.cff."""
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    authors = ", ".join(f"{{ name = {json.dumps(name, ensure_ascii=False)} }}" for name in names(citation))
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    return re.sub(r"^authors = .*$", f"authors = [{authors}]", text, count=1, flags=re.MULTILINE)
 
 
 def config_schema() -> str:
@@ -139,6 +170,8 @@ def main() -> None:
         ROOT / "workflow/envs/asperity.yaml": environment(),
         ROOT / "workflow/schemas/config.schema.yaml": config_schema(),
         ROOT / "codemeta.json": codemeta(),
+        ROOT / ".zenodo.json": zenodo(),
+        ROOT / "pyproject.toml": pyproject(),
         readme: f"{readme.read_text(encoding='utf-8').split(MARK)[0]}{MARK}\n{parameters()}\n{diagram()}",
     }.items():
         path.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Write what README.md and the supplement of the paper say about the results of its study.
+"""Write what README, guide and supplement of the paper say about the results of its study.
 
     python -m asperity.paper [RESULTS [MORE_SEEDS MORE_NODES]]
 
@@ -34,6 +34,7 @@ def main(results: Path | None = None, *larger: Path) -> None:
         joined[joined["verdict"] != NO_DATA].to_csv(LARGER, index=False)
     if results is not None:
         TABLE.write_bytes((results / "interpretations.csv").read_bytes())
+        replace(Path("docs/validation.md"), validated(pd.read_csv(results / "validation/table.csv")))
     findings = findings_of(pd.read_csv(TABLE), CLAIMS)
     by_nodes = pd.read_csv(LARGER).groupby("nodes")
     larger_studies = {nodes: findings_of(table.drop(columns="nodes"), CLAIMS) for nodes, table in by_nodes}
@@ -46,6 +47,15 @@ def main(results: Path | None = None, *larger: Path) -> None:
         "with its number, its interval and the interpretations on which it depends."
     )
     replace(Path("README.md"), textwrap.fill(said, 118, break_on_hyphens=False) + "\n")
+
+
+def validated(table: pd.DataFrame) -> str:
+    """The comparisons of a study with their errors."""
+    rates = table["source"] == "rate"
+    error = (
+        table["error"].map("order {:.3g}".format).where(rates, (100 * table["error"]).map("{:.2g} %".format))
+    )
+    return markup.markdown(table[["quantity", "against"]].assign(error=error))
 
 
 def undecided(findings: Sequence[Finding], larger: Mapping[int, Sequence[Finding]]) -> str:

@@ -1,8 +1,8 @@
-"""Effect of film and running-in on the bearing of `docs/bearing.md`, as a table in Markdown.
+"""Effect of film and running-in on the bearing of docs/bearing.md: writes its table.
 
-    python benchmarks/film_and_run_in.py    # three minutes
+    python benchmarks/film_and_running_in.py    # three minutes
 
-The map is a patch of a ground ring (`tests/data/bearing.py`).
+The map is a part of a ground ring (`tests/data/bearing.py`).
 """
 
 import sys
@@ -14,6 +14,7 @@ import pandas as pd
 import asperity as asp
 from asperity.core.markup import markdown
 from asperity.engineering.records import DISCRETISATION, PLANES, Record
+from asperity.paper.__main__ import replace as replace_table
 
 sys.path.append(str(Path(__file__).parents[1] / "tests/data"))
 import bearing
@@ -29,11 +30,11 @@ LOAD = {"force": "166.7 N", "radius_x": "3.776 mm", "radius_y": "123.8 mm"}
 RUN_IN = {"loads": 1, "hardness": "6 GPa"}
 CASES = {
     "dry": {},
-    "λ = 0.5": {"film": {"lambda_ratio": 0.5}},
-    "λ = 1": {"film": {"lambda_ratio": 1.0}},
-    "λ = 2": {"film": {"lambda_ratio": 2.0}},
-    "dry, run in": {"running_in": RUN_IN},
-    "λ = 1, run in": {"film": {"lambda_ratio": 1.0}, "running_in": RUN_IN},
+    "Λ = 0.5": {"film": {"lambda_ratio": 0.5}},
+    "Λ = 1": {"film": {"lambda_ratio": 1.0}},
+    "Λ = 2": {"film": {"lambda_ratio": 2.0}},
+    "dry, after running-in": {"running_in": RUN_IN},
+    "Λ = 1, after running-in": {"film": {"lambda_ratio": 1.0}, "running_in": RUN_IN},
 }
 NUMBERS = (
     *("contact area fraction", "maximum pressure", "maximum von Mises stress", "volume above yield per area"),
@@ -63,4 +64,5 @@ if __name__ == "__main__":
             **questions,
         )
         columns[name] = [by_pixels(answer[number]) for number in NUMBERS]
-    print(markdown(pd.DataFrame({"": NUMBERS, **columns})))
+    page = Path(__file__).parents[1] / "docs/bearing.md"
+    replace_table(page, markdown(pd.DataFrame({"": NUMBERS, **columns})))
