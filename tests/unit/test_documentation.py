@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import inspect
 import re
 import runpy
 import shutil
@@ -87,6 +88,15 @@ def test_gallery_example_runs(path, monkeypatch):
 def test_api_page_lists_every_public_name():
     assert sorted(name for module, name in LISTED if module == "asperity") == sorted(PUBLIC)
     assert [each for each in LISTED if not hasattr(resolve_name(each[0]), each[1])] == []
+
+
+def test_help_names_every_setting():
+    for cls in (asperity.Case, asperity.Body, asperity.MapOptions):
+        assert {*inspect.signature(cls).parameters} == {*cls.model_fields}
+        listed = inspect.getdoc(cls).split("Raises\n")[0]
+        assert [name for name in cls.model_fields if f"\n{name} : " not in listed] == []
+    text = asperity.run.__doc__
+    assert [name for name in Case.model_fields if not re.search(rf"\b{name}\b", text)] == []
 
 
 def test_made_tables_are_current():

@@ -240,12 +240,19 @@ def run(
     progress : callable, optional
         Called as progress(done, total).
     **groups
-        The load by its quantity: `mean_pressure`, `force`, `normal_approach` or `contact_area_fraction`, or
-        as the group `load`; and all other groups of `asperity.Case`, the questions among them.
+        The load by its quantity: `mean_pressure` (Pa), `force` (N), `normal_approach` (m) or
+        `contact_area_fraction`, or the group `load`, which also places the map in a Hertz contact.
+        Questions, each a mapping of its settings, or ``{}`` for their defaults: `film`, `running_in`,
+        `sliding`, `conduction`, `leak`, `partial_slip`, `load_curve`, `yielding`, `cycles`, `sensitivity` and
+        `sample`. The `fields` of the stress, such as ``["von_mises"]``, and own `materials`.
+        ``help(asp.Case)`` and `docs/cases.md` describe all.
 
     Returns
     -------
     Answer
+        Its `verdict`, `warnings` and `records`, of which ``answer["maximum pressure"]`` is one; `tables`,
+        `datasets`, `contact` and `stress`; `plane` and `section` anywhere in a body; `frame`, `report`,
+        `write` and `compare`.
 
     Raises
     ------

@@ -14,6 +14,7 @@ import inspect
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
 from numbers import Real
@@ -130,13 +131,58 @@ class ContradictionError(ValueError):
 
 
 class _ProblemsOfAll(_Metaclass):
-    """Metaclass of `Settings`: making one raises `SettingsError` in place of the error of `pydantic`."""
+    """Metaclass of `Settings`: its errors in place of those of `pydantic`, and help on every setting."""
 
     def __call__(cls: Any, **given: Any) -> Any:  # noqa: N805  of a metaclass
         try:
             return super().__call__(**given)
         except ValidationError as error:
             raise SettingsError("", problems(cls, error)) from None
+
+    @property
+    def __doc__(cls: Any) -> str | None:  # type: ignore[override]  # noqa: N805
+        """The docstring with a list of all settings, which is made when it is read."""
+        text = cls.__dict__.get("__doc__")
+        return text if text is None or _DESCRIBING.get() else _with_settings(inspect.cleandoc(text), cls)
+
+    @property
+    def __signature__(cls: Any) -> inspect.Signature:  # noqa: N805
+        """The settings as keywords with their defaults; None also for one that another setting may give."""
+        required = {
+            name
+            for name, field in cls.model_fields.items()
+            if field.is_required() and "default_text" not in (field.json_schema_extra or {})
+        }
+        parameters = [
+            inspect.Parameter(
+                name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=inspect.Parameter.empty if name in required else field.get_default(),
+            )
+            for name, field in cls.model_fields.items()
+        ]
+        return inspect.Signature(parameters)
+
+    @__signature__.setter
+    def __signature__(cls, given: Any) -> None:  # noqa: N805
+        """`pydantic` sets one with its internals, which is not kept."""
+
+
+_DESCRIBING = ContextVar("describing", default=False)
+"""True while `pydantic` describes a class, for which it reads docstrings."""
+
+
+def _with_settings(text: str, cls: type[BaseModel]) -> str:
+    """A docstring with all settings of its class as parameters."""
+    entry = described(cls)
+    lines = ["Parameters", "----------"]
+    for name, below in entry["properties"].items():
+        unit = f", in {below['unit']}" if "unit" in below else ""
+        left_out = below.get("default_text") or below.get("default")
+        default = "" if name in entry.get("required", ()) else f" Default: {left_out}."
+        lines += [f"{name} : {accepted(below)}{unit}", f"    {below.get('description', '')}{default}"]
+    head, mark, rest = text.partition("Raises\n------")
+    return "\n".join([head.rstrip(), "", *lines, "", mark + rest])
 
 
 class Settings(BaseModel, metaclass=_ProblemsOfAll):
@@ -298,7 +344,11 @@ def _classes_in(module: str) -> dict[str, list[ast.stmt]]:
 @cache
 def described(cls: type[BaseModel]) -> Entry:
     """Description of a class of settings and of the groups in it."""
-    schema = cls.model_json_schema()
+    token = _DESCRIBING.set(True)
+    try:
+        schema = cls.model_json_schema()
+    finally:
+        _DESCRIBING.reset(token)
     return _plain(schema, schema.get("$defs", {}))
 
 
