@@ -61,6 +61,13 @@ class Certificate:
         are weighted by their numbers of nodes.
     seconds : float
         Wall time of the solution.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> contact.certificate.worst < 1e-4  # of the rms height, the pressure and the load
+    True
     """
 
     penetration: float
@@ -128,6 +135,9 @@ def verify_contact(
     threads: int = 1,
 ) -> Certificate:
     """Certificate of a pressure, computed from the surface and the solid alone.
+
+    The conditions are those of Karush, Kuhn and Tucker; ``paper/supplement/method.md`` proves the bound of
+    the error.
 
     Parameters
     ----------

@@ -45,6 +45,9 @@ def percolation(contact: Contact) -> Percolation:
     The constriction is found by bisection over the sorted gaps: it is the largest gap g for which the
     nodes with gaps ≥ g percolate.
 
+    The constriction is the critical one of B. N. J. Persson and C. Yang, J. Phys.: Condens. Matter 20 (2008)
+    315011.
+
     Parameters
     ----------
     contact : Contact

@@ -84,6 +84,9 @@ def film_flow(
     The flow through a periodic map is periodic. With a free boundary, and through a mirrored map, the film
     enters and leaves at the two edges across the flow, and the other two are sealed.
 
+    Reynolds' equation, ∇·(g³ ∇p) = 0, by finite volumes on the nodes with an open gap (O. Reynolds,
+    Phil. Trans. R. Soc. 177 (1886) 157).
+
     Parameters
     ----------
     contact : Contact

@@ -226,6 +226,9 @@ def partial_slip(
 ) -> PartialSlip:
     """Apply a tangential force to a contact with friction, by the solution of one more contact.
 
+    The superposition of M. Ciavarella, J. Mech. Phys. Solids 46 (1998) 2349, and J. Jäger, Arch. Appl. Mech.
+    68 (1998) 493.
+
     Parameters
     ----------
     contact : Contact

@@ -74,6 +74,14 @@ class LayerPlane:
     fields : dict
         Name → array (ny, nx): stresses ``xx``, ``yy``, ``zz``, ``yz``, ``xz``, ``xy`` and ``von_mises``,
         tension positive, and ``displacement_x``, ``displacement_y`` and ``displacement_z`` (upward).
+
+    Examples
+    --------
+    >>> layer = asp.Solid(1.0, 0.3, height=0.5, bottom="bonded")
+    >>> fields = asp.elasticity.layer_fields(layer, asp.Grid((8, 8)), {"pressure": 1e-3})
+    >>> (plane,) = fields.planes([0.25])
+    >>> round(float(plane.fields["zz"].mean()), 6)
+    -0.001
     """
 
     depth: float
@@ -96,6 +104,15 @@ class LayerFields:
         Top and bottom, x, y and z: True where the displacement is prescribed, False for σ_xz, σ_yz or σ_zz.
     modes : (2, 3, ny, nx // 2 + 1) complex array
         Coefficients of the prescribed tractions and displacements.
+
+    Examples
+    --------
+    >>> grid, layer = asp.Grid((16, 16)), asp.Solid(1.0, 0.3, height=0.5, bottom="bonded")
+    >>> wave = np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
+    >>> fields = asp.elasticity.layer_fields(layer, grid, {"pressure": wave})
+    >>> (plane,) = fields.planes([0.0])
+    >>> bool(np.allclose(plane.fields["zz"], -wave))
+    True
     """
 
     def __init__(self, layer: Solid, grid: Grid, displaced: Array, modes: Array) -> None:

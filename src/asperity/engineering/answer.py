@@ -39,6 +39,15 @@ class Answer(AnswerData):
 
     Attributes as of `AnswerData`: ``case``, ``records``, ``verdict``, ``warnings``, ``contact``, ``stress``,
     ``tables``, ``datasets``; ``plane`` and ``section`` compute the stress anywhere.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    >>> answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=50e6)
+    >>> record = answer["maximum pressure"]
+    >>> record.unit, "peaks" in answer.tables
+    ('Pa', True)
     """
 
     def __str__(self) -> str:
@@ -99,7 +108,17 @@ class Answer(AnswerData):
 
 
 class Sample(SampleData):
-    """Answers of several maps of one surface: ``print`` shows their means; see `asperity.pool`."""
+    """Answers of several maps of one surface: ``print`` shows their means; see `asperity.pool`.
+
+    Examples
+    --------
+    >>> steel, edge = asp.Body(young=210e9, poisson=0.3), 2e-4
+    >>> heights = [asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, 1e-7, seed, length=edge) for seed in range(2)]
+    >>> maps = [asp.HeightMap(height, (edge, edge), periodic=True, name="ground") for height in heights]
+    >>> sample = asp.pool([asp.run(each, steel, mean_pressure=50e6) for each in maps])
+    >>> sample["maximum pressure"].unit
+    'Pa'
+    """
 
     def __str__(self) -> str:
         return show_sample.text(self)
@@ -135,6 +154,10 @@ def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample | Comparison:
     ----------
     folder : path
         As its ``write`` or ``asperity run`` wrote it; it may have been moved, a comparison with its answers.
+
+    Returns
+    -------
+    Answer, Sample or Comparison
 
     Raises
     ------
@@ -191,6 +214,10 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     ----------
     answers : sequence or mapping of Answer or path
         Of maps of different positions, with the same pixels, bodies and load; paths are opened.
+
+    Returns
+    -------
+    Sample
 
     Raises
     ------

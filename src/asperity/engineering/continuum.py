@@ -49,6 +49,9 @@ def continuum_limit(
     The contact is solved again on half as many nodes along both edges, under the same load, and its stress is
     analysed, at about a quarter of the cost of the contact and its stress.
 
+    The area is corrected after V. A. Yastrebov, G. Anciaux and J.-F. Molinari (2017), doi
+    10.1016/j.triboint.2017.04.023; ``paper/supplement/continuum.md`` describes the other corrections.
+
     Parameters
     ----------
     contact : Contact

@@ -97,6 +97,15 @@ class Record:
         `POSITIONS`.
     better : "less", "more" or ""
         Direction in which the surface with this number is better.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    >>> answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=50e6)
+    >>> record = answer["contact area fraction"]
+    >>> record.quantity, record.unit, record.bounds.high
+    ('contact area fraction', '1', 1.0)
     """
 
     quantity: str

@@ -49,6 +49,12 @@ class Bisinusoid:
     ------
     ValueError
         If one of them is not positive and finite.
+
+    Examples
+    --------
+    >>> wave = asp.reference.bisinusoid.Bisinusoid(amplitude=1e-3)
+    >>> round(wave.complete_pressure, 6)  # π E* A/λ
+    0.003142
     """
 
     amplitude: float

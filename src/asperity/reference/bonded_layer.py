@@ -78,6 +78,13 @@ class BondedLayer:
     ------
     ValueError
         If one of them is out of range.
+
+    Examples
+    --------
+    >>> layer = asp.reference.bonded_layer.BondedLayer(height=0.5, poisson=0.3)
+    >>> half_space = asp.reference.hertz.Hertz(contact_radius=0.2, curvature_radius=1.0)
+    >>> bool(layer.paraboloid(0.2, 1.0).load > half_space.load)
+    True
     """
 
     height: float

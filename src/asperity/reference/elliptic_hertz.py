@@ -70,6 +70,12 @@ class EllipticHertz:
     ------
     ValueError
         If one of them is not positive and finite, or if b > a.
+
+    Examples
+    --------
+    >>> contact = asp.reference.elliptic_hertz.EllipticHertz(0.2, 0.1, maximum_pressure=0.05)
+    >>> round(contact.load, 6)  # 2/3 π a b p0
+    0.002094
     """
 
     semi_major: float

@@ -59,6 +59,12 @@ class Hertz:
     ------
     ValueError
         If one of them is not positive and finite.
+
+    Examples
+    --------
+    >>> ball = asp.reference.hertz.Hertz(contact_radius=0.1, curvature_radius=1.0)
+    >>> round(ball.maximum_pressure, 4)  # 2 E* a/(π R)
+    0.0637
     """
 
     contact_radius: float

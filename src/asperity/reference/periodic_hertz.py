@@ -42,6 +42,12 @@ class PeriodicHertz:
     ------
     ValueError
         If one of them is not positive and finite, or if the contacts touch each other.
+
+    Examples
+    --------
+    >>> array = asp.reference.periodic_hertz.PeriodicHertz(contact_radius=0.1, curvature_radius=10.0)
+    >>> bool(array.load > array.single.load)  # neighbours press the surface down
+    True
     """
 
     contact_radius: float

@@ -59,6 +59,13 @@ class SlidingSphere:
     ------
     ValueError
         If the coefficient of friction is not finite.
+
+    Examples
+    --------
+    >>> ball = asp.reference.hertz.Hertz(contact_radius=0.1, curvature_radius=1.0)
+    >>> sliding = asp.reference.sliding_sphere.SlidingSphere(ball, friction=0.3)
+    >>> sliding.stress(0.0, 0.0, 0.05, poisson=0.3).shape  # xx, yy, zz, yz, xz, xy
+    (6,)
     """
 
     contact: Hertz

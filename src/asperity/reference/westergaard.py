@@ -40,6 +40,12 @@ class Westergaard:
     ------
     ValueError
         If one of them is not positive and finite.
+
+    Examples
+    --------
+    >>> wave = asp.reference.westergaard.Westergaard(mean_pressure=1e-3, amplitude=1e-3)
+    >>> round(wave.contact_area_fraction, 4)  # (2/π) arcsin √(p̄ λ/(π E* A))
+    0.3816
     """
 
     mean_pressure: float

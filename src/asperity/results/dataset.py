@@ -169,6 +169,15 @@ DEFAULT_MAX_MEMORY = 16.0
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a result file into memory, after checking its names, units and fingerprint.
 
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Dataset
+        With `units` and `long_name` of every variable.
+
     Raises
     ------
     DatasetError

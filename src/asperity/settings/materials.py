@@ -95,6 +95,15 @@ def known_materials(materials: Mapping[str, Material]) -> Iterator[None]:
 def material(name: str) -> Material:
     """A material by its name or one of its other names; case, blanks and hyphens are ignored.
 
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    Material
+        With its `constants`, each with value, range and source.
+
     Raises
     ------
     ContradictionError

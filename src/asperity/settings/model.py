@@ -101,6 +101,14 @@ class SettingsError(InputError):
     Attributes
     ----------
     found : tuple of Problem
+
+    Examples
+    --------
+    >>> try:
+    ...     asp.Body(young="210 GPa", poisson=0.7)
+    ... except asp.SettingsError as error:
+    ...     print(error)
+    poisson = 0.7: a number > -1 and ≤ 0.5 is needed
     """
 
     def __init__(self, source: str, found: Iterable[Problem]) -> None:

@@ -51,6 +51,14 @@ class StressBox:
     Notes
     -----
     `planes` holds one plane in memory, whatever the height of the box.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> box = asp.stress.stress_box(contact, [0.0, 0.01], y=(0, 0.5), x=(0, 0.25), fields=("von_mises",))
+    >>> [plane["von_mises"].shape for plane in box.planes()]  # Poisson's ratios, y, x
+    [(1, 33, 17), (1, 33, 17)]
     """
 
     def __init__(self, stream: PlaneStream, y: Array, x: Array) -> None:

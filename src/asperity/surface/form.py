@@ -80,6 +80,11 @@ def add_cylinder(
     axis : "y" | "x"
         Direction of the axis, along which the cylinder does not curve.
 
+    Returns
+    -------
+    (ny, nx) array
+        Height of the lower face, in the unit of `height`.
+
     Examples
     --------
     >>> roller = asp.surface.add_cylinder(np.zeros((3, 5)), (2e-3, 4e-3), radius=0.1, axis="y")

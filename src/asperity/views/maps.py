@@ -93,6 +93,10 @@ def plot_height(result: Any, **view: Unpack[View]) -> Figure:
 def plot_pressure(result: Any, **view: Unpack[View]) -> Figure:
     """Map of the contact pressure, white where there is no contact; arguments as for `plot_height`.
 
+    Returns
+    -------
+    Figure
+
     Examples
     --------
     Two contacts beside each other, in the same colours:
@@ -109,6 +113,10 @@ def plot_pressure(result: Any, **view: Unpack[View]) -> Figure:
 
 def plot_gap(result: Any, **view: Unpack[View]) -> Figure:
     """Map of the gap between the faces, with the outlines of the contacts; arguments as for `plot_height`.
+
+    Returns
+    -------
+    Figure
 
     Examples
     --------

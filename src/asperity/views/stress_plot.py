@@ -121,6 +121,10 @@ def plot_plane(
     y, x : (first, last), optional
         Part of the cell.
 
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     ValueError, TypeError
@@ -232,6 +236,10 @@ def plot_section(
         As for `asperity.views.plot_height`.
     progress : callable, optional
         Called as progress(done, total) for each result.
+
+    Returns
+    -------
+    Figure
 
     Raises
     ------

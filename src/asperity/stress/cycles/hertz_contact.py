@@ -46,6 +46,8 @@ SMALLEST_DEPTH = 1e-12
 class HertzContact:
     """Contact of two smooth bodies: an ellipse, or a strip under a roller.
 
+    Equations of H. Hertz as in K. L. Johnson, *Contact Mechanics* (1985), sections 4.1 and 4.2.
+
     Parameters
     ----------
     maximum_pressure : float

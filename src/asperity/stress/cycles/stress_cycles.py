@@ -136,6 +136,9 @@ def stress_cycles(
 ) -> xr.Dataset:
     """Range, fatigue and shakedown of the stress in a smooth body under a rough one that moves along x or y.
 
+    Fatigue by K. Dang Van, ASTM STP 1191 (1993) 120; bounds of the shakedown by Melan's theorem (K. L. Johnson,
+    *Contact Mechanics*, 1985, chapter 9).
+
     Parameters
     ----------
     contact
@@ -235,6 +238,9 @@ def weibull_exponent(scatter: float) -> float:
 def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     """Expected number of cracks per nominal area, n_c; none starts on an area A with probability e^(−n_c A).
 
+    n_c = (1/V₀) ∫ (Γ(1 + 1/m) d)^m dz with the Dang Van stress d over the limit and Weibull's exponent m:
+    E. Ioannides and T. A. Harris, J. Tribol. 107 (1985) 367.
+
     Parameters
     ----------
     cycles : dataset
@@ -246,6 +252,11 @@ def cracks_per_area(cycles: xr.Dataset, scatter: float, volume: float) -> float:
     volume : float
         Stressed volume of the specimens on which limits and scatter were measured, in the unit of length of
         the contact cubed.
+
+    Returns
+    -------
+    float
+        Cracks per area, in one over the unit of length of the contact squared.
 
     Raises
     ------

@@ -72,6 +72,15 @@ class Peaks(Entries):
         Value at the node.
     interior : bool array
         True below the surface, False in it.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> planes = asp.stress_planes(contact, [0.0, 0.005, 0.01, 0.015], fields=("von_mises",))
+    >>> peaks = asp.stress.find_peaks(planes, "von_mises")
+    >>> peaks.value.shape == peaks.depth.shape, bool(peaks.depth.max() < 0.015)
+    (True, True)
     """
 
     value: Array
@@ -353,6 +362,10 @@ def find_peaks(
         Maxima of a magnitude at or below it are left out.
     boundary : "periodic" | "free"
         Boundary of the contact.
+
+    Returns
+    -------
+    Peaks
 
     Raises
     ------

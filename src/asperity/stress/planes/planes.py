@@ -59,6 +59,14 @@ class StressPlane:
         Bound of the error of any field at any node from the modes that the grid drops, in the same unit.
     first_node : (y, x)
         Its position, where the first node of the contact is at 0; not 0 on a coarser grid of a mirrored map.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve_contact(height, asp.Solid(young=1.0, poisson=0.3), contact_area_fraction=0.1)
+    >>> plane = next(iter(asp.stress_planes(contact, [0.02], fields=("von_mises",))))
+    >>> plane.depth, plane.fields["von_mises"].shape  # Poisson's ratios, y, x
+    (0.02, (1, 64, 64))
     """
 
     depth: float

@@ -326,6 +326,12 @@ class Density(NamedTuple):
     edges : (bins + 1,) array
     density : (bins,) array
         Counts divided by their sum and by the width of their bin; zero if nothing was counted.
+
+    Examples
+    --------
+    >>> found = asp.stress.probability_density(np.array([0.0, 0.1, 0.2, 1.0]), bins=2)
+    >>> found.counts, found.density
+    (array([3, 1]), array([1.5, 0.5]))
     """
 
     counts: Array
@@ -342,6 +348,10 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
     bins : int
     limits : (lowest, highest), optional
         By default the smallest and the largest value. Values outside the limits are not counted.
+
+    Returns
+    -------
+    Density
 
     Raises
     ------

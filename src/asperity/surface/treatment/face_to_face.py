@@ -70,6 +70,11 @@ def face_to_face(
     shift : (y, x)
         Position of the middle of the upper map, from the middle of the lower one, in the unit of the maps.
 
+    Returns
+    -------
+    FacedMaps
+        With the composite `map`, (ny, nx), and what was cut off.
+
     Raises
     ------
     MapError, TypeError, ValueError

@@ -105,6 +105,13 @@ class TreatedMap:
         Name of the map.
     boundary : "periodic" | "free"
         Boundary of the contact, "free" if the map was not made periodic.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> made = asp.prepare_map(asp.HeightMap(height, (2e-4, 2e-4), unit="m"), periodic="mirrored")
+    >>> made.height.shape, made.boundary
+    ((32, 32), 'periodic')
     """
 
     height: Array
@@ -141,6 +148,11 @@ def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None,
     options : MapOptions, optional
     **given
         Fields of `MapOptions`, which override `options`.
+
+    Returns
+    -------
+    TreatedMap
+        With `height`, (ny, nx) in m, its `grid`, and the steps of the treatment in `done`.
 
     Raises
     ------
