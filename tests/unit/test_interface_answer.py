@@ -130,7 +130,10 @@ test_bad_cases = refuses(
     (case_of(DISPLACED | {"tangential_force": "0.5 N"}), "partial_slip: exactly one of tangential_force and"),
     (case_of({}), "partial_slip: exactly one of tangential_force and"),
     (case_of(sliding={}), "partial_slip: needs sliding.friction, above 0"),
-    (case_of(body={"hardness": "5 GPa"}), "partial_slip: an elastic contact is needed, without hardness"),
+    (
+        case_of(body={"hardness": "5 GPa"}),
+        "partial_slip: an elastic contact is needed; set body.hardness: inf",
+    ),
     (case_of(body=LIMITS), "partial_slip: not accepted with stress cycles"),
     (case_of(load=HERTZ), "partial_slip: not accepted with a map in a Hertz contact"),
     (case_of(load_curve={"loads": ["1 N"]}), "partial_slip: not accepted with load_curve"),

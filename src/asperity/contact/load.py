@@ -107,7 +107,8 @@ def tangent(moving: Array, grid: Grid, solid: Solids, boundary: str) -> Tangent 
             break
         if solves == MAX_TANGENT_SOLVES:
             load = float(pressure.mean())
-            raise ConvergenceError("tangent of the contact", error, TANGENT_RESIDUAL, solves, load)
+            remedy = "impose a mean pressure in place of the contact area"
+            raise ConvergenceError("stiffness of the contact", error, TANGENT_RESIDUAL, solves, load, remedy)
         scale = float(np.abs(residual).max())
         scaled = (residual / scale).astype(np.float32)
         system = System(operators, scaled, operators.precondition(scaled), fixed_load=True)

@@ -276,7 +276,9 @@ def partial_slip(
     for body in _bodies(contact):
         body.shear_kernels(1.0, 0.0)  # an error for a layer on a frictionless bottom, which has none
     if contact.plastic_area:
-        raise ValueError(f"hardness = {contact.hardness:.6g}: an elastic contact is needed for partial slip")
+        raise ValueError(
+            f"hardness = {contact.hardness:.6g}: partial slip needs a contact without a hardness"
+        )
     if (tangential_force is None) == (tangential_displacement is None):
         raise ValueError("exactly one of tangential_force and tangential_displacement is needed")
     slip = PartialSlip(contact, contact, friction, sliding_direction)

@@ -79,7 +79,10 @@ class PartialSlip(Question):
         hertz = ["a map in a Hertz contact"] if case.hertz_contact is not None else []
         yield from (("partial_slip", f": not accepted with {words}") for words in [*hertz, *refused.values()])
         if case.hardness:
-            yield "partial_slip", ": an elastic contact is needed, without hardness"
+            yield (
+                "partial_slip",
+                ": an elastic contact is needed; set body.hardness: inf, also if a material gives it",
+            )
         if self.tangential_displacement is not None and case.solid.uniform_compliance():
             needed = ": half-spaces are needed, or a tangential_force on layers"
             yield "partial_slip.tangential_displacement", needed

@@ -136,8 +136,8 @@ def stress_cycles(
 ) -> xr.Dataset:
     """Range, fatigue and shakedown of the stress in a smooth body under a rough one that moves along x or y.
 
-    Fatigue by K. Dang Van, ASTM STP 1191 (1993) 120; bounds of the shakedown by Melan's theorem (K. L. Johnson,
-    *Contact Mechanics*, 1985, chapter 9).
+    Fatigue by K. Dang Van, ASTM STP 1191 (1993) 120; bounds of the shakedown by Melan's theorem (K. L.
+    Johnson, *Contact Mechanics*, 1985, chapter 9).
 
     Parameters
     ----------

@@ -365,7 +365,11 @@ def propose(contacts: Sequence[PlannedContact], target: Target, factor: float | 
     seconds, memory = target.seconds or math.inf, target.memory or math.inf
     affordable = [each for each in found if each.seconds <= seconds and each.memory <= memory]
     if not affordable:
-        raise PlanError("not within this time and memory, even with the coarsest settings that were measured")
+        least = min(found, key=lambda each: each.seconds)
+        raise PlanError(
+            "not within this time and memory: the coarsest settings that were measured take "
+            f"{least.seconds:.2g} s and {least.memory / 2**20:.2g} MiB; give more, or larger wavelength_short"
+        )
     best = min(affordable, key=lambda proposal: proposal.error(target.outputs))
     if target.error is None:
         return best

@@ -39,7 +39,14 @@ from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Cha
 from asperity.surface.reading.grids import read_grid, tiff_scale
 from asperity.surface.reading.heading import height_unit, stated_pixel, zygo_units
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError
-from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes
+from asperity.surface.reading.number_table import (
+    MATRIX_HEADER,
+    NumberTable,
+    find_dialect,
+    grid_points,
+    nodes,
+    refuse_repeated,
+)
 from asperity.surface.reading.x3p import read_x3p
 
 ROW_BY_ROW = ("h5", "mat")
@@ -343,8 +350,7 @@ def _profile(table: NumberTable) -> FileContent:
     line, length = numbers[:, -1], None
     if numbers.shape[1] == 2:
         index, spacing, count = nodes(numbers[:, 0], "x")
-        if np.bincount(index).max() > 1:
-            raise ValueError("two points have the same position")
+        refuse_repeated(index)
         line = np.full(count, np.nan)
         line[index] = numbers[:, 1]
         if np.median(np.diff(np.sort(index))) > 1:

@@ -370,11 +370,19 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
     if z.size < FEWEST_PRESENT * count_x * count_y:
         raise ValueError(f"{z.size} points are too few for a grid of {count_y} x {count_x} nodes")
     node = row * count_x + column
-    if np.bincount(node).max() > 1:
-        raise ValueError("two points have the same position")
+    refuse_repeated(node)
     height = np.full(count_y * count_x, np.nan)
     height[node] = z
     return height.reshape(count_y, count_x), (count_y * spacing_y, count_x * spacing_x)
+
+
+def refuse_repeated(node: Array) -> None:
+    """Refuse a list of points of which two belong to the same node."""
+    first = np.unique(node, return_index=True)[1]
+    if first.size < node.size:
+        later = int(np.setdiff1d(np.arange(node.size), first)[0])
+        earlier = int(np.flatnonzero(node == node[later])[0])
+        raise ValueError(f"points {earlier + 1} and {later + 1} of the list have the same position")
 
 
 def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
