@@ -102,12 +102,23 @@ def link_to_pages(app: Sphinx, name: str, content: list[str]) -> None:
     text = text.replace("](../docs/", "](").replace("](docs/", "](")
     text = re.sub(r"\[([^]]+)\]\(\.\./([\w/.]+?)(/README\.md)?(#[\w-]+)?\)", r"\1 (`\2`)", text)
     text = re.sub(r"\[(?:docs/|config/)?\w+\.md\]\(", "[](", text)
+    text = re.sub(r"`results/(report|sample)\.html`", r'<a href="results/\1.html">\1</a>', text)
     content[0] = re.sub(r"`docs/(\w+\.md)`", r"[](\1)", text)
 
 
 def link_included(app: Sphinx, relative_path: Path, parent: str, content: list[str]) -> None:
     """The same for files that a page includes."""
     link_to_pages(app, parent, content)
+
+
+def write_results(app: Sphinx) -> None:
+    """A finished report and the page of a sample, to which the first page links."""
+    folder = Path(app.outdir, "results")
+    folder.mkdir(parents=True, exist_ok=True)
+    maps = sorted((Path(asperity.__file__).parent / "engineering/maps").glob("ground_*.x3p"))
+    answers = [asperity.run(path, {"material": "100Cr6"}, mean_pressure="50 MPa") for path in maps]
+    (folder / "report.html").write_text(answers[0].report(), encoding="utf-8")
+    (folder / "sample.html").write_text(asperity.pool(answers).report(), encoding="utf-8")
 
 
 def escape_bars(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
@@ -152,6 +163,7 @@ class Commands(Directive):
 def setup(app: Sphinx) -> None:
     """Connect the handlers and directives of this file."""
     app.add_directive("commands", Commands)
+    app.connect("builder-inited", write_results)
     app.connect("source-read", link_to_pages)
     app.connect("include-read", link_included)
     app.connect("autodoc-process-docstring", escape_bars)
