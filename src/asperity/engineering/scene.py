@@ -33,6 +33,14 @@ MATERIALS = "materials.yaml"
 """Name of a user's own table of materials beside the case file."""
 
 
+SEPARATE_SHARE = 0.4
+"""Edges of the part of a map that `fit` takes over the widths of its Hertz contact: the pressure of the
+contact falls by less than a tenth from the middle of that part to the middle of an edge."""
+
+LONGEST_PART = 1.0
+"""Edge in m of that part along the axis of a roller, whose contact has no end; no map is longer."""
+
+
 class Scene(Settings):
     """Map, bodies and load, on which the contact depends. Numbers are in SI units."""
 
@@ -195,6 +203,17 @@ class Scene(Settings):
         if not isinstance(self.load, Hertz):
             return None
         return hertz_contact(self.load, self.load.kind, self.load.value, self.solid.effective_modulus)
+
+    @property
+    def part_in_hertz_contact(self) -> tuple[str, str]:
+        """Edges (y, x) of a part of a map over which the pressure of the Hertz contact is nearly uniform."""
+        contact = self.hertz_contact
+        assert contact is not None
+        y, x = (
+            shown_si(min(2 * SEPARATE_SHARE * half_width, LONGEST_PART), "m", 2)
+            for half_width in (contact.half_width_y, contact.half_width_x)
+        )
+        return y, x
 
     @property
     def cell_pressure(self) -> float:

@@ -40,10 +40,6 @@ from asperity.engineering.scene import Scene
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
-SEPARATE_SHARE = 0.4
-"""Edge of a map over the smaller width of its Hertz contact, of which a part is proposed as ``map.crop``: the
-pressure of the contact falls by less than a tenth from the middle of that part to the middle of an edge."""
-
 STRESS = 2.0
 """Work of the stress in a body; the contact has a work of 1."""
 
@@ -337,15 +333,15 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     found: list[tuple[str, str]] = []
     if (contact := case.hertz_contact) is not None:
         widths = 2 * contact.half_width_y, 2 * contact.half_width_x
-        part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
         for axis, width, edge in zip("yx", widths, rough.face.grid.length, strict=True):
             if width < edge:
                 given = f"{shown_si(width, 'm')} wide under {shown_si(contact.maximum_pressure, 'Pa')}"
-                text = (
-                    f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
-                )
-                text += f'it is {given}. Use a part of the map, map.crop = "{part}", or press the whole form '
-                text += "with its force or pressure: map.radius and map.radius_y with map.periodic = none"
+                part = case.part_in_hertz_contact["yx".index(axis)]
+                size = shown_si(edge, "m")
+                text = f": a Hertz contact wider than the map, {size} along {axis}, is needed; "
+                text += f"it is {given}. Use a part of the map, map.crop = fit, which is {part} along {axis}"
+                text += ", or press the whole form with its force or pressure: map.radius and map.radius_y "
+                text += "with map.periodic = none"
                 found.append((f"load.radius_{axis}", text))
     for question in case.questions.values():
         found += [*question.problems(case, rough)]

@@ -22,7 +22,40 @@ PACKAGE = "asperity.engineering"
 WIDTH = 100
 """Characters of a line of comment."""
 
-ALSO = {"coating": "layers", "run_in": "running_in"}
+ALSO = {
+    "ball": "load.radius_x",
+    "bearing": "load.hertz_pressure",
+    "coating": "body.layers.0.thickness",
+    "e": "body.young",
+    "film_thickness": "film.lambda_ratio",
+    "filter": "map.s_filter",
+    "gear": "load.hertz_pressure",
+    "hertz": "load.hertz_pressure",
+    "layer": "body.layers.0.thickness",
+    "leakage": "leak.pressure_difference",
+    "level": "map.detrend",
+    "life": "cycles.fatigue_scatter",
+    "load": "load.mean_pressure",
+    "modulus": "body.young",
+    "mu": "sliding.friction",
+    "nu": "body.poisson",
+    "orient": "map.orientation",
+    "pixel": "map.physical_size",
+    "radius": "load.radius_x",
+    "resolution": "map.points",
+    "roller": "load.radius_x",
+    "rolling": "cycles.shifts",
+    "roughness": "map.file",
+    "run_in": "running_in.loads",
+    "seal": "leak.pressure_difference",
+    "shakedown": "cycles.shifts",
+    "size": "map.physical_size",
+    "spikes": "map.despike",
+    "strength": "body.yield_stress",
+    "thickness": "body.layers.0.thickness",
+    "tolerance": "sensitivity.tolerances",
+    "wear": "running_in.loads",
+}
 """Word for a group or setting → its key."""
 
 
@@ -132,7 +165,9 @@ def hint(word: str) -> str:
     'film.lambda_ratio, given by --set or in a case file (asperity case film)'
     """
     word = word.lstrip("-").lower().replace("-", "_")
-    known = keys_like(ALSO.get(word, word), described(Case)) if len(word) > 2 else []
+    known = [ALSO[word]] if word in ALSO else []
+    if not known and len(word) > 2:
+        known = keys_like(word, described(Case))
     for name, each in templates().items():
         if key := next((key for key, _ in leaves(each["case"]) if key in known), ""):
             return f"{key}, given by --set or in a case file (asperity case {name})"

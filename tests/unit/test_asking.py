@@ -1,0 +1,97 @@
+"""Commands, flags and calls as people guess them: they work, or one line names what is meant."""
+
+import numpy as np
+import pytest
+from project import ROOT
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.engineering.case import Case
+from asperity.engineering.templates import ALSO
+from asperity.settings.model import described, entry_of
+
+MAP = str(ROOT / "src/asperity/engineering/maps/ground_1.x3p")
+ROLLER = {"hertz_pressure": "1 GPa", "radius_x": "5 mm", "radius_y": "inf"}
+STEEL = {"young": "210 GPa", "poisson": 0.3}
+
+
+def said(capsys, *words):
+    with pytest.raises(SystemExit) as found:
+        main(words)
+    assert found.value.code == 2
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("flag", "meant"),
+    [
+        ("--film", "the key is film."),
+        ("--lambda", "film.lambda_ratio, given by --set or in a case file (asperity case film)"),
+        ("--run-in", "running_in.loads"),
+        ("--fatigue", "body.fatigue_torsion"),
+        ("--coating", "body.layers.0.thickness"),
+        ("--leak", "leak."),
+        ("--hertz", "did you mean --hertz-pressure?"),
+        ("--mu", "did you mean --friction?"),
+        ("--E", "did you mean --young?"),
+        ("--spikes", "did you mean --despike?"),
+        ("--viscosity", "leak.viscosity"),
+        ("--residual-stress", "body.residual_stress"),
+    ],
+)
+def test_a_guessed_flag_is_told_its_key(capsys, flag, meant):
+    assert meant in said(capsys, "run", MAP, flag, "1")
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("seal", "asperity case seal"), (MAP, f"asperity run {MAP}"), ("compar", "compare?"), ("leak", "leak.")],
+)
+def test_a_guessed_command_is_told_another(capsys, word, meant):
+    assert meant in said(capsys, word)
+
+
+@pytest.mark.parametrize("key", dict.fromkeys(ALSO.values()))
+def test_words_stand_for_keys_that_exist(key):
+    assert entry_of(Case, key)
+    assert described(Case)
+
+
+def test_the_part_that_fits_into_a_hertz_contact_is_proposed_and_taken(capsys):
+    load = ["--hertz-pressure", "1 GPa", "--radius-x", "5 mm", "--radius-y", "inf"]
+    command = ["run", MAP, "--young", "210 GPa", "--poisson", "0.3", *load, "--check"]
+    assert "map.crop = fit, which is 35 µm along x" in said(capsys, *command)
+    assert main([*command, "--set", "map.crop=fit"]) == 0
+    case = asp.Case(map={"file": MAP, "crop": "fit"}, body=STEEL, load=ROLLER)
+    assert case.map.crop == ("1 m", "35 µm")
+    with pytest.raises(asp.SettingsError, match=r"map\.crop = fit: needs a Hertz contact"):
+        asp.Case(map={"file": MAP, "crop": "fit"}, body=STEEL, load={"mean_pressure": 1e6})
+
+
+@pytest.mark.parametrize(
+    ("crop", "shape"), [("20 um", (20, 20)), (["20 um", "8 um"], (20, 8)), ("20 um, 1 mm", (20, 32))]
+)
+def test_a_part_of_two_edges_is_cut(crop, shape):
+    surface = asp.HeightMap(np.random.default_rng(1).normal(size=(48, 32)) * 1e-8, (48e-6, 32e-6), unit="m")
+    options = asp.Case(map={"file": surface, "crop": crop}, body=STEEL, load={"mean_pressure": 1e6}).map
+    assert surface.cropped(options.crop).height.shape == shape
+
+
+def test_a_prepared_map_brings_its_grid_boundary_and_doubts():
+    height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    steel = asp.Solid(young=210e9, poisson=0.3)
+    surface = asp.HeightMap(height, (2e-4, 2e-4), unit="m", name="ground")
+    for periodic in ("mirrored", "none"):
+        made = asp.prepare_map(surface, periodic=periodic)
+        contact = asp.solve_contact(made, steel, mean_pressure=5e6)
+        assert (contact.grid, contact.boundary) == (made.grid, made.boundary)
+        assert "despike" not in repr(made)
+    with pytest.raises(ValueError, match=r"^length: the edges of the map in m are needed"):
+        asp.solve_contact(made.height, steel, mean_pressure=5e6)
+    with pytest.raises(ValueError, match="not accepted with a map, which has its grid"):
+        asp.solve_contact(made, steel, 1e-4, mean_pressure=5e6)
+    height[3, 7] += 1e-5
+    with pytest.warns(UserWarning, match="despike: 1 spikes"):
+        made = asp.prepare_map(asp.HeightMap(height, (2e-4, 2e-4), unit="m"), periodic="mirrored")
+    assert "despike: 1 spikes" in repr(made)
+    assert made.doubts
