@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,6 @@ from asperity.engineering.scene import Scene
 from asperity.settings.load import LARGEST_LOAD, Hertz
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
-
-HARDNESS_OVER_YIELD = 3.0
-"""Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 SMALLEST_APPROACH = 1e-7
 """Least approach over the range of heights; their rounding is 1e-16 of it."""
@@ -34,7 +32,11 @@ def press(
     ConvergenceError
         If the contact does not converge.
     """
-    options = {"hardness": hardness or case.hardness, "boundary": face.boundary, **imposed_load(face, case)}
+    imposed = imposed_load(face, case)
+    hardness = hardness or case.hardness
+    if case.hardness_is_estimated and imposed.get("mean_pressure", 0.0) >= (hardness or math.inf):
+        hardness = None  # under a larger force no contact bears the load
+    options = {"hardness": hardness, "boundary": face.boundary, **imposed}
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
 
 
@@ -62,23 +64,3 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
             "", [Problem("load.normal_approach", f" = {shown_si(load.value, 'm')}: {accepted}")]
         )
     return {"approach": lowest + load.value}
-
-
-def suggested_hardness(case: Scene) -> float | None:
-    """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
-    surfaces = [body if body.coating is None else body.coating for body in case.bodies.values()]
-    known = [each.yield_stress for each in surfaces if each.yield_stress is not None]
-    return HARDNESS_OVER_YIELD * min(known) if known and case.hardness is None else None
-
-
-def plastic_contact(face: TreatedMap, case: Scene, contact: Contact) -> Contact | None:
-    """The contact of a case under its hardness, or under the hardness that its yield stresses suggest.
-
-    None without a hardness, if the elastic pressure stays below the suggested one, or if the load exceeds it.
-    """
-    if case.hardness is not None:
-        return contact
-    hardness = suggested_hardness(case)
-    if hardness is None or not contact.mean_pressure < hardness < contact.maximum_pressure:
-        return None
-    return press(face, case.under(mean_pressure=contact.mean_pressure), hardness=hardness)

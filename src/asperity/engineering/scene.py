@@ -108,7 +108,7 @@ class Scene(Settings):
                 f"load.{self.load.kind}",
                 f" = {given}: {needed}, it would be {shown_si(mean_pressure, 'Pa')}",
             )
-        elif self.hardness and not mean_pressure < self.hardness:
+        elif self.hardness and not self.hardness_is_estimated and not mean_pressure < self.hardness:
             bodies = self.groups_of_bodies.items()
             name = next(name for name, body in bodies if body.hardness == self.hardness)
             needed = f"more than the pressure {shown_si(mean_pressure, 'Pa')} is needed"
@@ -183,10 +183,32 @@ class Scene(Settings):
         return {"friction": self.friction, "sliding_direction": direction}
 
     @property
+    def softer(self) -> Body | None:
+        """The body of the smaller hardness; None if no body has one."""
+        known = [body for body in self.bodies.values() if math.isfinite(body.hardness or math.inf)]
+        return min(known, key=lambda body: body.hardness or math.inf, default=None)
+
+    @property
+    def hardness_is_estimated(self) -> bool:
+        """True if the smaller hardness of the bodies follows from a yield stress."""
+        return self.softer is not None and self.softer.hardness_is_estimated
+
+    @property
     def hardness(self) -> float | None:
-        """The smaller hardness of the bodies; None if they have none."""
-        known = [body.hardness for body in self.bodies.values() if body.hardness is not None]
-        return min((hardness for hardness in known if math.isfinite(hardness)), default=None)
+        """The smaller hardness of the bodies; None if they have none.
+
+        One that is only estimated is left out where no contact under it exists: under a larger pressure, in
+        full contact, and in partial slip, whose contact is elastic.
+        """
+        if self.softer is None:
+            return None
+        found, kind = self.softer.hardness, self.load.kind
+        if self.softer.hardness_is_estimated and found is not None:
+            is_pressure = kind in ("mean_pressure", "hertz_pressure") or self.hertz_contact is not None
+            full = kind == "contact_area_fraction" and self.load.value == 1
+            if "partial_slip" in self.questions or full or (is_pressure and self.cell_pressure >= found):
+                return None
+        return found
 
     @cached_property
     def solid(self) -> Solid | TwoBodies:

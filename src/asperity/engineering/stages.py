@@ -31,9 +31,15 @@ from asperity.engineering.case import Case
 from asperity.engineering.contact_numbers import contact_numbers, contact_spots, gap_of
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.numbers import body_records, contact_records, hertz_records, plastic_records
+from asperity.engineering.numbers import (
+    body_records,
+    contact_records,
+    elastic_record,
+    hertz_records,
+    plastic_records,
+)
 from asperity.engineering.places import Blocks, blocks_of
-from asperity.engineering.press import imposed_load, plastic_contact, press
+from asperity.engineering.press import imposed_load, press
 from asperity.engineering.question import Findings, Pressed, Stages
 from asperity.engineering.records import INPUTS, Record, per_cent
 from asperity.engineering.scene import Scene
@@ -87,7 +93,8 @@ def answer_of(
     bodies = {name: bodies.get(name, bodies["lower"]) for name in pressed.case.bodies}
     parts.next("comparisons")
     compared = _compared(pressed)
-    stages = Stages(**vars(pressed), bodies=bodies, records=_records(pressed, bodies, compared))
+    records = _records(pressed, bodies, compared)
+    stages = Stages(**vars(pressed), bodies=bodies, records=records, elastic=compared.elastic)
     found = {}
     for name, question in asked.questions.items():
         others = {key: answer_of(each).records for key, each in question.other_cases(asked).items()}
@@ -176,13 +183,16 @@ def _analysed(pressed: Pressed, name: str, parts: _Parts) -> BodyStress:
 
 
 def _compared(pressed: Pressed) -> Compared:
-    """Contacts to compare the answer with: without periodic images, under a hardness, without filters."""
+    """Contacts to compare the answer with: without periodic images, elastic, without filters."""
     face, case, contact = pressed.face, pressed.case, pressed.contact
     neighbours = None
     if face.boundary == "periodic" and case.map.radius is not None and len(pressed.spots):
         neighbours = neighbours_of(face, case, contact)
     unfiltered = None if pressed.rough.unfiltered is None else press(pressed.rough.unfiltered, case)
-    return Compared(neighbours, plastic_contact(face, case, contact), unfiltered)
+    elastic = None
+    if pressed.asked.hardness_is_estimated and contact.plastic_area:
+        elastic = press(face, case, hardness=np.inf)
+    return Compared(neighbours, elastic, unfiltered)
 
 
 def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compared) -> list[Record]:
@@ -191,9 +201,12 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     of_positions = np.nan if blocks is None else blocks.error(blocks.means(contact.pressure > 0))
     found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions, pressed.asked.carried)]
     found += hertz_records(pressed.asked)
-    if compared.plastic is not None:
-        is_given = pressed.case.hardness is not None
-        found += plastic_records(compared.plastic, is_given, numbers.rms_gradient)
+    if np.isfinite(contact.hardness):
+        is_estimated = pressed.asked.hardness_is_estimated
+        found += plastic_records(contact, is_estimated, numbers.rms_gradient)
+    if (elastic := compared.elastic) is not None:
+        found += elastic_record("contact area fraction", elastic.contact_area_fraction, found)
+        found += elastic_record("maximum pressure", elastic.maximum_pressure, found)
     for name in pressed.asked.different_bodies:
         found += body_records(pressed.asked, name, bodies[name], contact.hardness)
     return found
@@ -292,7 +305,7 @@ def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     work = {f"before {name}": before for name, (before, _) in costs.items()}
     work |= {"contact": 1.0, "half of the nodes": 0.3}
     work |= {f"stress {name}": STRESS for name in case.different_bodies}
-    work["comparisons"] = 1.0 if case.hardness is None else 0.1
+    work["comparisons"] = 1.0 if case.hardness_is_estimated else 0.1
     return work | {name: after for name, (_, after) in costs.items()}
 
 

@@ -102,7 +102,7 @@ class Film(Question):
         softer = {
             name: body.replaced(hardness=body.hardness - self.share * nominal)
             for name, body in case.groups_of_bodies.items()
-            if body.hardness is not None
+            if body.hardness is not None and case.hardness is not None
         }
         return case.replaced(load=part, **softer), rough, None
 
