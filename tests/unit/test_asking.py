@@ -95,3 +95,46 @@ def test_a_prepared_map_brings_its_grid_boundary_and_doubts():
         made = asp.prepare_map(asp.HeightMap(height, (2e-4, 2e-4), unit="m"), periodic="mirrored")
     assert "despike: 1 spikes" in repr(made)
     assert made.doubts
+
+
+def ground(count=48):
+    height = asp.self_affine((count, count), 0.8, 1e-4, 2.5e-5, rms_height=3e-7, seed=1, length=2e-4)
+    return asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+
+
+def test_cracks_are_counted_on_the_area_of_the_track():
+    """Cracks start independently: the probability on the track is that on the map, multiplied."""
+    limits = STEEL | {"fatigue_torsion": "300 MPa", "fatigue_bending": "480 MPa"}
+    asked = {"fatigue_scatter": 0.1, "fatigue_volume": "100 mm3", "area": "400000 um2"}
+    answer = asp.run(ground(), limits, mean_pressure=50e6, cycles=asked)
+    on_map, on_track = (answer[f"probability of no crack on the {of}"].value for of in ("map", "track"))
+    assert on_track == pytest.approx(on_map**10, rel=1e-6)
+    assert any(f"with a probability of {1 - on_track:.2g}" in text for text in answer.verdict)
+    with pytest.raises(asp.SettingsError, match=r"cycles\.area: needs fatigue_scatter"):
+        asp.Case(map=ground(), body=limits, load={"mean_pressure": 1e6}, cycles={"area": "1 mm2"})
+
+
+def test_a_material_without_fatigue_limits_is_named_with_the_numbers_that_remain():
+    answer = asp.run(ground(), {"material": "100Cr6"}, mean_pressure=50e6, cycles={"shifts": 64})
+    (told,) = [each.text for each in answer.warnings if each.subject == "fatigue limits"]
+    assert "no fatigue limits of 100Cr6 are known: there are shear stress ranges and shakedown" in told
+
+
+def test_errors_that_are_not_known_are_said_everywhere():
+    """Below 200 nodes in contact; equal numbers have equal errors by the inputs."""
+    answer = asp.run(
+        ground(), STEEL | {"young": "210 GPa ± 10 %", "yield_stress": "1 GPa"}, mean_pressure=9e6
+    )
+    table = answer.frame().set_index("quantity")
+    for name in ("maximum pressure", "maximum von Mises stress", "rms gradient in contact"):
+        assert "discretisation" in answer[name].unknown
+        assert "discretisation: not known" in answer[name].text()
+        assert "not known" in answer[name].best_text() or "± without" in answer[name].best_text()
+        assert "discretisation" in table.loc[name, "not_known"]
+    assert "not known" in " ".join(answer.verdict)
+    assert {"the inputs"} <= set(answer["contact area"].unknown) & set(
+        answer["contact area fraction"].unknown
+    )
+    volume, depth = (answer[f"volume above yield{of}"] for of in ("", " per area"))
+    assert volume.error / volume.value == pytest.approx(depth.error / depth.value, rel=1e-9)
+    assert answer["force"].errors == {}

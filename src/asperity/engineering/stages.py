@@ -216,12 +216,12 @@ def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list
     """The records, those of a topic together, with the bounds and input errors that the questions found."""
     relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
     bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
-    completed = [
-        replace(each, bounds=bounds.get(each.quantity, each.bounds)).with_error(
-            INPUTS, relative.get((each.quantity, each.body), 0.0) * abs(each.value)
-        )
-        for each in records
-    ]
+    completed = []
+    for each in records:
+        made = replace(each, bounds=bounds.get(each.quantity, each.bounds))
+        if (error := relative.get((each.quantity, each.body))) is not None:
+            made = made.with_error(INPUTS, error * abs(each.value))
+        completed.append(made)
     topics = list(dict.fromkeys((each.topic, each.body) for each in completed))
     return sorted(completed, key=lambda each: topics.index((each.topic, each.body)))
 

@@ -208,16 +208,18 @@ class Body(OfMaterial):
         return found._with_hardness()
 
     def _with_hardness(self) -> Self:
-        """The body with a hardness that the yield stress of its surface suggests, where none is given."""
-        surface = self.coating or self
-        if self.hardness is None and surface.yield_stress is not None:
-            self.__dict__["hardness"] = HARDNESS_OVER_YIELD * surface.yield_stress
+        """The body with the hardness that its yield stress suggests, where none is given.
+
+        A coated body has none: its hardness is neither that of the coating nor that of the base.
+        """
+        if self.hardness is None and self.yield_stress is not None and self.coating is None:
+            self.__dict__["hardness"] = HARDNESS_OVER_YIELD * self.yield_stress
             self._hardness_is_estimated = True
         return self
 
     hardness: Hardness | None = optional(
-        "from the material, without a coating; else 3 times the yield stress of its surface (Tabor); without "
-        "a value an elastic contact",
+        "without a coating from the material, else 3 times the yield stress (Tabor); without a value an "
+        "elastic contact",
         example="7 GPa",
         varied=True,
     )

@@ -248,9 +248,7 @@ class Cycles(Question):
             if variable.startswith("shakedown") and value >= LARGEST_FACTOR:
                 yield Record(quantity, value, unit, words=NO_CHANGE, **of, **more)
                 continue
-            error = float(np.hypot(np.nan_to_num(stages.bodies[body].cycle_error(variable)), few)) * abs(
-                value
-            )
+            error = float(np.hypot(stages.bodies[body].cycle_error(variable), few)) * abs(value)
             record = Record(quantity, value, unit, position=position, varies=True, **of, **more)
             yield record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
@@ -348,10 +346,8 @@ def _verdict(records: list[Record], area: float) -> str:
             text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
         if cracks := [each.value for each in records if each.quantity == CRACKS]:
             chance = -math.expm1(-max(cracks) * area)
-            text += (
-                f"; by the stressed volume a crack starts on {shown_si(area, 'm^2', 3)} with a probability "
-            )
-            text += f"of {chance:.2g}"
+            text += f"; by the stressed volume a crack starts on {shown_si(area, 'm^2', 3)} with "
+            text += f"a probability of {chance:.2g}"
         found.append(text)
     if worst["shakedown_lower"] and worst["shakedown_upper"]:
         low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
