@@ -7,8 +7,10 @@ from project import ROOT
 import asperity as asp
 from asperity.cli.main import main
 from asperity.engineering.case import Case
-from asperity.engineering.templates import ALSO
+from asperity.engineering.case_file import load_case
+from asperity.engineering.templates import WORDS
 from asperity.settings.model import described, entry_of
+from asperity.surface.reading.container import maps_in
 
 MAP = str(ROOT / "src/asperity/engineering/maps/ground_1.x3p")
 ROLLER = {"hertz_pressure": "1 GPa", "radius_x": "5 mm", "radius_y": "inf"}
@@ -51,7 +53,7 @@ def test_a_guessed_command_is_told_another(capsys, word, meant):
     assert meant in said(capsys, word)
 
 
-@pytest.mark.parametrize("key", dict.fromkeys(ALSO.values()))
+@pytest.mark.parametrize("key", WORDS)
 def test_words_stand_for_keys_that_exist(key):
     assert entry_of(Case, key)
     assert described(Case)
@@ -122,9 +124,8 @@ def test_a_material_without_fatigue_limits_is_named_with_the_numbers_that_remain
 
 def test_errors_that_are_not_known_are_said_everywhere():
     """Below 200 nodes in contact; equal numbers have equal errors by the inputs."""
-    answer = asp.run(
-        ground(), STEEL | {"young": "210 GPa ± 10 %", "yield_stress": "1 GPa"}, mean_pressure=9e6
-    )
+    steel = STEEL | {"young": "210 GPa ± 10 %", "yield_stress": "1 GPa"}
+    answer = asp.run(ground(), steel, mean_pressure=9e6)
     table = answer.frame().set_index("quantity")
     for name in ("maximum pressure", "maximum von Mises stress", "rms gradient in contact"):
         assert "discretisation" in answer[name].unknown
@@ -132,9 +133,36 @@ def test_errors_that_are_not_known_are_said_everywhere():
         assert "not known" in answer[name].best_text() or "± without" in answer[name].best_text()
         assert "discretisation" in table.loc[name, "not_known"]
     assert "not known" in " ".join(answer.verdict)
-    assert {"the inputs"} <= set(answer["contact area"].unknown) & set(
-        answer["contact area fraction"].unknown
-    )
+    assert all("the inputs" in answer[name].unknown for name in ("contact area", "contact area fraction"))
     volume, depth = (answer[f"volume above yield{of}"] for of in ("", " per area"))
     assert volume.error / volume.value == pytest.approx(depth.error / depth.value, rel=1e-9)
     assert answer["force"].errors == {}
+
+
+def test_a_container_of_contact_engineering_is_a_sample(tmp_path, capsys):
+    """Its maps become files beside it, with edges, unit and instrument; line scans are left out."""
+    package = pytest.importorskip("SurfaceTopography")
+    from SurfaceTopography.Container.IO import write_containers
+    from SurfaceTopography.Container.SurfaceContainer import InMemorySurfaceContainer
+
+    heights = ground(32).height * 1e9
+    info = {"name": "../spot ä", "instrument": {"name": "GT-K", "type": "undefined", "parameters": {}}}
+    maps = [package.Topography(heights.T * part, (2e5, 2e5), unit="nm", info=info) for part in (1.0, 0.9)]
+    line = package.UniformLineScan(heights[0], 2e5, unit="nm", info=info)
+    surface, path = InMemorySurfaceContainer([*maps, line]), str(tmp_path / "ring.zip")
+    write_containers([surface], path)
+    steel = ["--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "5 MPa", "--check"]
+    assert main(["run", path, *steel]) == 0
+    assert "2 maps, 32 × 32 nodes" in capsys.readouterr().out
+    first, second = maps_in(path)
+    found = asp.read_map(first)
+    np.testing.assert_allclose(
+        found.height - found.height.mean(), 1e-9 * (heights - heights.mean()), atol=1e-15
+    )
+    assert (found.unit, "instrument: GT-K" in found.notes) == ("nm", True)
+    assert found.length == pytest.approx((2e-4, 2e-4))
+    (tmp_path / "case.yaml").write_text("map: ring.zip\nsample: {}\n")
+    assert load_case(tmp_path / "case.yaml")["map"]["file"] == [first, second]
+    write_containers([surface, surface], path)
+    assert main(["run", path, *steel]) == 1
+    assert "a container of one surface is needed, it holds 2" in capsys.readouterr().err

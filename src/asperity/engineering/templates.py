@@ -22,41 +22,32 @@ PACKAGE = "asperity.engineering"
 WIDTH = 100
 """Characters of a line of comment."""
 
-ALSO = {
-    "ball": "load.radius_x",
-    "bearing": "load.hertz_pressure",
-    "coating": "body.layers.0.thickness",
-    "e": "body.young",
-    "film_thickness": "film.lambda_ratio",
-    "filter": "map.s_filter",
-    "gear": "load.hertz_pressure",
-    "hertz": "load.hertz_pressure",
-    "layer": "body.layers.0.thickness",
-    "leakage": "leak.pressure_difference",
-    "level": "map.detrend",
-    "life": "cycles.fatigue_scatter",
-    "load": "load.mean_pressure",
-    "modulus": "body.young",
-    "mu": "sliding.friction",
-    "nu": "body.poisson",
-    "orient": "map.orientation",
-    "pixel": "map.physical_size",
-    "radius": "load.radius_x",
-    "resolution": "map.points",
-    "roller": "load.radius_x",
-    "rolling": "cycles.shifts",
-    "roughness": "map.file",
-    "run_in": "running_in.loads",
-    "seal": "leak.pressure_difference",
-    "shakedown": "cycles.shifts",
-    "size": "map.physical_size",
-    "spikes": "map.despike",
-    "strength": "body.yield_stress",
-    "thickness": "body.layers.0.thickness",
-    "tolerance": "sensitivity.tolerances",
-    "wear": "running_in.loads",
+WORDS = {
+    "load.radius_x": "ball radius roller",
+    "load.hertz_pressure": "bearing gear hertz",
+    "body.layers.0.thickness": "coating layer thickness",
+    "body.young": "e modulus",
+    "film.lambda_ratio": "film_thickness",
+    "map.s_filter": "filter",
+    "leak.pressure_difference": "leakage seal",
+    "map.detrend": "level",
+    "cycles.fatigue_scatter": "life",
+    "load.mean_pressure": "load",
+    "sliding.friction": "mu",
+    "body.poisson": "nu",
+    "map.orientation": "orient",
+    "map.physical_size": "pixel size",
+    "map.points": "resolution",
+    "cycles.shifts": "rolling shakedown",
+    "map.file": "roughness",
+    "running_in.loads": "run_in wear",
+    "map.despike": "spikes",
+    "body.yield_stress": "strength",
+    "sensitivity.tolerances": "tolerance",
 }
-"""Word for a group or setting → its key."""
+"""Key of a setting → other words for it."""
+
+ALSO = {word: key for key, words in WORDS.items() for word in words.split()}
 
 
 def templates() -> dict[str, Any]:

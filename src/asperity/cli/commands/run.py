@@ -44,7 +44,10 @@ def run(options: argparse.Namespace) -> None:
         return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     from asperity.engineering.jobs import Arrangement, arranged
+    from asperity.surface.reading.container import maps_in
 
+    maps = [each for path in options.map for each in maps_in(path)]
+    options.pooled, options.map = options.pooled or len(maps) > len(options.map), maps
     contents, sources, given, problems = _contents(options)
     pooled = options.pooled or any("sample" in content for content in contents)
     arrangement: Arrangement = arranged(contents, options.out, pooled=pooled, only=options.only or "")
