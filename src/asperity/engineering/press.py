@@ -11,6 +11,7 @@ from asperity.contact import Contact, solve_contact
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
+from asperity.engineering.face import RoughFace
 from asperity.engineering.scene import Scene
 from asperity.settings.load import LARGEST_LOAD, Hertz
 from asperity.settings.model import Problem, SettingsError
@@ -34,10 +35,26 @@ def press(
     """
     imposed = imposed_load(face, case)
     hardness = hardness or case.hardness
-    if case.hardness_is_estimated and imposed.get("mean_pressure", 0.0) >= (hardness or math.inf):
-        hardness = None  # under a larger force no contact bears the load
+    is_full = _is_full(face, case)
+    if case.hardness_is_estimated and (
+        is_full or imposed.get("mean_pressure", 0.0) >= (hardness or math.inf)
+    ):
+        hardness = None  # no contact bears the load
     options = {"hardness": hardness, "boundary": face.boundary, **imposed}
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
+
+
+def mean_pressure(case: Scene, rough: RoughFace | None = None) -> float:
+    """The mean pressure that a load imposes on the map, as far as it is known; 0 for an approach or area."""
+    if case.load.kind == "force" and not isinstance(case.load, Hertz):
+        return case.load.value / rough.face.grid.area if rough else 0.0
+    return 0.0 if case.load.kind in ("normal_approach", "contact_area_fraction") else case.cell_pressure
+
+
+def _is_full(face: TreatedMap, case: Scene) -> bool:
+    """True if all nodes of a periodic map are to touch."""
+    size, is_area = face.height.size, case.load.kind == "contact_area_fraction"
+    return is_area and face.boundary == "periodic" and round(case.load.value * size) == size
 
 
 def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
@@ -50,6 +67,12 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
         if wrong := [*case.problems_of_pressure(mean_pressure)]:
             raise SettingsError("", [Problem(*each) for each in wrong])
         return {"mean_pressure": mean_pressure}
+    if _is_full(face, case) and case.hardness and not case.hardness_is_estimated:
+        full = solve_contact(face.height, case.solid, face.grid, contact_area_fraction=1.0)
+        if full.maximum_pressure > case.hardness:
+            taken = f"full contact takes a pressure of {shown_si(full.maximum_pressure, 'Pa')}"
+            needed = f": less is needed under a hardness of {shown_si(case.hardness, 'Pa')}, {taken}"
+            raise SettingsError("", [Problem("load.contact_area_fraction", f" = {load.value:g}{needed}")])
     if load.kind != "normal_approach":
         return {load.kind: load.value}
     least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.period)

@@ -154,7 +154,7 @@ class Record:
 
     def with_error(self, cause: str, error: float) -> Record:
         """The record with the error of a cause, in its unit; if it is NaN, the record lacks it."""
-        if math.isnan(error) and cause not in self.errors:
+        if math.isnan(error) and cause not in self.errors and cause != POSITIONS:  # which `varies` says
             return replace(self, lacks=(*self.lacks, cause))
         return replace(self, errors={**self.errors, cause: error}) if error > 0 else self
 

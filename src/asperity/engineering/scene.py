@@ -197,16 +197,15 @@ class Scene(Settings):
     def hardness(self) -> float | None:
         """The smaller hardness of the bodies; None if they have none.
 
-        One that is only estimated is left out where no contact under it exists: under a larger pressure, in
-        full contact, and in partial slip, whose contact is elastic.
+        One that is only estimated is left out under a larger pressure, which no contact bears, and in partial
+        slip, whose contact is elastic.
         """
         if self.softer is None:
             return None
         found, kind = self.softer.hardness, self.load.kind
         if self.softer.hardness_is_estimated and found is not None:
             is_pressure = kind in ("mean_pressure", "hertz_pressure") or self.hertz_contact is not None
-            full = kind == "contact_area_fraction" and self.load.value == 1
-            if "partial_slip" in self.questions or full or (is_pressure and self.cell_pressure >= found):
+            if "partial_slip" in self.questions or (is_pressure and self.cell_pressure >= found):
                 return None
         return found
 

@@ -46,6 +46,9 @@ from asperity.engineering.scene import Scene
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
+FEWEST_NODES = 3
+"""Least nodes on an edge of a map, of which peaks of the stress are found."""
+
 STRESS = 2.0
 """Work of the stress in a body; the contact has a work of 1."""
 
@@ -356,6 +359,9 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
                 text += ", or press the whole form with its force or pressure: map.radius and map.radius_y "
                 text += "with map.periodic = none"
                 found.append((f"load.radius_{axis}", text))
+    ny, nx = rough.face.grid.shape
+    if min(ny, nx) < FEWEST_NODES:
+        found.append(("map", f": at least {FEWEST_NODES} nodes on each edge are needed, it has {ny} × {nx}"))
     for question in case.questions.values():
         found += [*question.problems(case, rough)]
     try:

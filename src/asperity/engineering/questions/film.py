@@ -104,7 +104,7 @@ class Film(Question):
             for name, body in case.groups_of_bodies.items()
             if body.hardness is not None and case.hardness is not None
         }
-        return case.replaced(load=part, **softer), rough, None
+        return case.replaced(load=part, sensitivity=None, **softer), rough, None
 
     def loaded(self, loaded: LoadedSolid, contact: Contact, tractions: xr.Dataset | None) -> LoadedSolid:
         """A body under the pressure of the asperities and the pressure of the film."""
