@@ -8,6 +8,8 @@ import asperity as asp
 from asperity.cli.main import main
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import load_case
+from asperity.engineering.jobs import arranged
+from asperity.engineering.stages import answer_of
 from asperity.engineering.templates import WORDS
 from asperity.settings.model import described, entry_of
 from asperity.surface.reading.container import maps_in
@@ -137,6 +139,7 @@ def test_errors_that_are_not_known_are_said_everywhere():
     volume, depth = (answer[f"volume above yield{of}"] for of in ("", " per area"))
     assert volume.error / volume.value == pytest.approx(depth.error / depth.value, rel=1e-9)
     assert answer["force"].errors == {}
+    assert "discretisation" in asp.pool([answer])["maximum pressure"].unknown
 
 
 def test_a_container_of_contact_engineering_is_a_sample(tmp_path, capsys):
@@ -166,3 +169,45 @@ def test_a_container_of_contact_engineering_is_a_sample(tmp_path, capsys):
     write_containers([surface, surface], path)
     assert main(["run", path, *steel]) == 1
     assert "a container of one surface is needed, it holds 2" in capsys.readouterr().err
+
+
+SOFT = {"young": "2 GPa", "poisson": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("body", "groups", "refused"),
+    [
+        (SOFT, {"load": {"force": "2 N"}, "running_in": {"hardness": "20 MPa"}}, "running_in.hardness"),
+        (
+            SOFT | {"hardness": "1 MPa"},
+            {"load": {"contact_area_fraction": 1.0}},
+            "load.contact_area_fraction",
+        ),
+        (SOFT, {"load": {"mean_pressure": "1 MPa"}, "map": {"crop": ["30 um", "1 mm"]}}, "map"),
+        (SOFT | {"yield_stress": "30 MPa"}, {"load": {"mean_pressure": "1 MPa"}, "running_in": {}}, ""),
+        (SOFT | {"yield_stress": "1 MPa"}, {"load": {"contact_area_fraction": 1.0}}, ""),
+        (
+            SOFT | {"yield_stress": "30 MPa"},
+            {
+                "load": {"mean_pressure": "1 MPa"},
+                "sliding": {"friction": 0.5, "direction": "x"},
+                "partial_slip": {"tangential_displacement": "1 mm"},
+            },
+            "",
+        ),
+        (
+            SOFT | {"hardness": "60 MPa ± 20 %"},
+            {"load": {"mean_pressure": "1 MPa"}, "running_in": {}, "film": {"load_fraction": 0.3}},
+            "",
+        ),
+    ],
+)
+def test_the_check_refuses_all_that_a_run_refuses(body, groups, refused, tmp_path):
+    """What is accepted is answered: sliding, full contact and running-in at the documented default, too."""
+    np.save(tmp_path / "map.npy", ground(16).height)
+    options = {"file": str(tmp_path / "map.npy"), "unit": "m", "physical_size": ["200 um", "200 um"]}
+    content = groups | {"body": body, "map": options | {"periodic": "declared"} | groups.get("map", {})}
+    (job,) = arranged([content], tmp_path / "out").jobs
+    assert [each.key for each in job.problems] == ([refused] if refused else [])
+    if not refused:
+        assert answer_of(job.case, job.rough).records

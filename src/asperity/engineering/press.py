@@ -35,10 +35,8 @@ def press(
     """
     imposed = imposed_load(face, case)
     hardness = hardness or case.hardness
-    is_full = _is_full(face, case)
-    if case.hardness_is_estimated and (
-        is_full or imposed.get("mean_pressure", 0.0) >= (hardness or math.inf)
-    ):
+    is_beyond = _is_full(face, case) or imposed.get("mean_pressure", 0.0) >= (hardness or math.inf)
+    if case.hardness_is_estimated and is_beyond:
         hardness = None  # no contact bears the load
     options = {"hardness": hardness, "boundary": face.boundary, **imposed}
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)

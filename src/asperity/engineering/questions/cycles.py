@@ -213,6 +213,10 @@ class Cycles(Question):
         assert self.shifts is not None
         height, film = rough.face.height, case.questions.get("film")
         upper = np.zeros_like(height) if rough.upper is None else rough.upper
+        most = mean_pressure if (smooth := case.hertz_contact) is None else smooth.maximum_pressure
+        hardness = case.hardness or math.inf
+        if case.hardness_is_estimated and most >= hardness:
+            hardness = math.inf  # no contact bears the load
         return MovingContact(
             upper - height,
             upper,
@@ -220,12 +224,12 @@ class Cycles(Question):
             rough.face.grid,
             shifts=self.shifts,
             sliding_direction=case.sliding_direction,
-            mean_pressure=mean_pressure if case.hertz_contact is None else None,
-            hertz=case.hertz_contact,
+            mean_pressure=mean_pressure if smooth is None else None,
+            hertz=smooth,
             at=case.load.at if isinstance(case.load, Hertz) else (0.0, 0.0),
             slide_to_roll=self.slide_to_roll,
             friction=case.friction,
-            hardness=case.hardness,
+            hardness=hardness,
             film_share=0.0 if film is None else film.share,
             wavelength_short=rough.face.wavelength_short,
             progress=progress,
