@@ -184,6 +184,7 @@ SOFT = {"young": "2 GPa", "poisson": 0.3}
             "load.contact_area_fraction",
         ),
         (SOFT, {"load": {"mean_pressure": "1 MPa"}, "map": {"crop": ["30 um", "1 mm"]}}, "map"),
+        (SOFT, {"load": {"contact_area_fraction": 1.0}, "sensitivity": {}}, "load.contact_area_fraction"),
         (SOFT | {"yield_stress": "30 MPa"}, {"load": {"mean_pressure": "1 MPa"}, "running_in": {}}, ""),
         (SOFT | {"yield_stress": "1 MPa"}, {"load": {"contact_area_fraction": 1.0}}, ""),
         (

@@ -18,7 +18,7 @@ from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import FRACTION, PER_AREA, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.body import OF_LAYER
-from asperity.settings.model import Number, Settings, value_at, with_value
+from asperity.settings.model import Number, Settings, SettingsError, value_at, with_value
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -55,11 +55,19 @@ class Sensitivity(Question):
                 yield key, f": a tolerance is accepted for {', '.join(known)}"
             elif not 0 <= tolerance < 1:
                 yield key, f": a tolerance below 100 % is needed, ± {100 * tolerance:g} % is given"
+        for key in known if rough is None else ():
+            try:
+                varied(self._alone(case), key)
+            except SettingsError as error:
+                yield key, f": one per cent more, of the sensitivity, is refused ({error.found[0]})"
 
     def other_cases(self, case: Any) -> dict[str, Any]:
         """The cases with one per cent more of an input, by its key."""
-        alone = case.replaced(sensitivity=None, load_curve=None)
-        return {key: varied(alone, key) for key in inputs_of(case)}
+        return {key: varied(self._alone(case), key) for key in inputs_of(case)}
+
+    def _alone(self, case: Any) -> Any:
+        """The case without this question and without a load curve."""
+        return case.replaced(sensitivity=None, load_curve=None)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Changes of each number at the top of the page, and its error by the tolerances of the inputs."""
