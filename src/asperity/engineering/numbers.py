@@ -229,7 +229,8 @@ def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float
     values = limit_of(limits, quantity)
     estimate = size * values["estimate"]
     if not (math.isfinite(estimate) and values["error"] > 0):
-        return replace(record, lacks=(DISCRETISATION,)) if record.value else record
+        is_known = values["error"] == 0 or not record.value
+        return record if is_known else replace(record, lacks=(DISCRETISATION,))
     error = abs(estimate) * values["error"]
     if values["estimate"] == values["on_grid"]:  # extreme stresses have an error, and no correction
         return record.with_error(DISCRETISATION, error)
