@@ -162,21 +162,12 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
 
 def _cost_in_words(jobs: Sequence[Any]) -> str:
     """Nodes, time and memory of some cases, as far as they are known before."""
-    from asperity.engineering.stages import work_of
-    from asperity.study.cost.model import answer_cost, minutes, time_factor
+    from asperity.app.map_job import cost_of
 
-    costs = []
-    for job in jobs:
-        face = job.rough.face
-        work = sum(work_of(job.case, face.grid.mirrored).values())
-        costs.append(answer_cost(work, face.height.size, face.boundary))
     ny, nx = max((job.rough.face.grid.shape for job in jobs), key=lambda shape: shape[0] * shape[1])
-    seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
-    maps = "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
-    return (
-        f"nothing wrong was found; {maps}, {ny} × {nx} nodes, about "
-        f"{minutes(seconds)} of one processor and {max(cost.memory for cost in costs) / 1e9:.1f} GB"
-    )
+    (time, memory), maps = cost_of(jobs), "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
+    size = f"{maps}, {ny} × {nx} nodes"
+    return f"nothing wrong was found; {size}, about {time} of one processor and {memory / 1e9:.1f} GB"
 
 
 def _is_written(save: str, out: Path) -> bool:
