@@ -29,11 +29,11 @@ from .settings.model import SettingsError as SettingsError
 from .stress.analysis import analyse_stress as analyse_stress
 from .stress.planes.planes import stress_planes as stress_planes
 from .stress.section import stress_section as stress_section
+from .surface.description import prepare_map as prepare_map
 from .surface.reading.height_map import HeightMap as HeightMap
 from .surface.reading.height_map import MapError as MapError
 from .surface.reading.map_file import read_map as read_map
 from .surface.roughness import roughness_parameters as roughness_parameters
 from .surface.self_affine import self_affine as self_affine
-from .surface.treatment.treatment import prepare_map as prepare_map
 
 __version__: str

@@ -74,7 +74,7 @@ def test_result_files_are_in_si_and_agree(folder):
 
 def test_the_report_is_whole_without_a_network(folder):
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert page.count("data:image/png;base64,") == 5
+    assert page.count("data:image/png;base64,") == 6
     assert not re.findall(r'(?:src|href)="(?!data:)', page)
     assert not re.findall(r"\b(?:fetch|import)\(|XMLHttpRequest|@import|url\(", page)
     assert "http" not in re.sub(r"doi\S+|base64,\S+", "", page)
@@ -242,7 +242,7 @@ def test_a_case_file_can_say_the_materials(path, tmp_path, capsys, refused):
     assert "E = 210 GPa, ν = 0.3 against E = 70 GPa, ν = 0.33, force imposed: 1 N" in printed
     assert (out / "stress_lower.nc").exists()
     drawn = {f"{kind}_xx_{body}" for kind in ("section", "plane", "peaks") for body in ("lower", "upper")}
-    assert {path.stem for path in out.glob("*.png")} == {"height", "pressure", *drawn}
+    assert {path.stem for path in out.glob("*.png")} == {"height", "pressure", "plastic_depth", *drawn}
     assert set(pd.read_csv(out / "peaks.csv")["quantity"]) == {"pressure", "xx"}
     assert dataset.read(out / "stress_upper.nc").attrs["yield_stress"] == 1e9
     config.write_text("body: {young: 210}\nload: {mean_pressure: 1 GPa}\ncolour: red")

@@ -101,8 +101,8 @@ SPECTRUM = '{"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}'
 RUN = "run {surface} --young 1GPa --poisson 0.3 --unit m --out {folder}/out"
 
 COMMANDS = [
-    ("polish", 2, "invalid choice: 'polish'"),
-    ("solve s.nc", 2, "invalid choice: 'solve'"),
+    ("polish", 2, "'polish': one of run, compare"),
+    ("solve s.nc", 2, "'solve': one of run, compare"),
     ("study init", 2, "the following arguments are required: FOLDER"),
     ("view {contact} gap --ot x.png", 2, "--ot: not accepted; did you mean --out?"),
     (f"plan {SPECTRUM} --contact-area-fraction {HUGE}", 2, "999...: a number is needed"),
@@ -156,7 +156,7 @@ COMMANDS = [
         2,
         "--contact-area-fraction = -0.001: a number > 0 and ≤ 1 is needed",
     ),
-    (f"{RUN} --set load.hertz_pressure=1GPa", 2, "load.hertz_pressure: needs radius_x"),
+    (f"{RUN} --set load.hertz_pressure=1GPa", 2, "--hertz-pressure: needs radius_x"),
     (
         f"{RUN} --set load.radius_x=5mm --contact-area-fraction 0.1",
         2,

@@ -1,5 +1,6 @@
 """Every warning is given where it applies and not where it does not, in an answer with values replaced."""
 
+import math
 from dataclasses import is_dataclass, replace
 from typing import NamedTuple
 
@@ -95,7 +96,11 @@ FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
     [
         ({STRESS: 2.1e9}, "warning", "stress beyond yield"),
         ({STRESS: 2.1e9, "asked.body.hardness": 6e9}, "warning", "stress beyond yield"),
-        ({"numbers.nominal_pressure": 6.1e9}, "warning", "load beyond the hardness"),
+        (
+            {"numbers.nominal_pressure": 6.1e9, "contact.hardness": math.inf},
+            "warning",
+            "load beyond the hardness",
+        ),
         ({f"{BODY}.yield_stress": None, f"{BODY}.young": 6e9}, "warning", "stress beyond any yield stress"),
         ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
         (

@@ -22,7 +22,7 @@ def ground(shape=(96, 128), pixel=2e-6, seed=1):
 
 
 def test_map_wider_than_its_hertz_contact_names_both_remedies():
-    with pytest.raises(SettingsError, match=r'map\.crop = "66 µm".*map\.radius and map\.radius_y'):
+    with pytest.raises(SettingsError, match=r"map\.crop = fit, which is 66 µm along x.*map\.radius"):
         asp.run(ground(), STEEL, STEEL, load=BALL)
 
 

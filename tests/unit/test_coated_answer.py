@@ -103,7 +103,10 @@ test_wrong_coating_is_refused = refuses(
     (lambda: asp.Solid(1.0, 0.3, base=STEEL), "height = None: the height of the layer is needed"),
     (lambda: asp.Solid(1.0, 0.3, 1.0, base=asp.Solid(1.0, 0.3, 2.0, "free")), "base = Solid.*: one whose"),
     (lambda: asp.Solid(1.0, 0.3, 1.0, base="steel"), "base = 'steel': a Solid"),
-    (lambda: asp.solve_contact(np.zeros((8, 8)), LAYER, force=1.0, boundary="free"), "boundary = 'free'"),
+    (
+        lambda: asp.solve_contact(np.zeros((8, 8)), LAYER, 1.0, force=1.0, boundary="free"),
+        "boundary = 'free'",
+    ),
     (lambda: asp.elasticity.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Solid.*: one without a base"),
     (lambda: LAYER.green_tensor(1.0, 0.0), "base = Solid.*: None is needed"),
     (lambda: asp.stress.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),

@@ -197,7 +197,7 @@ def test_huge_start_and_tension_change_nothing(scale, kind, method):
 
 
 def test_each_body_carries_the_common_pressure():
-    contact = solve_contact(rough(), asp.TwoBodies(STEEL, COATING), mean_pressure=1e7)
+    contact = solve_contact(rough(), asp.TwoBodies(STEEL, COATING), 1.0, mean_pressure=1e7)
     for name, layer in (("lower", STEEL), ("upper", COATING)):
         body = contact.in_body(name)
         assert body.layer is layer

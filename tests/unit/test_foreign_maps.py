@@ -11,11 +11,10 @@ import xarray as xr
 import asperity as asp
 from asperity.engineering.face import read_face
 from asperity.settings.map import CounterMap, Map
-from asperity.surface.description import describe_map, map_warnings
+from asperity.surface.description import describe_map, map_warnings, prepare_map
 from asperity.surface.reading.agreement import repeated_height
 from asperity.surface.reading.height_map import MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
-from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
 

@@ -42,7 +42,7 @@ def test_numbers_are_those_of_partial_slip(fretting):
     soft = STEEL.replaced(yield_stress=200e6)
     other = run(a_rough_map(), soft, soft, **HALF | by_displacement)
     assert values(other)["tangential force"] == pytest.approx(0.5 * LIMIT, rel=1e-4)
-    assert other["hardness"].value == 600e6  # solved without the tangential displacement
+    assert np.isinf(other.contact.hardness)  # the one that the yield stress suggests is left out
 
 
 def test_larger_force_than_friction_slides():

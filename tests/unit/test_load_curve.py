@@ -132,17 +132,32 @@ def test_smaller_hardness_counts():
         assert contact.hardness == pytest.approx(4e9)
 
 
-def test_yield_stress_suggests_a_hardness():
-    """The answer describes the elastic contact, with the plastic one beside it."""
-    elastic, answer = answer_of(), answer_of(yield_stress=4e9 / 3)
-    np.testing.assert_array_equal(answer.contact.pressure, elastic.contact.pressure)
-    assert plastic(elastic) == {}
-    hard, found = answer_of(hardness=4e9), plastic(answer)
-    areas = [each["contact area fraction"].value for each in (hard, elastic)]
-    assert found["plastic contact area fraction"] == areas[0] > areas[1]
-    load = "load fraction at the hardness"
-    assert found[load] == pytest.approx(plastic(hard)[load])
-    assert plastic(answer_of(yield_stress=100e9)) == {}
+def test_yield_stress_is_a_hardness_and_the_elastic_numbers_stand_beside():
+    """Tabor's, unless another is given, the load is beyond it, or no pressure reaches it."""
+    elastic, answer = answer_of(yield_stress=4e9 / 3, hardness=np.inf), answer_of(yield_stress=4e9 / 3)
+    hard = answer_of(hardness=4e9)
+    np.testing.assert_array_equal(answer.contact.pressure, hard.contact.pressure)
+    for name in ("contact area fraction", "maximum pressure"):
+        assert answer[f"{name}, elastic"].value == pytest.approx(elastic[name].value)
+        assert f"{name}, elastic" not in {each.quantity for each in (*elastic.records, *hard.records)}
+    assert any(text.startswith("model: an elastic contact") for text in answer.uncertainties)
+    assert "3 times the yield stress" in answer["hardness"].note
+    for limit in (100e9, 30e6):  # far above all pressures, and below a third of the mean pressure
+        contact = answer_of(yield_stress=limit).contact
+        np.testing.assert_array_equal(contact.pressure, elastic.contact.pressure)
+    beyond = [each.subject for each in answer_of(yield_stress=30e6).warnings]
+    assert "load beyond the hardness" in beyond
+
+
+def test_a_larger_force_than_any_hardness_is_answered_elastically():
+    """As is a full contact; a hardness that is given refuses the first."""
+    soft, edge = {"young": 1e9, "poisson": 0.3, "yield_stress": 1e6}, 1e-4
+    height = asp.self_affine((16, 16), 0.8, edge / 2, edge / 4, 1e-7, seed=1, length=edge)
+    surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m")
+    for load in ({"force": 4e6 * edge**2}, {"contact_area_fraction": 1.0}):
+        assert np.isinf(run(surface, asp.Body(**soft), **load).contact.hardness)
+    with pytest.raises(asp.SettingsError, match="more than the pressure 4 MPa is needed"):
+        run(surface, asp.Body(**soft, hardness=3e6), force=4e6 * edge**2)
 
 
 test_wrong_hardness_is_refused = refuses(

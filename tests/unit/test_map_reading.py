@@ -17,14 +17,13 @@ import xarray as xr
 
 from asperity.cli.main import main
 from asperity.settings.model import SettingsError
-from asperity.surface.description import describe_map, map_warnings, spectrum_summary
+from asperity.surface.description import describe_map, map_warnings, prepare_map, spectrum_summary
 from asperity.surface.reading.formats import known_formats
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
 from asperity.surface.roughness import finest_tip, moments, texture
 from asperity.surface.self_affine import self_affine
 from asperity.surface.treatment import levelling
-from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
 tifffile = pytest.importorskip("tifffile")
@@ -60,6 +59,7 @@ def test_a_channel_is_chosen_by_name_or_number():
         read_map(DATA / "steel.gwy", channel="Phase")
 
 
+@pytest.mark.filterwarnings("ignore:.*is m the unit", "ignore:.*is this right", "ignore:.*units")
 def test_an_array_is_pressed_as_its_orientation_says(tmp_path):
     """Read from a file as a lower face, or upside down as a map."""
     height = np.random.default_rng(1).normal(size=(12, 16))

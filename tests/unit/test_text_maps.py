@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.surface.description import describe_map
+from asperity.surface.description import describe_map, prepare_map
 from asperity.surface.reading.height_map import MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
-from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
 tifffile = pytest.importorskip("tifffile")
@@ -86,6 +85,7 @@ def test_a_unit_that_is_not_stated_is_asked(tmp_path, heading, asked, answer):
         assert not found.notes
 
 
+@pytest.mark.filterwarnings("ignore:.*is m the unit", "ignore:.*is this right", "ignore:.*units")
 @pytest.mark.parametrize(
     ("given", "edges", "vertical", "note"),
     [

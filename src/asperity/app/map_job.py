@@ -123,7 +123,7 @@ class MapJob:
         if first.case is not None:
             found |= _of_case(first.case)
         if not problems:
-            found["cost"] = _cost(jobs)
+            found["cost"] = cost_of(jobs)
         return found
 
     def _description(self, options: Map) -> dict[str, str]:
@@ -169,17 +169,16 @@ def _of_case(case: Case) -> dict[str, Any]:
     return found
 
 
-def _cost(jobs: Sequence[Job]) -> tuple[str, float]:
+def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     """Time of one processor in words, and memory of the largest job in bytes."""
     from asperity.engineering.stages import work_of
     from asperity.study.cost.model import answer_cost, minutes, time_factor
 
-    faces = [job.rough.face for job in jobs if job.rough is not None]
-    work = [
-        sum(work_of(job.case, face.grid.mirrored).values()) for job, face in zip(jobs, faces, strict=True)
-    ]
-    costs = [
-        answer_cost(each, face.height.size, face.boundary) for each, face in zip(work, faces, strict=True)
-    ]
+    costs = []
+    for job in jobs:
+        assert job.rough is not None
+        face = job.rough.face
+        work = sum(work_of(job.case, face.grid.mirrored).values())
+        costs.append(answer_cost(work, face.height.size, face.boundary))
     seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
     return minutes(seconds), max(cost.memory for cost in costs)

@@ -48,6 +48,9 @@ from asperity.elasticity.loaded_solid import LoadedSolid, degrees_of
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Fourier, with_mirror_images
 
+ALL_SLIPS = "where all slips"
+"""End of the message on a tangential displacement beyond which the bodies slide."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PartialSlip:
@@ -300,7 +303,7 @@ def partial_slip(
     if not sticking >= lowest:
         limit = friction * slip.compliance_ratio * (contact.approach - lowest)
         raise ValueError(
-            f"tangential_displacement = {displacement:.6g}: at most {limit:.6g} is needed, where all slips"
+            f"tangential_displacement = {displacement:.6g}: at most {limit:.6g} is needed, {ALL_SLIPS}"
         )
     return replace(slip, sticking=_under(contact, approach=sticking))
 

@@ -48,6 +48,9 @@ FULL_CONTACT = (
 # most 10,000 iterations; with a ratio of 1000 some are not.
 MAX_SPACING_RATIO = 300.0
 
+SMALLEST_IN_PASCAL = 1e3
+"""Effective modulus from which a solid is in SI units; gels have 1 kPa."""
+
 _LEAST_LOAD, _LARGEST_LOAD = 1e-150, 1e150
 _LOAD = (
     f"0 or a number from {_LEAST_LOAD:g} to {_LARGEST_LOAD:g}",
@@ -65,14 +68,14 @@ _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
 def solve_contact(
     height: ArrayLike,
     solid: Solids,
-    length: Edges = 1.0,
+    length: Edges | None = None,
     *,
     contact_area_fraction: float | None = None,
     mean_pressure: float | None = None,
     force: float | None = None,
     approach: float | None = None,
     hardness: float | None = None,
-    boundary: str = "periodic",
+    boundary: str | None = None,
     method: str = "active_set",
     rtol: float = 1e-6,
     dtype: DTypeLike = "float64",
@@ -86,13 +89,15 @@ def solve_contact(
 
     Parameters
     ----------
-    height : (ny, nx) array
+    height : (ny, nx) array, or map
         Lower face of the indenter, measured upward, in the unit of `length`; for two bodies the lower face of
-        the upper one less the upper face of the lower one.
+        the upper one less the upper face of the lower one. Or a map as `asperity.prepare_map` returns it,
+        which has its grid and boundary.
     solid : Solid or TwoBodies
         One elastic solid under a rigid indenter, or two elastic bodies.
-    length : float or (length_y, length_x)
-        Edges of the map, number of nodes × spacing, and of the cell if it repeats. A map that its mirror
+    length : float or (length_y, length_x), optional
+        Edges of the map, number of nodes × spacing, and of the cell if it repeats; needed with an array in SI
+        units, else 1 by default. A map that its mirror
         images continue needs ``asp.Grid(shape, length, mirrored=True)``: its three images are in contact,
         too.
     contact_area_fraction : float
@@ -112,10 +117,10 @@ def solve_contact(
         Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
         that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact
         is elastic everywhere. Needs method "active_set".
-    boundary : "periodic" | "free"
-        "periodic": the map, or the map with its mirror images, repeats in both directions. "free": nothing
-        surrounds the map, whose solid is a half-space, or each of two bodies is one; each node is a rectangle
-        under uniform pressure.
+    boundary : "periodic" | "free", optional
+        By default that of a map, and "periodic" for an array. "periodic": the map, or the map with its mirror
+        images, repeats in both directions. "free": nothing surrounds the map, whose solid is a half-space, or
+        each of two bodies is one; each node is a rectangle under uniform pressure.
     method : "active_set" | "gfmd"
         The fast solver, or the damped dynamics of the paper; both converge to the same solution.
     rtol : float
@@ -167,10 +172,11 @@ def solve_contact(
     precision = real_type(dtype)
     rtol = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
     threads = thread_count(threads)
-    values = _checked_height(height)
-    grid = Grid(values.shape, length)  # type: ignore[arg-type]
     if not isinstance(solid, (Solid, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Solid or TwoBodies is needed")
+    height, length, boundary = _on_grid(height, solid, length, boundary)
+    values = _checked_height(height)
+    grid = Grid(values.shape, length)  # type: ignore[arg-type]
     narrow = max(grid.spacing) / min(grid.spacing)
     if boundary == "periodic" and min(grid.shape) > 1 and narrow > MAX_SPACING_RATIO:
         raise ValueError(
@@ -248,10 +254,23 @@ def solve_contact(
     return contact
 
 
+def _on_grid(height: Any, solid: Any, length: Edges | None, boundary: str | None) -> tuple[Any, Edges, str]:
+    """Heights, edges and boundary, which a map has, and an array has not."""
+    if hasattr(height, "height") and hasattr(height, "grid"):
+        if length is not None:
+            raise ValueError(f"length = {shown(length)}: not accepted with a map, which has its grid")
+        own = getattr(height, "boundary", "periodic")
+        return height.height, height.grid, own if boundary is None else boundary
+    if length is None and getattr(solid, "effective_modulus", 0.0) >= SMALLEST_IN_PASCAL:
+        raise ValueError("length: the edges of the map in m are needed with an array of heights")
+    length = 1.0 if length is None else length
+    return height, length, "periodic" if boundary is None else boundary
+
+
 def solve_load_path(
     height: ArrayLike,
     solid: Solids,
-    length: Edges = 1.0,
+    length: Edges | None = None,
     *,
     contact_area_fractions: Sequence[float] | None = None,
     mean_pressures: Sequence[float] | None = None,
@@ -307,6 +326,7 @@ def solve_load_path(
     if not isinstance(values, Iterable):
         raise TypeError(f"{name} = {shown(values)}: a list of loads is needed")
     values, hardness = list(values), settings.get("hardness")
+    height, length, settings["boundary"] = _on_grid(height, solid, length, settings.get("boundary"))
     grid = Grid(_checked_height(height).shape, length)  # type: ignore[arg-type]
     for value in values:  # all of them before the first is solved
         control = _checked_control(kind, value, grid)

@@ -14,9 +14,9 @@ from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.engineering.body_stress import BodyStress
 from asperity.engineering.numbers import EXTREMES, LIMITS, limit_of
-from asperity.engineering.press import HARDNESS_OVER_YIELD, suggested_hardness
 from asperity.engineering.question import RESOLUTION_CHANGE, Stages
 from asperity.engineering.records import Advice, Record, per_cent
+from asperity.settings.body import HARDNESS_OVER_YIELD
 from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
 from asperity.surface.reading.formats import PROFILE
@@ -99,14 +99,14 @@ class Compared:
         Width of the contact of a ball or cylinder over the distance to its periodic images (the larger ratio
         along y and x, or across the cylinder), and the contact under the same load without images (None for
         layers and cylinders). None without such a form, or with a free boundary.
-    plastic : Contact or None
-        With pressure limited to the hardness; 3 times the yield stress if none is given.
+    elastic : Contact or None
+        Without the hardness that a yield stress suggests; None where no node reaches that.
     unfiltered : Contact or None
         Under the same load without the Gaussian filters; None if there are none.
     """
 
     neighbours: tuple[float, Contact | None] | None
-    plastic: Contact | None
+    elastic: Contact | None
     unfiltered: Contact | None
 
 
@@ -156,10 +156,16 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         yield True, "pressure_on_spike", {"count": len(stages.rough.spikes), "size": SPIKE_SIZE}
     if numbers.maximum_pressure > young:
         yield True, "beyond_modulus", {"young": young}
-    suggested = suggested_hardness(stages.case)
-    if suggested is not None and numbers.nominal_pressure >= suggested:
+    surfaces = [body.coating or body for body in case.bodies.values()]
+    suggested = HARDNESS_OVER_YIELD * min(each.yield_stress or math.inf for each in surfaces)
+    if math.isinf(stages.contact.hardness) and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
-    if stages.case.hardness and compared.plastic is not None and compared.plastic.plastic_area:
+    if (elastic := compared.elastic) is not None:
+        own, alone = stages.contact.contact_area_fraction, elastic.contact_area_fraction
+        values = {"area": 100 * own, "alone": 100 * alone, "pressure": elastic.maximum_pressure}
+        values |= {"size": abs(alone / own - 1), "times": HARDNESS_OVER_YIELD}
+        yield values["size"] > NEIGHBOUR_CHANGE, "estimated_hardness", values
+    if stages.contact.plastic_area:
         yield False, "clipped_pressure", {"size": 0.0, "meaning": PLASTIC_CONTACT}
     edge = (max if case.map.format == PROFILE else min)(face.grid.period)
     if numbers.peak_to_valley > 0.5 * edge:

@@ -98,6 +98,10 @@ class Case(Scene):
     @model_validator(mode="after")
     def _check(self) -> Self:
         found = [*self._problems()]
+        if self.map.crop == "fit" and self.hertz_contact is None:
+            found += [("map.crop", " = fit: needs a Hertz contact, load.hertz_pressure and load.radius_x")]
+        elif self.map.crop == "fit":
+            self.__dict__["map"] = self.map.replaced(crop=self.part_in_hertz_contact)
         for question in self.questions.values():
             found += question.problems(self)
         if found:

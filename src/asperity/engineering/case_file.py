@@ -29,6 +29,7 @@ from asperity.results.atomic import write_text
 from asperity.settings.map import file_name, with_file
 from asperity.settings.model import Entry, Problem, Settings, described, inside, item_of, optional
 from asperity.settings.reader import load
+from asperity.surface.reading.container import maps_in
 from asperity.surface.reading.height_map import HeightMap
 
 SUFFIXES = (".yaml", ".yml")
@@ -128,11 +129,15 @@ def case_of_answer(folder: Path) -> dict[str, Any]:
 
 
 def matches(name: str, folder: Path) -> str | list[str]:
-    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order; one name if only one does."""
+    """Files of a folder that match a pattern such as ``ring_*.x3p``, in order, or the maps in a container.
+
+    One name if there is only one.
+    """
     if glob.has_magic(name) and not (folder / name).exists():
         found = [str(folder / each) for each in sorted(glob.glob(name, root_dir=folder))]
         return found if len(found) > 1 else (found or [str(folder / name)])[0]
-    return str(folder / name)
+    found = maps_in(str(folder / name))
+    return found if len(found) > 1 else found[0]
 
 
 def case_of_map(content: Mapping[str, Any], number: int) -> dict[str, Any]:

@@ -181,6 +181,7 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
     if case is None:  # problems of map and case are reported together
         with suppress(SettingsError):
             surface = Map.read(content.get("map", {}))
+            surface = surface.replaced(crop=None, crop_at=None) if surface.crop == "fit" else surface
     if surface is not None and not missing:
         try:
             rough = read(surface, counter, shared=shared)

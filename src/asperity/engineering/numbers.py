@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from typing import Any
 
@@ -15,17 +15,20 @@ from asperity.core.units import shown_si
 from asperity.engineering.answer_data import INTERFACE_TILES
 from asperity.engineering.body_stress import BodyStress
 from asperity.engineering.contact_numbers import ContactNumbers
-from asperity.engineering.press import HARDNESS_OVER_YIELD
 from asperity.engineering.records import (
     DISCRETISATION,
+    FRACTION,
     POSITIONS,
     POSITIVE,
+    UNBOUNDED,
     Bounds,
     Position,
     Record,
+    find,
     fraction,
 )
 from asperity.engineering.scene import Scene
+from asperity.settings.body import HARDNESS_OVER_YIELD
 from asperity.settings.load import Hertz
 from asperity.stress.extremes import DIRECTION
 from asperity.stress.peaks.selection import has_percentile, select_peaks
@@ -128,23 +131,32 @@ def hertz_records(case: Scene) -> Iterator[Record]:
             yield Record(name, value, unit, "Hertz contact of the smooth bodies", **more)
 
 
-def plastic_records(contact: Contact, is_given: bool, rms_gradient: float) -> Iterator[Record]:
+def plastic_records(contact: Contact, is_estimated: bool, rms_gradient: float) -> Iterator[Record]:
     """Numbers of a contact under a hardness, which is given or follows from the yield stress."""
-    topic, note = "plastic contact", ""
+    topic = "plastic contact"
+    note = f"{HARDNESS_OVER_YIELD:g} times the yield stress (Tabor), as none is given" if is_estimated else ""
     shares = {
         "area fraction at the hardness": contact.plastic_area,
         "load fraction at the hardness": contact.plastic_load,
     }
-    if not is_given:
-        note = f"if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other numbers are elastic"
-        shares = {"plastic contact area fraction": contact.contact_area_fraction} | shares
     yield Record("hardness", contact.hardness, "Pa", topic, note=note)
+    if is_estimated and not contact.plastic_area:
+        return
     for name, share in shares.items():
         yield fraction(name, share, topic=topic)
     depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
     yield Record("maximum plastic depth", depth, "m", topic)
     index = contact.solid.effective_modulus * rms_gradient / contact.hardness
     yield Record("plasticity index", index, topic=topic, note="E* × Sdq / hardness")
+
+
+def elastic_record(name: str, elastic: float, records: Iterable[Record]) -> Iterator[Record]:
+    """A number of the elastic contact, if it differs by more than its error from that under a hardness."""
+    own = next(find(records, name))
+    if not abs(elastic - own.value) <= own.error:
+        note = "without the estimated hardness"
+        bounds = own.bounds if own.bounds == FRACTION else UNBOUNDED
+        yield Record(f"{name}, elastic", elastic, own.unit, own.topic, bounds=bounds, note=note)
 
 
 def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) -> Iterator[Record]:
@@ -217,7 +229,8 @@ def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float
     values = limit_of(limits, quantity)
     estimate = size * values["estimate"]
     if not (math.isfinite(estimate) and values["error"] > 0):
-        return record
+        is_known = values["error"] == 0 or not record.value
+        return record if is_known else replace(record, lacks=(DISCRETISATION,))
     error = abs(estimate) * values["error"]
     if values["estimate"] == values["on_grid"]:  # extreme stresses have an error, and no correction
         return record.with_error(DISCRETISATION, error)

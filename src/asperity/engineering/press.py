@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,11 @@ from asperity.contact import Contact, solve_contact
 from asperity.contact.solve import FULL_CONTACT, approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
+from asperity.engineering.face import RoughFace
 from asperity.engineering.scene import Scene
 from asperity.settings.load import LARGEST_LOAD, Hertz
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
-
-HARDNESS_OVER_YIELD = 3.0
-"""Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
 
 SMALLEST_APPROACH = 1e-7
 """Least approach over the range of heights; their rounding is 1e-16 of it."""
@@ -34,8 +33,26 @@ def press(
     ConvergenceError
         If the contact does not converge.
     """
-    options = {"hardness": hardness or case.hardness, "boundary": face.boundary, **imposed_load(face, case)}
+    imposed = imposed_load(face, case)
+    hardness = hardness or case.hardness
+    is_beyond = _is_full(face, case) or imposed.get("mean_pressure", 0.0) >= (hardness or math.inf)
+    if case.hardness_is_estimated and is_beyond:
+        hardness = None  # no contact bears the load
+    options = {"hardness": hardness, "boundary": face.boundary, **imposed}
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
+
+
+def mean_pressure(case: Scene, rough: RoughFace | None = None) -> float:
+    """The mean pressure that a load imposes on the map, as far as it is known; 0 for an approach or area."""
+    if case.load.kind == "force" and not isinstance(case.load, Hertz):
+        return case.load.value / rough.face.grid.area if rough else 0.0
+    return 0.0 if case.load.kind in ("normal_approach", "contact_area_fraction") else case.cell_pressure
+
+
+def _is_full(face: TreatedMap, case: Scene) -> bool:
+    """True if all nodes of a periodic map are to touch."""
+    size, is_area = face.height.size, case.load.kind == "contact_area_fraction"
+    return is_area and face.boundary == "periodic" and round(case.load.value * size) == size
 
 
 def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
@@ -48,6 +65,12 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
         if wrong := [*case.problems_of_pressure(mean_pressure)]:
             raise SettingsError("", [Problem(*each) for each in wrong])
         return {"mean_pressure": mean_pressure}
+    if _is_full(face, case) and case.hardness and not case.hardness_is_estimated:
+        full = solve_contact(face.height, case.solid, face.grid, contact_area_fraction=1.0)
+        if full.maximum_pressure > case.hardness:
+            taken = f"full contact takes a pressure of {shown_si(full.maximum_pressure, 'Pa')}"
+            needed = f": less is needed under a hardness of {shown_si(case.hardness, 'Pa')}, {taken}"
+            raise SettingsError("", [Problem("load.contact_area_fraction", f" = {load.value:g}{needed}")])
     if load.kind != "normal_approach":
         return {load.kind: load.value}
     least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.period)
@@ -62,23 +85,3 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
             "", [Problem("load.normal_approach", f" = {shown_si(load.value, 'm')}: {accepted}")]
         )
     return {"approach": lowest + load.value}
-
-
-def suggested_hardness(case: Scene) -> float | None:
-    """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
-    surfaces = [body if body.coating is None else body.coating for body in case.bodies.values()]
-    known = [each.yield_stress for each in surfaces if each.yield_stress is not None]
-    return HARDNESS_OVER_YIELD * min(known) if known and case.hardness is None else None
-
-
-def plastic_contact(face: TreatedMap, case: Scene, contact: Contact) -> Contact | None:
-    """The contact of a case under its hardness, or under the hardness that its yield stresses suggest.
-
-    None without a hardness, if the elastic pressure stays below the suggested one, or if the load exceeds it.
-    """
-    if case.hardness is not None:
-        return contact
-    hardness = suggested_hardness(case)
-    if hardness is None or not contact.mean_pressure < hardness < contact.maximum_pressure:
-        return None
-    return press(face, case.under(mean_pressure=contact.mean_pressure), hardness=hardness)

@@ -102,12 +102,15 @@ class Stages(Pressed):
         ``lower`` and, if it is elastic, ``upper`` → `BodyStress`; the same for two bodies of equal stress.
     records : sequence of Record
         Of the contact, of the stress, and of the questions before.
+    elastic : Contact or None
+        The contact without the hardness that a yield stress suggests, where that is reached.
     others : mapping
         Name of each of the `other_cases` of the question that is answered → the records of that case.
     """
 
     bodies: Mapping[str, BodyStress]
     records: Sequence[Record]
+    elastic: Contact | None = None
     others: Mapping[str, Sequence[Record]] = field(default_factory=dict)
 
 

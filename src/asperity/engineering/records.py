@@ -95,6 +95,8 @@ class Record:
     varies : bool
         True if it differs between measurement positions, so that its error is incomplete without the cause
         `POSITIONS`.
+    lacks : tuple of str
+        Other causes that add to its error, but whose part could not be estimated.
     better : "less", "more" or ""
         Direction in which the surface with this number is better.
 
@@ -121,6 +123,7 @@ class Record:
     note: str = ""
     varies: bool = False
     better: str = ""
+    lacks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         low, high, _ = self.bounds
@@ -128,6 +131,7 @@ class Record:
             "value": _plain(self.value),
             "extrapolated": _plain(min(max(self.extrapolated, low), high)),
             "position": Position(*map(_plain, self.position)),
+            "lacks": tuple(self.lacks),
             "errors": {
                 cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0
             },
@@ -158,13 +162,16 @@ class Record:
         return min(max(ends[0], low), high), min(max(ends[1], low), high)
 
     def with_error(self, cause: str, error: float) -> Record:
-        """The record with the error of a cause, in its unit; unchanged if the error is NaN or 0."""
+        """The record with the error of a cause, in its unit; if it is NaN, the record lacks it."""
+        if math.isnan(error) and cause not in self.errors and cause != POSITIONS:  # which `varies` says
+            return replace(self, lacks=(*self.lacks, cause))
         return replace(self, errors={**self.errors, cause: error}) if error > 0 else self
 
     @property
     def unknown(self) -> list[str]:
         """Causes that add to the error of the number, but whose part was not estimated."""
-        return [POSITIONS] if self.varies and POSITIONS not in self.errors else []
+        causes = [*self.lacks, *([POSITIONS] if self.varies else [])]
+        return [cause for cause in dict.fromkeys(causes) if cause not in self.errors]
 
     def scale(self, units: Any = None) -> tuple[float, str]:
         """Factor and symbol of the unit in which it is shown.
@@ -241,15 +248,19 @@ class Record:
 
     def best_text(self, units: Any = None) -> str:
         """The best value with its whole known error, as a sentence shows it."""
-        if self.words or not self.errors:
-            return self.number(units, 3)
-        return self._best_text(self.error, *self.scale(units))
+        if self.words:
+            return self.words
+        missing = [cause for cause in self.unknown if cause != POSITIONS]
+        if not self.errors:
+            return self.number(units, 3) + (" (± not known)" if missing else "")
+        without = f" (± without {' and '.join(missing)})" if missing else ""
+        return self._best_text(self.error, *self.scale(units)) + without
 
     def text(self, units: Any = None) -> str:
         """The number, its position, its note and its known errors, in one line."""
         first = " ".join(filter(None, [self.number(units), self.place(units)]))
-        # Unknown causes are left out: the terminal states them once, not for each number.
-        known = self.error_texts(units)[: len(self.errors)]
+        # The position is left out: the terminal states once that it is not known, not for each number.
+        known = [each for each in self.error_texts(units) if each != f"{POSITIONS}: {NOT_KNOWN}"]
         return "; ".join(filter(None, [", ".join(filter(None, [first, self.note])), *known]))
 
     def as_plain(self) -> dict[str, Any]:
@@ -350,7 +361,7 @@ def frame(records: Iterable[Record]) -> pd.DataFrame:
     }
     causes = {cause: f"error_{cause.replace('the ', '').replace(' ', '_')}" for cause in CAUSES}
     places = [f"{name}_m" for name in Position._fields]
-    columns |= {name: [] for name in (*causes.values(), "low", "high", "bound", *places, "text")}
+    columns |= {name: [] for name in (*causes.values(), "low", "high", "bound", "not_known", *places, "text")}
     for each in records:
         row: dict[str, Any] = {
             "topic": each.topic,
@@ -363,6 +374,7 @@ def frame(records: Iterable[Record]) -> pd.DataFrame:
             "low": each.interval[0],
             "high": each.interval[1],
             "bound": each.bounds.reason,
+            "not_known": ", ".join(each.unknown),
             "text": each.text(),
         }
         row |= {name: each.errors.get(cause, math.nan) for cause, name in causes.items()}

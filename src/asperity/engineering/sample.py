@@ -163,6 +163,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
         words=first.words if all(each.words == first.words for each in records) else "",
         note=first.note if all(each.note == first.note for each in records) else "",
         varies=first.varies and count == 1,
+        lacks=tuple(dict.fromkeys(cause for each in records for cause in each.lacks)),
     )
     return mean, values
 

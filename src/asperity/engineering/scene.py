@@ -33,6 +33,14 @@ MATERIALS = "materials.yaml"
 """Name of a user's own table of materials beside the case file."""
 
 
+SEPARATE_SHARE = 0.4
+"""Edges of the part of a map that `fit` takes over the widths of its Hertz contact: the pressure of the
+contact falls by less than a tenth from the middle of that part to the middle of an edge."""
+
+LONGEST_PART = 1.0
+"""Edge in m of that part along the axis of a roller, whose contact has no end; no map is longer."""
+
+
 class Scene(Settings):
     """Map, bodies and load, on which the contact depends. Numbers are in SI units."""
 
@@ -100,7 +108,7 @@ class Scene(Settings):
                 f"load.{self.load.kind}",
                 f" = {given}: {needed}, it would be {shown_si(mean_pressure, 'Pa')}",
             )
-        elif self.hardness and not mean_pressure < self.hardness:
+        elif self.hardness and not self.hardness_is_estimated and not mean_pressure < self.hardness:
             bodies = self.groups_of_bodies.items()
             name = next(name for name, body in bodies if body.hardness == self.hardness)
             needed = f"more than the pressure {shown_si(mean_pressure, 'Pa')} is needed"
@@ -175,10 +183,31 @@ class Scene(Settings):
         return {"friction": self.friction, "sliding_direction": direction}
 
     @property
+    def softer(self) -> Body | None:
+        """The body of the smaller hardness; None if no body has one."""
+        known = [body for body in self.bodies.values() if math.isfinite(body.hardness or math.inf)]
+        return min(known, key=lambda body: body.hardness or math.inf, default=None)
+
+    @property
+    def hardness_is_estimated(self) -> bool:
+        """True if the smaller hardness of the bodies follows from a yield stress."""
+        return self.softer is not None and self.softer.hardness_is_estimated
+
+    @property
     def hardness(self) -> float | None:
-        """The smaller hardness of the bodies; None if they have none."""
-        known = [body.hardness for body in self.bodies.values() if body.hardness is not None]
-        return min((hardness for hardness in known if math.isfinite(hardness)), default=None)
+        """The smaller hardness of the bodies; None if they have none.
+
+        One that is only estimated is left out under a larger pressure, which no contact bears, and in partial
+        slip, whose contact is elastic.
+        """
+        if self.softer is None:
+            return None
+        found, kind = self.softer.hardness, self.load.kind
+        if self.softer.hardness_is_estimated and found is not None:
+            is_pressure = kind in ("mean_pressure", "hertz_pressure") or self.hertz_contact is not None
+            if "partial_slip" in self.questions or (is_pressure and self.cell_pressure >= found):
+                return None
+        return found
 
     @cached_property
     def solid(self) -> Solid | TwoBodies:
@@ -195,6 +224,17 @@ class Scene(Settings):
         if not isinstance(self.load, Hertz):
             return None
         return hertz_contact(self.load, self.load.kind, self.load.value, self.solid.effective_modulus)
+
+    @property
+    def part_in_hertz_contact(self) -> tuple[str, str]:
+        """Edges (y, x) of a part of a map over which the pressure of the Hertz contact is nearly uniform."""
+        contact = self.hertz_contact
+        assert contact is not None
+        y, x = (
+            shown_si(min(2 * SEPARATE_SHARE * half_width, LONGEST_PART), "m", 2)
+            for half_width in (contact.half_width_y, contact.half_width_x)
+        )
+        return y, x
 
     @property
     def cell_pressure(self) -> float:

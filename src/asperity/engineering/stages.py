@@ -31,18 +31,23 @@ from asperity.engineering.case import Case
 from asperity.engineering.contact_numbers import contact_numbers, contact_spots, gap_of
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.numbers import body_records, contact_records, hertz_records, plastic_records
+from asperity.engineering.numbers import (
+    body_records,
+    contact_records,
+    elastic_record,
+    hertz_records,
+    plastic_records,
+)
 from asperity.engineering.places import Blocks, blocks_of
-from asperity.engineering.press import imposed_load, plastic_contact, press
+from asperity.engineering.press import imposed_load, press
 from asperity.engineering.question import Findings, Pressed, Stages
 from asperity.engineering.records import INPUTS, Record, per_cent
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
-SEPARATE_SHARE = 0.4
-"""Edge of a map over the smaller width of its Hertz contact, of which a part is proposed as ``map.crop``: the
-pressure of the contact falls by less than a tenth from the middle of that part to the middle of an edge."""
+FEWEST_NODES = 3
+"""Least nodes on an edge of a map, of which peaks of the stress are found."""
 
 STRESS = 2.0
 """Work of the stress in a body; the contact has a work of 1."""
@@ -91,7 +96,8 @@ def answer_of(
     bodies = {name: bodies.get(name, bodies["lower"]) for name in pressed.case.bodies}
     parts.next("comparisons")
     compared = _compared(pressed)
-    stages = Stages(**vars(pressed), bodies=bodies, records=_records(pressed, bodies, compared))
+    records = _records(pressed, bodies, compared)
+    stages = Stages(**vars(pressed), bodies=bodies, records=records, elastic=compared.elastic)
     found = {}
     for name, question in asked.questions.items():
         others = {key: answer_of(each).records for key, each in question.other_cases(asked).items()}
@@ -180,13 +186,16 @@ def _analysed(pressed: Pressed, name: str, parts: _Parts) -> BodyStress:
 
 
 def _compared(pressed: Pressed) -> Compared:
-    """Contacts to compare the answer with: without periodic images, under a hardness, without filters."""
+    """Contacts to compare the answer with: without periodic images, elastic, without filters."""
     face, case, contact = pressed.face, pressed.case, pressed.contact
     neighbours = None
     if face.boundary == "periodic" and case.map.radius is not None and len(pressed.spots):
         neighbours = neighbours_of(face, case, contact)
     unfiltered = None if pressed.rough.unfiltered is None else press(pressed.rough.unfiltered, case)
-    return Compared(neighbours, plastic_contact(face, case, contact), unfiltered)
+    elastic = None
+    if pressed.asked.hardness_is_estimated and contact.plastic_area:
+        elastic = press(face, case, hardness=np.inf)
+    return Compared(neighbours, elastic, unfiltered)
 
 
 def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compared) -> list[Record]:
@@ -195,9 +204,12 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     of_positions = np.nan if blocks is None else blocks.error(blocks.means(contact.pressure > 0))
     found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions, pressed.asked.carried)]
     found += hertz_records(pressed.asked)
-    if compared.plastic is not None:
-        is_given = pressed.case.hardness is not None
-        found += plastic_records(compared.plastic, is_given, numbers.rms_gradient)
+    if np.isfinite(contact.hardness):
+        is_estimated = pressed.asked.hardness_is_estimated
+        found += plastic_records(contact, is_estimated, numbers.rms_gradient)
+    if (elastic := compared.elastic) is not None:
+        found += elastic_record("contact area fraction", elastic.contact_area_fraction, found)
+        found += elastic_record("maximum pressure", elastic.maximum_pressure, found)
     for name in pressed.asked.different_bodies:
         found += body_records(pressed.asked, name, bodies[name], contact.hardness)
     return found
@@ -207,12 +219,12 @@ def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list
     """The records, those of a topic together, with the bounds and input errors that the questions found."""
     relative = {key: error for one in found.values() for key, error in one.input_errors.items()}
     bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
-    completed = [
-        replace(each, bounds=bounds.get(each.quantity, each.bounds)).with_error(
-            INPUTS, relative.get((each.quantity, each.body), 0.0) * abs(each.value)
-        )
-        for each in records
-    ]
+    completed = []
+    for each in records:
+        made = replace(each, bounds=bounds.get(each.quantity, each.bounds))
+        if (error := relative.get((each.quantity, each.body))) is not None:
+            made = made.with_error(INPUTS, error * abs(each.value))
+        completed.append(made)
     topics = list(dict.fromkeys((each.topic, each.body) for each in completed))
     return sorted(completed, key=lambda each: topics.index((each.topic, each.body)))
 
@@ -296,7 +308,7 @@ def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     work = {f"before {name}": before for name, (before, _) in costs.items()}
     work |= {"contact": 1.0, "half of the nodes": 0.3}
     work |= {f"stress {name}": STRESS for name in case.different_bodies}
-    work["comparisons"] = 1.0 if case.hardness is None else 0.1
+    work["comparisons"] = 1.0 if case.hardness_is_estimated else 0.1
     return work | {name: after for name, (_, after) in costs.items()}
 
 
@@ -337,16 +349,19 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     found: list[tuple[str, str]] = []
     if (contact := case.hertz_contact) is not None:
         widths = 2 * contact.half_width_y, 2 * contact.half_width_x
-        part = shown_si(SEPARATE_SHARE * 2 * contact.narrow, "m", 2)
         for axis, width, edge in zip("yx", widths, rough.face.grid.length, strict=True):
             if width < edge:
                 given = f"{shown_si(width, 'm')} wide under {shown_si(contact.maximum_pressure, 'Pa')}"
-                text = (
-                    f": a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
-                )
-                text += f'it is {given}. Use a part of the map, map.crop = "{part}", or press the whole form '
-                text += "with its force or pressure: map.radius and map.radius_y with map.periodic = none"
+                part = case.part_in_hertz_contact["yx".index(axis)]
+                size = shown_si(edge, "m")
+                text = f": a Hertz contact wider than the map, {size} along {axis}, is needed; "
+                text += f"it is {given}. Use a part of the map, map.crop = fit, which is {part} along {axis}"
+                text += ", or press the whole form with its force or pressure: map.radius and map.radius_y "
+                text += "with map.periodic = none"
                 found.append((f"load.radius_{axis}", text))
+    ny, nx = rough.face.grid.shape
+    if min(ny, nx) < FEWEST_NODES:
+        found.append(("map", f": at least {FEWEST_NODES} nodes on each edge are needed, it has {ny} × {nx}"))
     for question in case.questions.values():
         found += [*question.problems(case, rough)]
     try:

@@ -22,8 +22,32 @@ PACKAGE = "asperity.engineering"
 WIDTH = 100
 """Characters of a line of comment."""
 
-ALSO = {"coating": "layers", "run_in": "running_in"}
-"""Word for a group or setting → its key."""
+WORDS = {
+    "load.radius_x": "ball radius roller",
+    "load.hertz_pressure": "bearing gear hertz",
+    "body.layers.0.thickness": "coating layer thickness",
+    "body.young": "e modulus",
+    "film.lambda_ratio": "film_thickness",
+    "map.s_filter": "filter",
+    "leak.pressure_difference": "leakage seal",
+    "map.detrend": "level",
+    "cycles.fatigue_scatter": "life",
+    "load.mean_pressure": "load",
+    "sliding.friction": "mu",
+    "body.poisson": "nu",
+    "map.orientation": "orient",
+    "map.physical_size": "pixel size",
+    "map.points": "resolution",
+    "cycles.shifts": "rolling shakedown",
+    "map.file": "roughness",
+    "running_in.loads": "run_in wear",
+    "map.despike": "spikes",
+    "body.yield_stress": "strength",
+    "sensitivity.tolerances": "tolerance",
+}
+"""Key of a setting → other words for it."""
+
+ALSO = {word: key for key, words in WORDS.items() for word in words.split()}
 
 
 def templates() -> dict[str, Any]:
@@ -132,7 +156,9 @@ def hint(word: str) -> str:
     'film.lambda_ratio, given by --set or in a case file (asperity case film)'
     """
     word = word.lstrip("-").lower().replace("-", "_")
-    known = keys_like(ALSO.get(word, word), described(Case)) if len(word) > 2 else []
+    known = [ALSO[word]] if word in ALSO else []
+    if not known and len(word) > 2:
+        known = keys_like(word, described(Case))
     for name, each in templates().items():
         if key := next((key for key, _ in leaves(each["case"]) if key in known), ""):
             return f"{key}, given by --set or in a case file (asperity case {name})"

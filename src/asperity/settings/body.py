@@ -34,6 +34,9 @@ from asperity.settings.quantities import STRESS, Hardness, Length, Position, Pre
 UNUSED = {"young": "1 Pa", "poisson": 0.0}
 """Constants in place of those that a body has not: of a rigid one, and until those of its layer are known."""
 
+HARDNESS_OVER_YIELD = 3.0
+"""Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
+
 OF_LAYER = ("material", "young", "poisson", "yield_stress")
 """Settings that a layer on a rigid base has in place of its body."""
 
@@ -190,7 +193,7 @@ class Body(OfMaterial):
             value = _group_of(value)
         layers = value.get("layers") if isinstance(value, Mapping) else None
         if not (isinstance(layers, (list, tuple)) and layers and value.get("base") is not None):
-            return made(value)
+            return made(value)._with_hardness()
         if wrong := [name for name in OF_LAYER if value.get(name) is not None]:
             text = f" = {shown(value['base'])}: {', '.join(wrong)} belong to layers.0 on a rigid base"
             raise ContradictionError(("base", text))
@@ -202,10 +205,21 @@ class Body(OfMaterial):
         found.__dict__.update({each: getattr(found.layers[0], each) for each in OF_LAYER})
         found.model_fields_set.difference_update(OF_LAYER)
         found._filled_names = tuple(each for each in found._filled_names if each not in OF_LAYER)
-        return found
+        return found._with_hardness()
+
+    def _with_hardness(self) -> Self:
+        """The body with the hardness that its yield stress suggests, where none is given.
+
+        A coated body has none: its hardness is neither that of the coating nor that of the base.
+        """
+        if self.hardness is None and self.yield_stress is not None and self.coating is None:
+            self.__dict__["hardness"] = HARDNESS_OVER_YIELD * self.yield_stress
+            self._hardness_is_estimated = True
+        return self
 
     hardness: Hardness | None = optional(
-        "from the material, without a coating; without a value an elastic contact",
+        "without a coating from the material, else 3 times the yield stress (Tabor); without a value an "
+        "elastic contact",
         example="7 GPa",
         varied=True,
     )
@@ -243,6 +257,7 @@ class Body(OfMaterial):
     map: CounterMap | None = optional("the counter body is flat")
     """Height map of the counter body, which is rigid if nothing else is given."""
     _is_rigid: bool = PrivateAttr(False)
+    _hardness_is_estimated: bool = PrivateAttr(False)
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         """Settings of the body that exclude each other, or need others."""
@@ -271,6 +286,11 @@ class Body(OfMaterial):
     def is_rigid(self) -> bool:
         """True for a counter body of which only the map is given; its constants are then not used."""
         return self._is_rigid
+
+    @property
+    def hardness_is_estimated(self) -> bool:
+        """True if the hardness is neither given nor of the material, but follows from the yield stress."""
+        return self._hardness_is_estimated
 
     @property
     def coating(self) -> Layer | None:

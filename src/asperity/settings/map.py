@@ -5,7 +5,14 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Annotated, Any, Literal
 
-from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, model_validator
+from pydantic import (
+    PlainSerializer,
+    PlainValidator,
+    TypeAdapter,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 
 from asperity.settings.model import NeededError, Number, Settings, Whole, optional, setting
 from asperity.settings.quantities import LengthOrNumber, Position
@@ -56,6 +63,38 @@ Source = Annotated[
     ),
 ]
 """File of a map, or in Python a `asperity.HeightMap`."""
+
+
+CROP = "one length with its unit such as 150 um, two (y, x), or fit in a Hertz contact"
+
+
+def _crop(value: Any, info: ValidationInfo) -> Any:
+    """One or two edges, which stay as they are written, or ``fit``."""
+    if value == "fit":
+        return value
+    edges = value.split(",") if isinstance(value, str) else value
+    edges = edges if isinstance(edges, (list, tuple)) else [edges]
+    check = TypeAdapter(LengthOrNumber, config=Settings.model_config)
+    try:
+        one, *more = [check.validate_python(each, context=info.context) for each in edges]
+    except ValueError:
+        raise NeededError(CROP) from None
+    if len(more) > 1:
+        raise NeededError(CROP)
+    return (one, *more) if more else one
+
+
+Crop = Annotated[
+    Any,
+    PlainValidator(_crop),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "number"}, {"type": "array"}, {"type": "string", "format": "length"}],
+            "accepts": CROP,
+        }
+    ),
+]
+"""Edge of a square part of a map, or edges (y, x), or ``fit``."""
 
 
 class FileOptions(Settings):
@@ -167,8 +206,10 @@ class Map(MapOptions):
 
     file: Source = setting(..., example="steel.x3p")
     """Height map of an instrument, peaks upward."""
-    crop: LengthOrNumber | None = optional("the whole map", example="150 um")
-    """Edge of the square part of the map that is used; an edge of the map that is shorter is kept whole."""
+    crop: Crop | None = optional("the whole map", example="150 um")
+    """Edge of the square part of the map that is used, or its edges (y, x); an edge of the map that is
+    shorter is kept whole. In a Hertz contact `fit` takes the part over which the pressure is nearly
+    uniform."""
     crop_at: tuple[LengthOrNumber, LengthOrNumber] | None = optional(
         "the middle of the map",
         accepts="two lengths > 0 (y, x) with their units such as 80 um, or numbers > 0",

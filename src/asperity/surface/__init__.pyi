@@ -1,3 +1,4 @@
+from .description import prepare_map as prepare_map
 from .form import add_cylinder as add_cylinder
 from .form import add_sphere as add_sphere
 from .heights import johnson as johnson
@@ -10,4 +11,3 @@ from .roughness import roughness_parameters as roughness_parameters
 from .roughness import spectrum as spectrum
 from .self_affine import self_affine as self_affine
 from .treatment.face_to_face import face_to_face as face_to_face
-from .treatment.treatment import prepare_map as prepare_map

@@ -1,10 +1,13 @@
-"""Description of a height map before a calculation: size, missing points, spikes, roughness, spectrum."""
+"""Description of a height map before a calculation, and its preparation with the doubts about it."""
 
 import math
-from typing import NamedTuple
+import warnings
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.core.arguments import own_errors
 from asperity.core.types import Array, FilePath
 from asperity.fourier.grid import Grid
 from asperity.settings.map import MapOptions
@@ -20,7 +23,14 @@ from asperity.surface.reading.height_map import (
 )
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
-from asperity.surface.treatment.treatment import DESPIKE, FLAT_VARIATION, missing_options
+from asperity.surface.treatment.treatment import (
+    DESPIKE,
+    FLAT_VARIATION,
+    TreatedMap,
+    missing_options,
+    treat_map,
+    usable_map,
+)
 
 SHORT_WAVE_PIXELS = 8
 """Waves shorter than this number of pixels are called not resolved: the slopes of a contact on fewer nodes a
@@ -138,6 +148,56 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
                 properties[name.replace("S", "R", 1) if is_profile else name] = text
         warnings = map_warnings(surface, options, measures, comparable)
     return MapDescription(properties, needed, choices, warnings)
+
+
+@own_errors
+def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
+    """The lower face of an indenter, in metres, from a measured map.
+
+    Parameters
+    ----------
+    source : path or HeightMap
+        File of a map, whose unit has to be known, or a map.
+    options : MapOptions, optional
+    **given
+        Fields of `MapOptions`, which override `options`.
+
+    Warns
+    -----
+    UserWarning
+        Of each doubt about the map that the options do not answer, such as spikes, as `asperity info` lists
+        them; they are the `doubts` of the result.
+
+    Returns
+    -------
+    TreatedMap
+        With `height`, (ny, nx) in m, its `grid`, the steps of the treatment in `done`, and `doubts`.
+
+    Raises
+    ------
+    MapError
+        If the file cannot be used; the message names everything that is wrong or missing, also that its unit
+        is not known.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
+    >>> what = asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     np.save(Path(folder) / "map.npy", heights * 1e9)
+    ...     made = asp.prepare_map(Path(folder) / "map.npy", what, periodic="windowed")
+    >>> made.height.shape, [round(edge, 9) for edge in made.grid.length]
+    ((40, 40), [8e-05, 8e-05])
+    """
+    options = (options or MapOptions()).replaced(**given)
+    surface = source if isinstance(source, HeightMap) else usable_map(source, options)
+    treated = treat_map(surface, options)
+    doubts = tuple(map_warnings(surface, options))
+    for doubt in doubts:
+        warnings.warn(f"{surface.name or 'map'}: {doubt}", stacklevel=3)  # own_errors is one level
+    return replace(treated, doubts=doubts)
 
 
 class MapMeasures:

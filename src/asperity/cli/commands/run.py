@@ -34,11 +34,20 @@ def run(options: argparse.Namespace) -> None:
     if empty:
         sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
     if any(os.path.isdir(path) for path in options.map):
-        _compare(options)
+        own = {name: each for name, each in vars(options).items() if name not in ("command", "map", "out")}
+        if wrong := [name for name, each in own.items() if each is not None and each is not False]:
+            flag = f"--{wrong[0].replace('_', '-')}"
+            sys.exit(fail(f"{flag}: maps are needed beside it, folders of answers are given", WRONG_USAGE))
+        from asperity.cli.commands import compare
+
+        compare.run(argparse.Namespace(answers=options.map, out=options.out))
         return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     from asperity.engineering.jobs import Arrangement, arranged
+    from asperity.surface.reading.container import maps_in
 
+    maps = [each for path in options.map for each in maps_in(path)]
+    options.pooled, options.map = options.pooled or len(maps) > len(options.map), maps
     contents, sources, given, problems = _contents(options)
     pooled = options.pooled or any("sample" in content for content in contents)
     arrangement: Arrangement = arranged(contents, options.out, pooled=pooled, only=options.only or "")
@@ -59,29 +68,6 @@ def run(options: argparse.Namespace) -> None:
         print(_cost_in_words(arrangement.jobs))
         return
     _compute(options, arrangement)
-
-
-def _compare(options: argparse.Namespace) -> None:
-    """Compare the answers or samples of folders, and write the comparison where a folder is named."""
-    from asperity.engineering.answer import opened
-    from asperity.engineering.show.comparison import compared
-
-    if len(options.map) < 2:
-        sys.exit(
-            fail(
-                f"{options.map[0]}: a folder; maps, case files or two or more folders are needed", WRONG_USAGE
-            )
-        )
-    own = {name: each for name, each in vars(options).items() if name not in ("command", "map", "out")}
-    if given := [name for name, each in own.items() if each is not None and each is not False]:
-        flag = f"--{given[0].replace('_', '-')}"
-        sys.exit(fail(f"{flag}: maps are needed beside it, folders of answers are given", WRONG_USAGE))
-    names = [os.path.normpath(path) for path in options.map]
-    comparison = compared(dict(zip(names, map(opened, names), strict=True)))
-    folder = Path(options.out or "comparison")
-    comparison.write(folder)
-    print(comparison.text())
-    print(f"\n{one_line(str(folder))}")
 
 
 def _contents(
@@ -165,6 +151,9 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
         return problem.text.lstrip(" =:")
     if key in GROUPS and not source and ": missing" in problem.text:
         return f"{GROUPS[key]}: missing"
+    if not source and ", " in key:  # of which one is needed
+        group, _, names = key.partition(".")
+        return ", ".join(FLAGS.get(f"{group}.{name}", name) for name in names.split(", ")) + problem.text
     in_file = bool(source) and key not in given
     if key == "out" or (key in FLAGS and not (in_file and at(content, key.split(".")) is not None)):
         return f"{FLAGS.get(key, f'--{key}')}{problem.text}"
@@ -173,21 +162,12 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
 
 def _cost_in_words(jobs: Sequence[Any]) -> str:
     """Nodes, time and memory of some cases, as far as they are known before."""
-    from asperity.engineering.stages import work_of
-    from asperity.study.cost.model import answer_cost, minutes, time_factor
+    from asperity.app.map_job import cost_of
 
-    costs = []
-    for job in jobs:
-        face = job.rough.face
-        work = sum(work_of(job.case, face.grid.mirrored).values())
-        costs.append(answer_cost(work, face.height.size, face.boundary))
     ny, nx = max((job.rough.face.grid.shape for job in jobs), key=lambda shape: shape[0] * shape[1])
-    seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
-    maps = "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
-    return (
-        f"nothing wrong was found; {maps}, {ny} × {nx} nodes, about "
-        f"{minutes(seconds)} of one processor and {max(cost.memory for cost in costs) / 1e9:.1f} GB"
-    )
+    (time, memory), maps = cost_of(jobs), "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
+    size = f"{maps}, {ny} × {nx} nodes"
+    return f"nothing wrong was found; {size}, about {time} of one processor and {memory / 1e9:.1f} GB"
 
 
 def _is_written(save: str, out: Path) -> bool:

@@ -32,7 +32,7 @@ from asperity.engineering.scene import Scene
 from asperity.settings.body import Body, ResidualStress
 from asperity.settings.load import Hertz
 from asperity.settings.model import Number, Whole, optional, setting
-from asperity.settings.quantities import Volume
+from asperity.settings.quantities import Area, Volume
 from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor
 from asperity.stress.cycles.stress_cycles import Cycles as StreamedCycles
 from asperity.stress.cycles.stress_cycles import cracks_per_area, stress_cycles, weibull_exponent
@@ -77,7 +77,7 @@ class Cycles(Question):
     ASKS = "Does it fatigue, sliding or rolling?"
     TILES = (
         *("maximum Dang Van stress over limit", "shakedown factor, at least"),
-        *("probability of no crack on the map",),
+        *("probability of no crack on the track", "probability of no crack on the map"),
     )
     LEAD = "cycles"
     FILES = ("cycles", "fatigue")
@@ -95,6 +95,8 @@ class Cycles(Question):
     probability that no crack starts is reported."""
     fatigue_volume: Volume | None = optional("no probability", example="100 mm3")
     """Stressed volume of the specimens on which fatigue limits and scatter were measured."""
+    area: Area | None = optional("the map alone", example="60 mm2")
+    """Area of the track, for the probability that no crack starts on it."""
 
     @classmethod
     def is_implied(cls, case: Scene) -> bool:
@@ -125,6 +127,8 @@ class Cycles(Question):
                 yield f"{name}.fatigue_torsion", str(error).removeprefix("fatigue_torsion")
         if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
             yield "cycles", ": both fatigue_scatter and fatigue_volume are needed, or none"
+        if self.area is not None and self.fatigue_scatter is None:
+            yield "cycles.area", ": needs fatigue_scatter and fatigue_volume"
         if self.fatigue_scatter is not None and not limited:
             text = f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed"
             yield "cycles.fatigue_scatter", text
@@ -194,7 +198,7 @@ class Cycles(Question):
         columns = ["body", "fraction_of_limit", "volume_per_area_m"]
         return Findings(
             records=records,
-            verdict=_verdict(records),
+            verdict=_verdict(records, self.area or stages.numbers.nominal_area),
             warnings=[*self._warnings(case, cycles)],
             assumption=f"In stress cycles {self._motion(case)}.",
             tables={"fatigue": pd.DataFrame(fatigue, columns=columns)} if fatigue else {},
@@ -209,6 +213,10 @@ class Cycles(Question):
         assert self.shifts is not None
         height, film = rough.face.height, case.questions.get("film")
         upper = np.zeros_like(height) if rough.upper is None else rough.upper
+        most = mean_pressure if (smooth := case.hertz_contact) is None else smooth.maximum_pressure
+        hardness = case.hardness or math.inf
+        if case.hardness_is_estimated and most >= hardness:
+            hardness = math.inf  # no contact bears the load
         return MovingContact(
             upper - height,
             upper,
@@ -216,12 +224,12 @@ class Cycles(Question):
             rough.face.grid,
             shifts=self.shifts,
             sliding_direction=case.sliding_direction,
-            mean_pressure=mean_pressure if case.hertz_contact is None else None,
-            hertz=case.hertz_contact,
+            mean_pressure=mean_pressure if smooth is None else None,
+            hertz=smooth,
             at=case.load.at if isinstance(case.load, Hertz) else (0.0, 0.0),
             slide_to_roll=self.slide_to_roll,
             friction=case.friction,
-            hardness=case.hardness,
+            hardness=hardness,
             film_share=0.0 if film is None else film.share,
             wavelength_short=rough.face.wavelength_short,
             progress=progress,
@@ -244,9 +252,7 @@ class Cycles(Question):
             if variable.startswith("shakedown") and value >= LARGEST_FACTOR:
                 yield Record(quantity, value, unit, words=NO_CHANGE, **of, **more)
                 continue
-            error = float(np.hypot(np.nan_to_num(stages.bodies[body].cycle_error(variable)), few)) * abs(
-                value
-            )
+            error = float(np.hypot(stages.bodies[body].cycle_error(variable), few)) * abs(value)
             record = Record(quantity, value, unit, position=position, varies=True, **of, **more)
             yield record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
@@ -256,13 +262,14 @@ class Cycles(Question):
             name = f"volume above {100 * share:g} % of the limit per area"
             yield Record(name, value, "m", bounds=POSITIVE, varies=True, better="less", **of)
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
-            area = stages.numbers.nominal_area
             cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
             note = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
             yield Record(CRACKS, cracks, "1/m^2", bounds=POSITIVE, note=note, **of)
-            note = f"on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
-            none = math.exp(-cracks * area)
-            yield fraction("probability of no crack on the map", none, better="more", note=note, **of)
+            for where, area in (("track", self.area), ("map", stages.numbers.nominal_area)):
+                if area is not None:
+                    note = f"on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
+                    none, name = math.exp(-cracks * area), f"probability of no crack on the {where}"
+                    yield fraction(name, none, better="more", note=note, **of)
 
     def _warnings(self, case: Scene, found: dict[str, xr.Dataset]) -> Iterator[Advice]:
         """Error by few shifts, and the stress with which the limits are compared."""
@@ -273,6 +280,16 @@ class Cycles(Question):
                 error = f"with {self.shifts} shifts the error of {worst} is about {per_cent(size)}"
                 text = f"{error}, estimated from the result with half of the shifts."
                 yield Advice(size > FEW_SHIFTS, "number of shifts", text, f"shifts: {error}", size)
+        for body, constants in case.different_bodies.items():
+            if constants.fatigue_torsion is None:
+                name = constants.material or f"the {body} body"
+                left = "shear stress ranges alone" if body in found else "no numbers of its cycles"
+                if body in found and constants.yield_stress is not None:
+                    left = "shear stress ranges and shakedown factors"
+                text = (
+                    f"no fatigue limits of {name} are known: there are {left}, and no cracks are predicted."
+                )
+                yield Advice(True, "fatigue limits", text)
         if any("dang_van" in cycles for cycles in found.values()):
             film = "" if "film" in case.questions else "of dry faces: there is no lubricant film, "
             text = f"the fatigue limits are compared with elastic stress cycles {film}no residual stress "
@@ -319,8 +336,8 @@ def _limits(body: Body) -> dict[str, Any]:
     return {name: getattr(body, name) for name in names} | {"residual_stress": residual}
 
 
-def _verdict(records: list[Record]) -> str:
-    """Fatigue and shakedown of the body with the worst cycles."""
+def _verdict(records: list[Record], area: float) -> str:
+    """Fatigue on an area, and shakedown, of the body with the worst cycles."""
     worst = {
         variable: [each.value for each in records if each.quantity == quantity]
         for variable, (quantity, *_) in WORST.items()
@@ -331,6 +348,10 @@ def _verdict(records: list[Record]) -> str:
         text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
         if ratio > 1:
             text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+        if cracks := [each.value for each in records if each.quantity == CRACKS]:
+            chance = -math.expm1(-max(cracks) * area)
+            text += f"; by the stressed volume a crack starts on {shown_si(area, 'm^2', 3)} with "
+            text += f"a probability of {chance:.2g}"
         found.append(text)
     if worst["shakedown_lower"] and worst["shakedown_upper"]:
         low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])

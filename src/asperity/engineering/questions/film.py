@@ -102,9 +102,9 @@ class Film(Question):
         softer = {
             name: body.replaced(hardness=body.hardness - self.share * nominal)
             for name, body in case.groups_of_bodies.items()
-            if body.hardness is not None
+            if body.hardness is not None and case.hardness is not None
         }
-        return case.replaced(load=part, **softer), rough, None
+        return case.replaced(load=part, sensitivity=None, **softer), rough, None
 
     def loaded(self, loaded: LoadedSolid, contact: Contact, tractions: xr.Dataset | None) -> LoadedSolid:
         """A body under the pressure of the asperities and the pressure of the film."""

@@ -13,8 +13,9 @@ from asperity.contact import Contact
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.numbers import elastic_record
 from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels
-from asperity.engineering.records import DISCRETISATION, POSITIVE, Position, Record
+from asperity.engineering.records import DISCRETISATION, POSITIVE, Advice, Position, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Number, optional, setting
 from asperity.settings.quantities import Pressure
@@ -90,7 +91,8 @@ class Leak(Question):
         paths = percolation(contact)
         flow = self._flow(contact, lambda done, total: progress(0.8 * done, total))
         on_half = self._flow(stages.coarse.contact)
-        records, width, warnings = [*_records(paths)], paths.constriction[axis], []
+        records, width = [*_records(paths)], paths.constriction[axis]
+        warnings: list[Advice] = []
         datasets = self._close_up(contact, "under the load")
         verdict = (
             f"not sealed along {self.direction}: the narrowest constriction is {shown_si(width, 'm', 3)}"
@@ -102,12 +104,14 @@ class Leak(Question):
                 note = "while a load_curve from smaller loads finds the load that seals"
         if flow is not None and flow.flow_rate == 0:
             words = "0, sealed: the contact closes the gap"
-            records.append(Record(name, 0.0, "m^3/s", TOPIC, words=words, note=note))
+            leakage = Record(name, 0.0, "m^3/s", TOPIC, words=words, note=note)
+            records += [leakage, *self._elastic(leakage, stages, warnings)]
         elif flow is not None and on_half is not None:
             leakage = Record(name, flow.flow_rate, "m^3/s", TOPIC, bounds=POSITIVE)
             leakage = leakage.with_error(DISCRETISATION, abs(flow.flow_rate - on_half.flow_rate))
             note = "relative to the flow between planes at the mean gap"
-            records += [leakage, Record("pressure flow factor", flow.flow_factor, topic=TOPIC, note=note)]
+            records += [leakage, *self._elastic(leakage, stages, warnings)]
+            records.append(Record("pressure flow factor", flow.flow_factor, topic=TOPIC, note=note))
             verdict = f"leaks {leakage.best_text()} along {self.direction}, with the discretisation error"
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
             datasets["leak"] = _fields(contact, flow)
@@ -118,6 +122,18 @@ class Leak(Question):
             assumption="" if flow is None else "The film is laminar, fills the gap and does not open it.",
             datasets=datasets,
         )
+
+    def _elastic(self, leakage: Record, stages: Stages, warnings: list[Advice]) -> Iterator[Record]:
+        """The leakage through the elastic contact, where a hardness was estimated and it matters."""
+        if stages.elastic is None or (flow := self._flow(stages.elastic)) is None:
+            return
+        for each in elastic_record(leakage.quantity, flow.flow_rate, [leakage]):
+            yield each
+            short = (
+                f"model: an elastic contact, without the estimated hardness, leaks {each.number(digits=3)}"
+            )
+            size = abs(each.value / leakage.value - 1) if leakage.value else math.inf
+            warnings.append(Advice(True, "hardness from the yield stress", f"{short[7:]}.", short, size))
 
     def _flow(self, contact: Contact, progress: Progress | None = None) -> FilmFlow | None:
         """Flow of the film through the map; None without a film."""
@@ -164,7 +180,7 @@ class Leak(Question):
             return press(face, case.under(mean_pressure=load))
 
         def on_half(load: float) -> Contact:
-            given = {"mean_pressure": load, "hardness": case.hardness}
+            given = {"mean_pressure": load, "hardness": case.under(mean_pressure=load).hardness}
             return solve_on_half(face.height, case.solid, face.grid, face.boundary, **given)[0]
 
         found: list[float] = []

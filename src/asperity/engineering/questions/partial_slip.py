@@ -105,12 +105,19 @@ class PartialSlip(Question):
 
     def _slip(self, case: Scene, contact: Contact) -> Slip:
         """A contact of the case under the tangential load."""
-        from asperity.contact.slip import partial_slip
+        from asperity.contact.slip import ALL_SLIPS, partial_slip
 
-        imposed = {"tangential_displacement": self.tangential_displacement}
+        given: dict[str, Any] = {"tangential_displacement": self.tangential_displacement}
         if self.tangential_force is not None:
-            imposed = {"tangential_force": min(self.tangential_force, case.friction * contact.force)}
-        return partial_slip(contact, case.friction, sliding_direction=case.sliding_direction, **imposed)
+            given = {"tangential_force": min(self.tangential_force, case.friction * contact.force)}
+        direction = case.sliding_direction
+        try:
+            return partial_slip(contact, case.friction, sliding_direction=direction, **given)
+        except ValueError as error:
+            if not str(error).endswith(ALL_SLIPS):
+                raise
+        given = {"tangential_force": case.friction * contact.force}
+        return partial_slip(contact, case.friction, sliding_direction=direction, **given)
 
     def loaded(self, loaded: LoadedSolid, contact: Contact, tractions: xr.Dataset | None) -> LoadedSolid:
         """A body under pressure and tangential load."""
@@ -140,6 +147,9 @@ class PartialSlip(Question):
     def _warnings(self, slip: Slip) -> Iterator[Advice]:
         """Gross sliding, and the error of the superposition."""
         limit = slip.friction * slip.contact.force
+        if self.tangential_displacement is not None and not slip.sticking.force:
+            text = f"the bodies slide: all slips from {shown_si(slip.displacement, 'm')} on."
+            yield Advice(True, "gross sliding", text)
         if self.tangential_force is not None and self.tangential_force >= limit:
             force, most = shown_si(self.tangential_force, "N"), shown_si(limit, "N")
             text = f"the bodies slide: {force} is not below friction times load, {most}, which is the "

@@ -11,7 +11,7 @@ from asperity.contact import Contact
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
-from asperity.engineering.press import press
+from asperity.engineering.press import mean_pressure, press
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import Advice, Bounds, Record, fraction
 from asperity.engineering.scene import Scene
@@ -55,8 +55,8 @@ class RunningIn(Question):
         hardness = self.hardness or case.hardness
         if hardness is None:
             yield "running_in.hardness", ": missing; a pressure above the mean pressure is needed"
-        elif case.load.kind in ("mean_pressure", "hertz_pressure") and not case.cell_pressure < hardness:
-            least = f"more than the mean pressure {shown_si(case.cell_pressure, 'Pa')} is needed"
+        elif not (mean := mean_pressure(case, rough)) < hardness:
+            least = f"more than the mean pressure {shown_si(mean, 'Pa')} is needed"
             yield "running_in.hardness", f" = {shown_si(hardness, 'Pa')}: {least}"
         cycles = case.questions.get("cycles")
         if cycles is not None and cycles.shifts is not None and case.counter_map is not None:
@@ -84,7 +84,8 @@ class RunningIn(Question):
         done = f"flattened by {times}, by up to {shown_si(depths[0], 'm', 3)} at the first"
         face = replace(face, done=(*face.done, done))
         elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
-        case = case.replaced(**elastic, running_in=self.replaced(hardness=hardness))
+        asked = {"running_in": self.replaced(hardness=hardness), "sensitivity": None}
+        case = case.replaced(**elastic, **asked)
         return case, rough._replace(face=face), Flattening(first, depths)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:

@@ -15,10 +15,10 @@ from pydantic import Field
 from asperity.core.types import Progress
 from asperity.engineering.answer_data import tile_names
 from asperity.engineering.question import Findings, Question, Stages
-from asperity.engineering.records import Record
+from asperity.engineering.records import FRACTION, PER_AREA, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.body import OF_LAYER
-from asperity.settings.model import Number, Settings, value_at, with_value
+from asperity.settings.model import Number, Settings, SettingsError, value_at, with_value
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -28,8 +28,11 @@ TOPIC = "change for one per cent more of an input"
 STEP = 0.01
 """Relative change of an input."""
 
-COUNTED, FEWEST_NODES = ("contact area fraction",), 10
+COUNTED, FEWEST_NODES = ("contact area fraction", "contact area", "mean contact pressure"), 10
 """Quantities that count nodes, and the number of nodes from which a change of them is a number."""
+
+NEGLIGIBLE = 1e-6
+"""Relative error by the inputs that is the error of the contact: the number does not depend on them."""
 
 
 class Sensitivity(Question):
@@ -52,17 +55,26 @@ class Sensitivity(Question):
                 yield key, f": a tolerance is accepted for {', '.join(known)}"
             elif not 0 <= tolerance < 1:
                 yield key, f": a tolerance below 100 % is needed, ± {100 * tolerance:g} % is given"
+        for key in known if rough is None else ():
+            try:
+                varied(self._alone(case), key)
+            except SettingsError as error:
+                yield key, f": one per cent more, of the sensitivity, is refused ({error.found[0]})"
 
     def other_cases(self, case: Any) -> dict[str, Any]:
         """The cases with one per cent more of an input, by its key."""
-        alone = case.replaced(sensitivity=None, load_curve=None)
-        return {key: varied(alone, key) for key in inputs_of(case)}
+        return {key: varied(self._alone(case), key) for key in inputs_of(case)}
+
+    def _alone(self, case: Any) -> Any:
+        """The case without this question and without a load curve."""
+        return case.replaced(sensitivity=None, load_curve=None)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Changes of each number at the top of the page, and its error by the tolerances of the inputs."""
         import pandas as pd
 
-        tiles, rows, records, errors = tile_names(stages.asked), [], [], {}
+        tiles, rows, records = tile_names(stages.asked), [], []
+        errors: dict[tuple[str, str], float] = {}
         values = {
             key: {(each.quantity, each.body): each.value for each in others}
             for key, others in stages.others.items()
@@ -70,17 +82,22 @@ class Sensitivity(Question):
         for own in stages.records:
             name = own.quantity, own.body
             known = {key: found[name] for key, found in values.items() if name in found}
-            if own.quantity not in tiles or not (own.value and math.isfinite(own.value)) or not known:
-                continue
-            quantity, nodes = f"{own.quantity}: change", stages.numbers.contact_nodes
-            if own.quantity in COUNTED and STEP * nodes < FEWEST_NODES:
-                words = f"not known, as {100 * STEP:g} % of {nodes} contact nodes is too few to count"
-                records.append(Record(quantity, math.nan, topic=TOPIC, body=own.body, words=words))
+            if not (own.value and math.isfinite(own.value)) or own.words or not known:
                 continue
             changes = {key: value / own.value - 1 for key, value in known.items()}
             parts = [changes[key] / STEP * size for key, size in self.tolerances.items() if key in changes]
-            if parts:
-                errors[name] = math.hypot(*parts)
+            nodes, is_count = stages.numbers.contact_nodes, own.unit in ("1", PER_AREA)
+            too_few = own.quantity in COUNTED and STEP * nodes < FEWEST_NODES
+            if parts and (own.bounds == FRACTION or not is_count):
+                size = math.hypot(*parts)
+                errors |= {name: math.nan if too_few else size} if too_few or size > NEGLIGIBLE else {}
+            if own.quantity not in tiles:
+                continue
+            quantity = f"{own.quantity}: change"
+            if too_few:
+                words = f"not known, as {100 * STEP:g} % of {nodes} contact nodes is too few to count"
+                records.append(Record(quantity, math.nan, topic=TOPIC, body=own.body, words=words))
+                continue
             largest_first = sorted(changes.items(), key=lambda each: -abs(each[1]))
             shown = ", ".join(f"{key} {100 * change:+.2g} %" for key, change in largest_first)
             records.append(Record(quantity, largest_first[0][1], topic=TOPIC, body=own.body, words=shown))
@@ -107,6 +124,8 @@ def _varied_in(group: Settings, key: str) -> dict[str, float]:
                 found |= _varied_in(each, f"{own}.{number}") if isinstance(each, Settings) else {}
         elif value is not None and isinstance(extra := field.json_schema_extra, dict) and extra.get("varied"):
             found[own] = value
+    if getattr(group, "hardness_is_estimated", False):  # it varies with the yield stress
+        found.pop(f"{key}.hardness", None)
     if getattr(group, "base", None) is not None:  # the body has the constants of its layer
         return {own: value for own, value in found.items() if own.removeprefix(f"{key}.") not in OF_LAYER}
     return found

@@ -13,7 +13,6 @@ from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.places import Blocks
-from asperity.engineering.press import HARDNESS_OVER_YIELD
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
     PLANES,
@@ -26,6 +25,7 @@ from asperity.engineering.records import (
     per_cent,
 )
 from asperity.engineering.scene import Scene
+from asperity.settings.body import HARDNESS_OVER_YIELD
 from asperity.stress.peaks.selection import select_peaks
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asperity.core.errors import shown
+from asperity.core.errors import one_line, shown
 from asperity.core.types import Array
 from asperity.core.units import shown_si, to_si
 from asperity.surface.reading.formats import UNNAMED, Channel
@@ -80,6 +80,8 @@ class FileContent(NamedTuple):
     orientation : "peaks up", "lower face" or None
     is_grey : bool
         True if the numbers are grey levels and not heights.
+    instrument : str
+        Name of the instrument; empty if the file does not name it.
     mask : str
         Note on the points that a mask in the file marks; empty without a mask.
     """
@@ -96,6 +98,7 @@ class FileContent(NamedTuple):
     orientation: str | None = PEAKS_UP
     is_grey: bool = False
     mask: str = ""
+    instrument: str = ""
 
 
 class MapFile:
@@ -161,6 +164,8 @@ class MapFile:
                 else f"missing: {repeated[1]} points have the height {repeated[0]:.9g}; set it to this number"
             )
         notes = [note for _, note in self._notes]
+        if content.instrument:
+            notes.append(f"instrument: {one_line(content.instrument)}")
         if content.mask:
             notes.append(content.mask)
         elif options.mask:

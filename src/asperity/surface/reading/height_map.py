@@ -161,32 +161,40 @@ class HeightMap:
         """Edges (y, x) of a pixel."""
         return self.length[0] / self.height.shape[0], self.length[1] / self.height.shape[1]
 
-    def cropped(self, edge: float | str, middle: tuple[float | str, float | str] | None = None) -> HeightMap:
-        """The square part of an edge around a place, by default the middle, as far as the map reaches.
+    def cropped(
+        self,
+        edges: float | str | tuple[float | str, float | str],
+        middle: tuple[float | str, float | str] | None = None,
+    ) -> HeightMap:
+        """The part of one edge, or of edges (y, x), around a place, by default the middle.
+
+        An edge that is longer than the map is cut to it.
 
         Raises
         ------
         MapError
             If the part has fewer than 2 x 2 points, or none at this place.
         """
-        wanted, parts, shown_place = self.in_map_unit("crop", edge), [], []
+        y, x = edges if isinstance(edges, tuple) else (edges, edges)
+        wanted = self.in_map_unit("crop", y), self.in_map_unit("crop", x)
+        parts, shown_place = [], []
         for axis, (points, step) in enumerate(zip(self.height.shape, self.spacing, strict=True)):
-            count = min(points, round(wanted / step))
+            count = points if wanted[axis] >= self.length[axis] else round(wanted[axis] / step)
             place = self.length[axis] / 2 if middle is None else self.in_map_unit("crop_at", middle[axis])
             start = round(place / step - count / 2)
             if not (count >= 2 and start >= 0 and start + count <= points):
-                size, whole = self.shown_length(wanted), self.shown_length(*self.length)
+                size, whole = self.shown_length(*wanted), self.shown_length(*self.length)
                 text = f"crop = {size}: a part of at least 2 x 2 points inside the map, {whole}, is needed"
                 raise MapError(self.name, [text])
             parts.append(slice(start, start + count))
             shown_place.append((start + count / 2) * step)
         height = self.height[tuple(parts)]
-        edges = height.shape[0] * self.spacing[0], height.shape[1] * self.spacing[1]
+        length = height.shape[0] * self.spacing[0], height.shape[1] * self.spacing[1]
         note = (
-            f"cropped to {self.shown_length(*edges)} (y, x) around {self.shown_length(*shown_place)}, of"
+            f"cropped to {self.shown_length(*length)} (y, x) around {self.shown_length(*shown_place)}, of"
             f" {self.shown_length(*self.length)}"
         )
-        return replace(self, height=height, length=edges, periodic=False, notes=(*self.notes, note))
+        return replace(self, height=height, length=length, periodic=False, notes=(*self.notes, note))
 
     def as_indenter(self) -> Array:
         """Heights of the indenter's lower face, as `asperity.contact.solve` takes them.

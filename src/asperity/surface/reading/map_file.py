@@ -513,6 +513,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
         periodic=bool(topography.is_periodic),
         orientation=None if is_bare else PEAKS_UP,
         mask=mask,
+        instrument=str((topography.info.get("instrument") or {}).get("name") or ""),
     )
     if form.name == "h5":
         return hierarchical.with_attributes(content, attributes)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
-from asperity.core.arguments import own_errors, require_finite
+from asperity.core.arguments import require_finite
 from asperity.core.errors import one_line
 from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
@@ -105,6 +105,8 @@ class TreatedMap:
         Name of the map.
     boundary : "periodic" | "free"
         Boundary of the contact, "free" if the map was not made periodic.
+    doubts : tuple of str
+        Doubts about the map that its options do not answer, if `asperity.prepare_map` looked for them.
 
     Examples
     --------
@@ -121,10 +123,12 @@ class TreatedMap:
     done: tuple[str, ...] = ()
     name: str = ""
     boundary: str = "periodic"
+    doubts: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         ny, nx = self.height.shape
-        return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
+        doubts = "".join(f"; {doubt}" for doubt in self.doubts)
+        return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}{doubts}>"
 
     def part_of(self, grid: Grid) -> tuple[slice, slice]:
         """Rows and columns of the map on a grid of the map, or of the whole cell of a mirrored map."""
@@ -135,45 +139,6 @@ class TreatedMap:
     def map_alone(self) -> TreatedMap:
         """The surface without its periodic images and mirror images: nothing surrounds it."""
         return replace(self, grid=Grid(self.grid.shape, self.grid.length), boundary="free")
-
-
-@own_errors
-def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
-    """The lower face of an indenter, in metres, from a measured map.
-
-    Parameters
-    ----------
-    source : path or HeightMap
-        File of a map, whose unit has to be known, or a map.
-    options : MapOptions, optional
-    **given
-        Fields of `MapOptions`, which override `options`.
-
-    Returns
-    -------
-    TreatedMap
-        With `height`, (ny, nx) in m, its `grid`, and the steps of the treatment in `done`.
-
-    Raises
-    ------
-    MapError
-        If the file cannot be used; the message names everything that is wrong or missing, also that its unit
-        is not known.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
-    >>> what = asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up")
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     np.save(Path(folder) / "map.npy", heights * 1e9)
-    ...     made = asp.prepare_map(Path(folder) / "map.npy", what, periodic="windowed")
-    >>> made.height.shape, [round(edge, 9) for edge in made.grid.length]
-    ((40, 40), [8e-05, 8e-05])
-    """
-    options = (options or MapOptions()).replaced(**given)
-    return treat_map(source if isinstance(source, HeightMap) else usable_map(source, options), options)
 
 
 def usable_map(path: FilePath, options: MapOptions, needs_unit: bool = True) -> HeightMap:
