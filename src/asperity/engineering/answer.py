@@ -205,7 +205,7 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     >>> sample = asp.pool([asp.run(each, steel, mean_pressure=50e6) for each in maps])
     >>> area = sample["contact area fraction"]
     >>> print(f"contact area fraction {area.best_text()}")
-    contact area fraction 5.1 ± 1.1 %
+    contact area fraction 5.1 ± 1.1 % (± without discretisation)
     """
 
     def answer(each: Any) -> AnswerData:
