@@ -99,8 +99,13 @@ def contact_records(
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":
             record = _extrapolated(record, limits, "contact area fraction", numbers.nominal_area)
+        elif each.name == "mean_pressure":  # the load over the area
+            area = limit_of(limits, "contact area fraction")
+            estimate = value * area["on_grid"] / area["estimate"] if area["estimate"] else math.nan
+            record = replace(record, bounds=most, extrapolated=estimate)
+            record = record.with_error(DISCRETISATION, area["error"] * estimate)
         record = _extrapolated(record, limits, quantity)
-        if each.name in ("contact_area_fraction", "contact_area"):
+        if each.name in ("contact_area_fraction", "contact_area", "mean_pressure"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
         if carried < 1 and quantity in PARTS:
             record = replace(record, note="the part of the asperities")

@@ -144,7 +144,8 @@ def _records(stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
             of_pixels = error * each.value / above.volume
             yield each.with_error(PLANES, of_pixels).with_error(POSITIONS, positions * each.value)
         note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
-        yield Record("maximum depth above yield", last, "m", note=note, bounds=POSITIVE, **worse)
+        deepest = Record("maximum depth above yield", last, "m", note=note, bounds=POSITIVE, **worse)
+        yield deepest.with_error(PLANES, math.nan)
     below = peaks["peak_depth"].values > (part.layer.interface or -1.0)
     density = int((is_above & below).sum()) / stages.numbers.nominal_area
     yield Record("peaks above yield", density, "1/m^2", bounds=POSITIVE, **worse)
