@@ -138,6 +138,7 @@ def quantity(name):
 
 
 EFFECTS = {
+    "adhesion": lambda answer: answer["pull-off force"].value > 0,
     "ball": lambda answer: answer.face.boundary == "free",
     "bearing": lambda answer: answer.case.hertz_contact.maximum_pressure == pytest.approx(1.255e9, rel=1e-3),
     "coating": quantity("maximum shear stress on the interface"),
@@ -162,6 +163,7 @@ EFFECTS = {
 }
 """Case file of the pages → its effect on the answer, None for one that is only checked."""
 SMALLER = {
+    "adhesion": "--set map.points=48 --set adhesion.steps=4",
     "fatigue": "--set map.points=20",
     "moving_faces": "--set map.points=20 --set map.wavelength_short=32um --set cycles.shifts=12",
 }

@@ -9,6 +9,7 @@ import functools
 import math
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -212,6 +213,42 @@ def try_mirrored(case):
     expected = whole.pressure[: grid.shape[0], : grid.shape[1]]
     error = np.linalg.norm(found.pressure - expected) / np.linalg.norm(expected)
     require(error <= WORST_NODE * rtol, "the pressure is another than on the cell")
+
+
+adhesive_contacts = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(4, 40), st.integers(4, 40)),
+        "seed": st.integers(0, 100),
+        "relief": power_of_ten(-4, -1),
+        "solid": st.sampled_from([solid for solid in families.SOLIDS if solid != "sheet"]),
+        "boundary": st.sampled_from(["periodic", "mirrored", "free"]),
+        "work": power_of_ten(-9, -4),
+        "range": power_of_ten(-0.15, 1),
+        "law": st.sampled_from(["exponential", "maugis-dugdale"]),
+        "path": st.lists(st.floats(-0.5, 0.8), min_size=1, max_size=4),
+        "hardness": st.none() | power_of_ten(-3, 0),
+    }
+)
+
+
+def try_adhesion(case):
+    """A path with adhesion: certified anew, and within the strength and the hardness."""
+    solid = families.SOLIDS[case["solid"]]
+    boundary = "free" if case["boundary"] == "free" and solid.height is None else "periodic"
+    grid = asp.Grid(case["shape"], mirrored=case["boundary"] == "mirrored")
+    height = case["relief"] * np.random.default_rng(case["seed"]).random(case["shape"])
+    modulus = solid.effective_modulus
+    fitted = asp.Adhesion.fitted(case["work"] * modulus, solid, grid, case["law"])
+    adhesion = replace(fitted, range=fitted.range * case["range"])
+    hardness = case["hardness"] and case["hardness"] * modulus
+    path = height.min() + (height.mean() - height.min()) * np.array(case["path"])
+    settings = {"adhesion": adhesion, "hardness": hardness, "boundary": boundary}
+    for contact in asp.solve_load_path(height, solid, grid, approaches=path.tolist(), **settings):
+        settings["approach"] = contact.approach
+        found = asp.contact.verify_contact(contact.height, contact.pressure, solid, grid, **settings)
+        require(found.worst < 1e-3, "the certificate does not hold")
+        require(contact.pressure.min() >= -adhesion.strength * (1 + 1e-9), "a tension is above the strength")
+        require(contact.pressure.max() <= contact.hardness, "a pressure is above the hardness")
 
 
 dilute_contacts = st.fixed_dictionaries(
@@ -582,6 +619,7 @@ PROPERTIES = {
     "family": (engineered, try_family),
     "contact": (contacts, try_contact),
     "mirrored": (mirrored_maps, try_mirrored),
+    "adhesion": (adhesive_contacts, try_adhesion),
     "dilute": (dilute_contacts, try_dilute),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),

@@ -37,6 +37,7 @@ DIMENSIONS = {
     "volume": Dimension("m^3", ("um^3", "mm^3", "m^3")),
     "pressure": Dimension("Pa", ("kPa", "MPa", "GPa", "N/mm^2")),
     "force": Dimension("N", ("mN", "N", "kN")),
+    "work of adhesion": Dimension("J/m^2", ("mJ/m^2", "J/m^2")),
 }
 
 # pint evaluates arithmetic in a text, and a long power takes hours: only a number with a unit is passed on.

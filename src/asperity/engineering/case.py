@@ -16,6 +16,7 @@ from pydantic import ConfigDict, model_validator
 from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Question
+from asperity.engineering.questions.adhesion_path import Adhesion
 from asperity.engineering.questions.conduction import Conduction
 from asperity.engineering.questions.cycles import Cycles
 from asperity.engineering.questions.film import Film
@@ -49,6 +50,8 @@ class Case(Scene):
     (50000000.0, 0.3)
     """
 
+    adhesion: Adhesion | None = optional("no adhesion")
+    """Adhesion: the faces attract each other, and a force pulls them off."""
     film: Film | None = optional("not asked")
     """A film carries a part of the load."""
     running_in: RunningIn | None = optional("not asked")

@@ -6,6 +6,7 @@ The formulas are in `asperity.stress.statistics.extrapolation`.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import xarray as xr
 
@@ -107,13 +108,17 @@ def continuum_limit(
 
 
 def solved_on_half(contact: Contact) -> HalfGrid:
-    """The contact on half of the nodes, under the same load."""
+    """The contact on half of the nodes, under the same load, or with adhesion at the same approach."""
     reason = "the boundary is free, and the estimate is made for periodic cells"
     if contact.boundary != "free":
         reason = reason_against(contact.pressure, contact.height, mirrored=contact.grid.mirrored)
     hardness = contact.hardness if math.isfinite(contact.hardness) else None
     given = contact.height, contact.solid, contact.grid, contact.boundary
-    half, lost = solve_on_half(*given, force=contact.force, hardness=hardness)
+    load: dict[str, Any] = {"force": contact.force}
+    if contact.adhesion is not None:
+        reason = "the faces attract each other, and the estimate is made for contacts without adhesion"
+        load = load if contact.contact_area_fraction == 1 else {"approach": contact.approach}
+    half, lost = solve_on_half(*given, **load, hardness=hardness, adhesion=contact.adhesion)
     return HalfGrid(half, lost, reason)
 
 

@@ -87,14 +87,15 @@ def contact_records(
             continue
         quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
         record = Record(quantity, value, each.metadata["unit"])
-        if each.name != "normal_approach":
+        may_pull = contact.adhesion is not None and quantity in PARTS
+        if each.name != "normal_approach" and not may_pull:
             record = replace(record, bounds=POSITIVE)
         if each.name == "contact_area_fraction":
             record = fraction(quantity, value, note=f"of {shown_si(numbers.nominal_area, 'm^2')}")
         elif each.name == "contact_area":
             record = replace(record, bounds=Bounds(0.0, numbers.nominal_area, "the nominal area"))
         elif each.name == "maximum_pressure":
-            record = replace(record, bounds=most, varies=True, better="less")
+            record = replace(record, bounds=record.bounds if may_pull else most, varies=True, better="less")
         elif each.name == "patches":
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":

@@ -39,6 +39,7 @@ def press(
     if case.hardness_is_estimated and is_beyond:
         hardness = None  # no contact bears the load
     options = {"hardness": hardness, "boundary": face.boundary, **imposed}
+    options["adhesion"] = case.adhesion_on(face.grid)
     return solve_contact(face.height, case.solid, face.grid, progress=progress, **options)
 
 

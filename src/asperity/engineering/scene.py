@@ -17,16 +17,18 @@ from pydantic import Field, field_validator
 from asperity.core.types import FIELDS
 from asperity.core.units import shown_si
 from asperity.settings.body import Body
+from asperity.settings.interface import Attraction
 from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import OwnMaterials
 from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting
 
 if TYPE_CHECKING:
-    from asperity.contact import Contact
+    from asperity.contact import Adhesion, Contact
     from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.elasticity.solid import Solid
     from asperity.elasticity.two_bodies import TwoBodies
+    from asperity.fourier.grid import Grid
     from asperity.stress.cycles.hertz_contact import HertzContact
 
 MATERIALS = "materials.yaml"
@@ -53,6 +55,8 @@ class Scene(Settings):
     the slopes are small."""
     load: Load = setting(...)
     """The load."""
+    adhesion: Attraction | None = optional("no adhesion")
+    """Adhesion: the faces attract each other, and a force pulls them off."""
     fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
         ("von_mises",)
     )
@@ -218,6 +222,16 @@ class Scene(Settings):
 
         return TwoBodies(solid_of(self.body), solid_of(counter))
 
+    def adhesion_on(self, grid: Grid) -> Adhesion | None:
+        """The attraction of the faces on a grid, on which a range that is fitted depends."""
+        from asperity.contact import Adhesion
+
+        if (given := self.adhesion) is None:
+            return None
+        if isinstance(given.range, str):
+            return Adhesion.fitted(given.work, self.solid, grid, given.law)
+        return Adhesion(given.work, given.range, given.law)
+
     @property
     def hertz_contact(self) -> HertzContact | None:
         """The Hertz contact under the load."""
@@ -266,7 +280,8 @@ class Scene(Settings):
         """The same bodies under another load, without questions."""
         if isinstance(self.load, Hertz):
             load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
-        given = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
+        given: dict[str, Any] = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
+        given["adhesion"] = self.adhesion
         return Scene(**given, load=load)
 
     @property

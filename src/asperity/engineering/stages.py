@@ -154,11 +154,11 @@ def _pressed(asked: Case, rough: RoughFace, parts: _Parts) -> Pressed:
 def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
     """Blocks of the map, whose scatter gives the error between positions.
 
-    None if the map holds too few, has a form (``map.radius``) or a free boundary, or if an approach or
-    contact area is imposed: the numbers then do not follow the load on a block.
+    None if the map holds too few, has a form (``map.radius``) or a free boundary, with adhesion, or if an
+    approach or contact area is imposed: the numbers then do not follow the load on a block.
     """
     imposed = case.load.kind in ("normal_approach", "contact_area_fraction")
-    if imposed or case.map.radius is not None or face.boundary == "free":
+    if imposed or case.adhesion is not None or case.map.radius is not None or face.boundary == "free":
         return None
     return blocks_of(face, contact.pressure)
 
@@ -378,7 +378,7 @@ def neighbours_of(face: TreatedMap, case: Scene, contact: Contact) -> tuple[floa
     continue it: its width is taken across the axis, and without images, where it would end, no contact is
     solved.
     """
-    widths = np.ptp(np.argwhere(contact.pressure > 0), axis=0) + 1
+    widths = np.ptp(np.argwhere(contact.touching), axis=0) + 1
     spans = dict(zip("yx", (widths / face.grid.shape).tolist(), strict=True))
     if case.map.form == "cylinder":
         return spans["x" if case.map.cylinder_axis == "y" else "y"], None
