@@ -79,8 +79,8 @@ class LayerStrength(Question):
             verdict="; ".join(texts) or f"the layers hold: {LEAST} {least.best_text()}, {place}",
             warnings=[Advice(True, TOPIC, f"{text[0].upper()}{text[1:]}.") for text in texts],
             assumption=(
-                "A crack in a layer is judged under its maximum tensile stress as if that were uniform, and as "
-                "if the solid below were as stiff (Hutchinson and Suo 1992); in a stiffer layer it runs "
+                "A crack in a layer is judged under its maximum tensile stress, as if uniform, and as if "
+                "the solid below were as stiff (Hutchinson and Suo 1992); in a stiffer layer it runs "
                 "earlier. Shear and tension of an interface are judged apart."
             ),
         )
