@@ -49,8 +49,8 @@ class LayerStrength(Question):
     @classmethod
     def is_implied(cls, case: Scene) -> bool:
         """True if a layer has a strength."""
-        layers = (layer for body in case.groups_of_bodies.values() for layer in body.layers)
-        return any(layer.strength is not None for layer in layers)
+        strengths = (each.strength for body in case.groups_of_bodies.values() for each in body.layers)
+        return any(value is not None for given in strengths if given is not None for _, value in given)
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """No strength, and strengths of the interface with a rigid base, whose stress is not computed."""
