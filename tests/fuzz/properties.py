@@ -440,7 +440,7 @@ cases = st.fixed_dictionaries(
         "map": maps,
         "lower": elastic,
         "upper": st.none() | elastic,
-        "kind": st.sampled_from(list(PLURALS)),
+        "kind": st.sampled_from([kind.replace("approach", "normal_approach") for kind in PLURALS]),
         "value": number(1e-3, 1) | st.lists(st.floats(1e-3, 1), min_size=1, max_size=3).map(sorted),
         "friction": st.just(0.0) | number(0, 2),
         "direction": st.just("x") | choice("x", "y") | number(-180, 360),
