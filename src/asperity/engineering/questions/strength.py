@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import ON_INTERFACE
 from asperity.engineering.numbers import EXTREMES
 from asperity.engineering.question import Findings, Question, Stages
-from asperity.engineering.records import DISCRETISATION, POSITIVE, Advice, Record, find
+from asperity.engineering.records import POSITIVE, Advice, Record, find
 from asperity.engineering.scene import Scene
 
 if TYPE_CHECKING:
@@ -59,25 +59,28 @@ class LayerStrength(Question):
         for name, body in case.groups_of_bodies.items():
             last = len(body.layers) - 1
             strength = body.layers[last].strength if body.base is not None else None
-            for kind in ("shear", "tension"):
-                if strength is not None and getattr(strength, kind) is not None:
+            for kind in ON_INTERFACE:
+                if getattr(strength, kind, None) is not None:
                     key = f"{name}.layers.{last}.strength.{kind}"
                     yield key, ": not accepted on a rigid base, where only cracks are judged"
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Strength over stress of each layer and interface, and whether they hold."""
-        found = [*_criteria(stages)]
-        records = [record for each in found for record in each.records]
-        least = min((each.ratio for each in found), key=lambda ratio: ratio.best)
+        ratios, failures = [], []
+        for place, fails, ratio in _criteria(stages):
+            ratios.append(ratio)
+            low, high = (ratio.value,) * 2 if math.isnan(ratio.error) else ratio.interval
+            if low <= 1:
+                how = f"may {fails.replace('s', '', 1)}" if high > 1 else fails
+                failures.append(f"{place} {how}: strength over stress {ratio.best_text()}")
+        least = min(ratios, key=lambda ratio: ratio.best)
         place = least.quantity.partition(", ")[2]
-        records.append(
-            replace(least, quantity=LEAST, body="", note=", ".join(filter(None, [place, least.note])))
-        )
-        texts = [each.text() for each in found if not each.holds]
+        note = ", ".join(filter(None, [place, least.note]))
+        holds = f"the layers hold: {LEAST} {least.best_text()}, {place}"
         return Findings(
-            records=records,
-            verdict="; ".join(texts) or f"the layers hold: {LEAST} {least.best_text()}, {place}",
-            warnings=[Advice(True, TOPIC, f"{text[0].upper()}{text[1:]}.") for text in texts],
+            records=[*ratios, replace(least, quantity=LEAST, body="", note=note)],
+            verdict="; ".join(failures) or holds,
+            warnings=[Advice(True, TOPIC, f"{text[0].upper()}{text[1:]}.") for text in failures],
             assumption=(
                 "A crack in a layer is judged under its maximum tensile stress, as if uniform, and as if "
                 "the solid below were as stiff (Hutchinson and Suo 1992); in a stiffer layer it runs "
@@ -86,72 +89,29 @@ class LayerStrength(Question):
         )
 
 
-class _Criterion(NamedTuple):
-    """A stress that a strength limits.
-
-    The `place` fails as `fails` says; `ratio` is strength over stress, the last of its `records`.
-    """
-
-    place: str
-    fails: str
-    records: tuple[Record, ...]
-
-    @property
-    def ratio(self) -> Record:
-        """Strength over stress."""
-        return self.records[-1]
-
-    @property
-    def holds(self) -> bool:
-        """True if the whole interval of the ratio, or its value where none is known, is above 1."""
-        low = self.ratio.interval[0]
-        return (self.ratio.value if math.isnan(low) else low) > 1
-
-    def text(self) -> str:
-        """How the place fails, from the ratio and its interval."""
-        fails = self.fails.replace("s", "", 1) if self.ratio.interval[1] > 1 else self.fails
-        may = "may " if self.ratio.interval[1] > 1 else ""
-        return f"{self.place} {may}{fails}: strength over stress {self.ratio.best_text()}"
-
-
-def _criteria(stages: Stages) -> Iterator[_Criterion]:
-    """The criteria of all layers that have a strength, in every body."""
+def _criteria(stages: Stages) -> Iterator[tuple[str, str, Record]]:
+    """Place, way to fail, and strength over stress there, of all layers that have a strength."""
     names = list(stages.asked.different_bodies)
     for body in names:
         of = f" of the {body} body" if len(names) > 1 else ""
         constants = stages.bodies[body].body
-        names_of_parts, faces = [*constants.parts], [*constants.interfaces, ""]
-        for name, layer, face in zip(names_of_parts, constants.layers, faces, strict=False):
+        faces = [*constants.interfaces, ""]
+        for name, layer, face in zip(constants.parts, constants.layers, faces, strict=False):
             if (strength := layer.strength) is None:
                 continue
             for kind, quantity in ON_INTERFACE.items():
                 if (limit := getattr(strength, kind)) is not None:
                     stress = next(find(stages.records, f"{quantity} {face}", body))
-                    ratio = _ratio(stress, limit, f"{kind} of {face}")
-                    yield _Criterion(f"{face}{of}", f"peels in {kind}", (ratio,))
+                    yield f"{face}{of}", f"peels in {kind}", _ratio(stress, limit, f"{kind} of {face}")
             energy = strength.energy
             if strength.toughness is not None:
                 energy = strength.toughness**2 * (1 - layer.poisson**2) / layer.young
             if energy is not None:
-                stress = next(
-                    find(stages.records, f"{EXTREMES['principal_1']}{f' in {name}' * bool(name)}", body)
-                )
-                one = energy_release_rate(1.0, layer.thickness, layer.young, layer.poisson)
-                rate = Record(
-                    f"energy release rate of a crack in {name or 'the layer'}",
-                    one * stress.value**2,
-                    "J/m^2",
-                    TOPIC,
-                    body,
-                    bounds=POSITIVE,
-                    note=stress.note,
-                    varies=True,
-                    better="less",
-                )
-                error = 2 * one * stress.value * stress.errors.get(DISCRETISATION, 0.0)
-                ratio = _ratio(stress, math.sqrt(energy / one), f"crack in {name or 'the layer'}")
-                records = rate.with_error(DISCRETISATION, error), ratio
-                yield _Criterion(f"{name or 'the layer'}{of}", "cracks", records)
+                tension = EXTREMES["principal_1"] + (f" in {name}" if name else "")
+                stress = next(find(stages.records, tension, body))
+                of_unit = energy_release_rate(1.0, layer.thickness, layer.young, layer.poisson)
+                ratio = _ratio(stress, math.sqrt(energy / of_unit), f"crack in {name or 'the layer'}")
+                yield f"{name or 'the layer'}{of}", "cracks", ratio
 
 
 def _ratio(stress: Record, limit: float, of: str) -> Record:
