@@ -152,6 +152,7 @@ EFFECTS = {
     "hertz_roller": lambda answer: answer.case.cell_pressure == pytest.approx(1.2e9 * 0.96**0.5),
     "instrument": lambda answer: answer.face.treatment.spikes > 0,
     "layer": lambda answer: answer.stress["lower"]["plane_depth"].values.max() == pytest.approx(3e-6),
+    "layers": quantity("strength over stress, shear of interface 2"),
     "leak": None,  # test_interface_answer.py
     "load_curve": lambda answer: len(answer.tables["curve"]) == 3,
     "moving_faces": lambda answer: {"cycles_lower", "cycles_upper"} == {*answer.datasets},

@@ -454,7 +454,14 @@ def try_treatment(case):
 strengths = st.none() | number(1e-3, 1e12)
 more = {"hardness": strengths, "conductivity": number(1e-9, 1e5), "resistivity": number(1e-12, 1e20)}
 material = {"young": number(1e-3, 1e12), "poisson": number(-0.99, 0.5), "yield_stress": strengths}
-layered = {"layers": st.tuples(st.fixed_dictionaries(material | {"thickness": number(1e-6, 10)}))}
+strength = st.fixed_dictionaries(
+    {}, optional=dict.fromkeys(("shear", "tension", "energy", "toughness"), number(1e-3, 1e9))
+)
+layer = st.fixed_dictionaries(
+    material | {"thickness": number(1e-6, 10)},
+    optional={"residual_stress": number(-1e9, 1e9), "strength": strength},
+)
+layered = {"layers": st.lists(layer, min_size=1, max_size=3)}
 elastic = (
     st.fixed_dictionaries(material, optional=more)
     | st.fixed_dictionaries(material | layered, optional=more)
@@ -470,7 +477,7 @@ cases = st.fixed_dictionaries(
         "map": maps,
         "lower": elastic,
         "upper": st.none() | elastic,
-        "kind": st.sampled_from(list(PLURALS)),
+        "kind": st.sampled_from([kind.replace("approach", "normal_approach") for kind in PLURALS]),
         "value": number(1e-3, 1) | st.lists(st.floats(1e-3, 1), min_size=1, max_size=3).map(sorted),
         "friction": st.just(0.0) | number(0, 2),
         "direction": st.just("x") | choice("x", "y") | number(-180, 360),
@@ -604,6 +611,8 @@ conduction: a counter_body is needed
 conduction: conductivity or resistivity of both bodies
 (counter_)?body\.(conductivity|resistivity): missing
 (counter_)?body\.layers: not accepted
+(counter_)?body\.layers\.\d\.(residual_stress|strength\.\w+): not accepted
+(counter_)?body\.fatigue_torsion: not accepted with several
 load_curve\.loads = .*: a list of rising values
 (counter_)?body\.hardness = .*: more than the pressure
 contact_area_fraction = .*: less is needed

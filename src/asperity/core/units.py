@@ -86,7 +86,8 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
     usual = _USUAL.fullmatch(value.strip()) if isinstance(value, str) else None
     if usual and usual[3] == known.unit:  # without pint, whose import takes a quarter of a second
         if usual[2] + usual[3] != "mPa":  # which is refused: MPa is meant
-            number = float(usual[1]) * 10.0 ** _EXPONENTS[usual[2]]
+            exponent = _EXPONENTS[usual[2]]  # powers of ten above 1 are exact: 300 nm is 0.3 um to the bit
+            number = float(usual[1]) * 10.0**exponent if exponent > 0 else float(usual[1]) / 10.0**-exponent
     else:
         with suppress(Exception):  # pint has errors of many unrelated types for a unit that it does not know
             import pint

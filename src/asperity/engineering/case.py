@@ -27,6 +27,7 @@ from asperity.engineering.questions.running_in import RunningIn
 from asperity.engineering.questions.sample import SampleOfMaps
 from asperity.engineering.questions.sensitivity import Sensitivity
 from asperity.engineering.questions.sliding import Sliding
+from asperity.engineering.questions.strength import LayerStrength
 from asperity.engineering.questions.yielding import Yielding
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
@@ -70,6 +71,8 @@ class Case(Scene):
     """Load curve."""
     yielding: Yielding | None = optional("asked if a body or its material has a yield stress")
     """Yield."""
+    strength: LayerStrength | None = optional("asked if a layer has a strength")
+    """Strength of the layers and of their interfaces."""
     cycles: Cycles | None = optional("asked if a body gives fatigue limits or a residual stress itself")
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
     sensitivity: Sensitivity | None = optional("asked if an input has a tolerance, such as `210 GPa ± 5 %`")

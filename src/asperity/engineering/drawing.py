@@ -129,8 +129,5 @@ def section_of(answer: AnswerData, source: Source, field: str, body: str, part: 
 
 def yield_at(body: Body, depth: Array) -> Array:
     """Yield stress of the material at each depth; infinite where none is given."""
-    base, coating = np.inf if body.yield_stress is None else body.yield_stress, body.coating
-    if coating is None:
-        return np.full(np.shape(depth), base)
-    own = np.inf if coating.yield_stress is None else coating.yield_stress
-    return np.where(np.asarray(depth) <= coating.thickness, own, base)
+    limits = [np.inf if part.yield_stress is None else part.yield_stress for part in body.parts.values()]
+    return np.array(limits)[np.searchsorted([*body.interfaces.values()], depth)]

@@ -6,6 +6,7 @@ The physics is imported where it is needed: forms, help and schemas are made wit
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -257,16 +258,15 @@ class Scene(Settings):
         return contact.maximum_pressure * load.share if contact and isinstance(load, Hertz) else load.value
 
     def loaded_body(self, contact: Contact, name: str) -> LoadedSolid:
-        """A body under the pressure of a contact, with the stress that coating and Hertz contact add.
+        """A body under the pressure of a contact, with the stress that layers and Hertz contact add.
 
         The contact carries `carried` of the pressure of the Hertz contact, and slides.
         """
-        loaded, load = contact.in_body(name), self.load
-        coating = self.bodies[name].coating
-        if coating is not None and coating.residual_stress:
-            stress = coating.residual_stress * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-            within = coating.thickness
-            return replace(loaded, background=lambda depth: stress if depth <= within else 0 * stress)
+        loaded, load, body = contact.in_body(name), self.load, self.bodies[name]
+        if any(residual := [layer.residual_stress or 0.0 for layer in body.layers]):
+            depths, stresses = [*body.interfaces.values()], [*residual, 0.0]
+            equal = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+            return replace(loaded, background=lambda depth: stresses[bisect_left(depths, depth)] * equal)
         if not isinstance(load, Hertz):
             return loaded
         pressure = contact.mean_pressure / self.carried
@@ -274,7 +274,7 @@ class Scene(Settings):
         sliding = self.sliding_of(name)
         sliding["friction"] *= self.carried
         below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
-        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
+        return replace(loaded, background=below, deepest=smooth.deepest(body.yield_stress))
 
     def under(self, **load: float) -> Scene:
         """The same bodies under another load, without questions."""
@@ -308,12 +308,11 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
 
 
 def solid_of(body: Body) -> Solid:
-    """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
+    """A body as the solver takes it: layers on a half-space or a rigid base, or a half-space."""
     from asperity.elasticity.solid import Solid
 
-    if body.base is not None:
-        return Solid(body.young, body.poisson, body.layers[0].thickness, body.base)
-    solid = Solid(body.young, body.poisson)
-    for layer in reversed(body.layers):
-        solid = Solid(layer.young, layer.poisson, layer.thickness, base=solid)
-    return solid
+    base = Solid(body.young, body.poisson) if body.base is None else None
+    if base is not None and not body.layers:
+        return base
+    layers = [(layer.thickness, layer.young, layer.poisson) for layer in body.layers]
+    return Solid.stack(layers, base, body.base or "bonded")

@@ -25,7 +25,7 @@ from asperity.core.units import shown_si
 from asperity.core.version import __version__
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.advice import Compared, advise
-from asperity.engineering.answer_data import AnswerData, Origin
+from asperity.engineering.answer_data import ON_INTERFACE, AnswerData, Origin
 from asperity.engineering.body_stress import BodyStress, body_stress
 from asperity.engineering.case import Case
 from asperity.engineering.contact_numbers import contact_numbers, contact_spots, gap_of
@@ -41,7 +41,7 @@ from asperity.engineering.numbers import (
 from asperity.engineering.places import Blocks, blocks_of
 from asperity.engineering.press import imposed_load, press
 from asperity.engineering.question import Findings, Pressed, Stages
-from asperity.engineering.records import INPUTS, Record, per_cent
+from asperity.engineering.records import INPUTS, Record, find, per_cent
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
@@ -233,11 +233,15 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
     """The answer to each question in a sentence, then a sentence about interfaces and the contact."""
     texts = [each.verdict for each in found.values()]
     for name in stages.asked.different_bodies:
-        if (interface := stages.bodies[name].interface) is not None:
-            shear, tension = (max(each.value, 0.0) for each in interface.extremes.values())
-            pulled = f"a tension of up to {shown_si(tension, 'Pa', 3)}" if tension else "no tension"
-            shown = f"shear of up to {shown_si(shear, 'Pa', 3)} and {pulled}"
-            texts.append(f"the interface of the coating of the {name} body bears {shown}")
+        body = stages.bodies[name]
+        for face, stresses in zip(body.body.interfaces, body.interfaces, strict=True):
+            shear, tension = (
+                next(find(stages.records, f"{words} {face}", name)).best_text()
+                for words in ON_INTERFACE.values()
+            )
+            pulled = "no tension" if stresses.tension.value <= 0 else f"a tension of up to {tension}"
+            of = "coating" if len(body.interfaces) == 1 else "layers"
+            texts.append(f"{face} of the {of} of the {name} body bears shear of up to {shear} and {pulled}")
     pressure = shown_si(stages.numbers.maximum_pressure, "Pa", 3)
     contact = f"the bodies touch on {per_cent(stages.numbers.contact_area_fraction)} of the area"
     texts.append(f"{contact}, under a pressure of up to {pressure}")

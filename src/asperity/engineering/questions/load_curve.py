@@ -336,7 +336,10 @@ def load_curve(
 def maximum_von_mises(
     loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
-    """Maximum von Mises stress in a body, at the nodes or between them; below its coating, if it has one."""
+    """Maximum von Mises stress, at the nodes or between them, in the material whose yield stress a body has.
+
+    That is an elastic base, or the uppermost layer on a rigid one.
+    """
     from asperity.elasticity.loaded_solid import traction_direction
     from asperity.engineering.body_stress import STRESS_TOLERANCE
     from asperity.stress.analysis import analyse_stress
@@ -349,7 +352,8 @@ def maximum_von_mises(
     extremes = Extremes(loaded.layer)
     settings: dict[str, Any] = {"quantities": ("von_mises",), "tolerance": STRESS_TOLERANCE, **sliding}
     analyse_stress(loaded, observe=extremes.add, **settings)
-    return extremes.refined(loaded, STRESS_TOLERANCE, **sliding)[-1]["von_mises"].value
+    part = -1 if loaded.layer.extent is None else 0
+    return extremes.refined(loaded, STRESS_TOLERANCE, **sliding)[part]["von_mises"].value
 
 
 def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callable[[float], float]) -> float:
