@@ -265,7 +265,9 @@ def tile_names(case: Scene) -> list[str]:
     of_questions = [name for question in case.questions.values() for name in question.TILES]
     faces = [face for body in case.bodies.values() for face in body.interfaces]
     of_faces = [f"{words} {face}" for face in faces for words in ON_INTERFACE.values()]
-    return list(dict.fromkeys([*of_faces, *of_questions, *CONTACT_TILES]))
+    strength = case.questions.get("strength")
+    first = () if strength is None else strength.TILES
+    return list(dict.fromkeys([*first, *of_faces, *of_questions, *CONTACT_TILES]))
 
 
 def without_repeats(records: Any) -> list[Any]:
