@@ -217,8 +217,8 @@ class Leak(Question):
         from asperity.engineering.press import press
 
         case, face, axis = stages.case, stages.face, "yx".index(self.direction)
-        is_bounded = case.hardness is not None and not case.hardness_is_estimated
-        most = BELOW_HARDNESS * case.hardness if is_bounded else math.inf
+        given = None if case.hardness_is_estimated else case.hardness
+        most = math.inf if given is None else BELOW_HARDNESS * given
         last = [stages.contact]  # from which the next contact is solved
         known = {stages.contact.mean_pressure: stages.contact}
 
