@@ -10,7 +10,9 @@ ends with an error on today's scipy.
 """
 
 import importlib.util
+import itertools
 import os
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -82,6 +84,23 @@ def contact_mechanics(
     return np.asarray(result.jac) * height.size, result.nit
 
 
+def tamaas_adhesion(height: Array, adhesion: asp.Adhesion, mean_gap: float, tolerance: float) -> Array:
+    """Pressure at a mean gap under the exponential law, by conjugate gradients on the gap of tamaas."""
+    import tamaas
+
+    tamaas.initialize(1)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(height.shape))
+    model.E, model.nu = 1.0, 0.0
+    attraction = tamaas.ExponentialAdhesionFunctional(-height)
+    attraction.parameters = {"rho": adhesion.range, "surface_energy": adhesion.work}
+    kind = tamaas.PolonskyKeerRey
+    solver = kind(model, -height, tolerance, kind.gap, kind.gap)
+    solver.max_iter, solver.dump_freq = 100_000, 100_001
+    solver.addFunctionalTerm(attraction)
+    solver.solve(mean_gap)
+    return np.array(model.traction)
+
+
 SOLVERS: dict[str, Callable[[Array, float, float, str], tuple[Array, float]]] = {
     "aspher": aspher,
     "aspher h2": partial(aspher, hierarchical=True),
@@ -127,3 +146,31 @@ def stress_difference(contact: asp.LoadedSolid, depths: Array) -> float:
 def is_installed(solver: str) -> bool:
     """True if the program of a solver can be run here."""
     return importlib.util.find_spec(solver.split()[0]) is not None
+
+
+def adhesion_times(nodes: int, work: float, repeats: int = 3) -> list[tuple[str, float, float]]:
+    """Program, least time and error of a rough contact with adhesion, against a solution to 1e-9."""
+    height = asp.self_affine((nodes, nodes), 0.8, 0.5, 8 / nodes, rms_height=2e-3, seed=1)
+    solid, approach = asp.Solid(1.0, 0.0), height.min() + 3e-3
+    adhesion = asp.Adhesion.fitted(work, solid, asp.Grid(height.shape))
+
+    def ours(rtol: float) -> Array:
+        return asp.solve_contact(height, solid, approach=approach, adhesion=adhesion, rtol=rtol).pressure
+
+    programs = {"asperity": lambda: ours(1e-6)}
+    gap = height.mean() - approach
+    programs["tamaas"] = lambda: tamaas_adhesion(height, adhesion, gap, 5e-6)
+    exact, times, errors = ours(1e-9), {}, {}
+    for _ in range(repeats):
+        for name, solve in programs.items():
+            begin = time.perf_counter()
+            pressure = solve()
+            times.setdefault(name, []).append(time.perf_counter() - begin)
+            errors[name] = float(np.linalg.norm(pressure - exact) / np.linalg.norm(exact))
+    return [(name, min(each), errors[name]) for name, each in times.items()]
+
+
+if __name__ == "__main__":  # adhesion beside tamaas
+    for nodes, work in itertools.product((128, 256), (1e-6, 1e-5, 3e-5)):
+        for name, seconds, error in adhesion_times(nodes, work):
+            print(f"{nodes}² nodes, w = {work:g} E* L: {name} {seconds:.2f} s, error {error:.1e}")

@@ -2,11 +2,13 @@
 
     python benchmarks/stress.py --points 1024 2048 4096 --threads 1 2 --out results/benchmarks
     python benchmarks/stress.py --accuracy
+    python benchmarks/stress.py --layers --points 512
 
 The first writes ``stress.csv``: the whole analysis on each grid and number of threads, in a process of its
 own, with the load of the machine. A plane equivalent is the work of eight real transforms of the contact's
 grid, one for each linear part of the stress; all transforms are counted by their nodes, also for the
-covariances. The second prints error and bound of coarse planes by depth.
+covariances. The second prints error and bound of coarse planes by depth. The third
+presses one coating and a stack of four layers in turns, and prints the time of contact and stress of both.
 """
 
 from __future__ import annotations
@@ -102,17 +104,39 @@ def against_depth(contact: asp.LoadedSolid) -> None:
         )
 
 
+def against_coating(points: int) -> None:
+    """Print the least times of contact and stress of a coating and of four layers, measured alternately."""
+    base, moduli = asp.Solid(1.0, 0.3), (2.0, 0.5, 3.0, 1.5)
+    solids = [asp.Solid.stack([(0.04, 2.0, 0.25)], base)]
+    solids += [asp.Solid.stack([(0.01, young, 0.25) for young in moduli], base)]
+    height, times = rough(points, HURST), np.full((REPEATS, 2, 2), np.inf)
+    asp.analyse_stress(asp.solve_contact(rough(64, HURST), solids[1], contact_area_fraction=0.1))  # compiles
+    for repeat, solid in np.ndindex(REPEATS, 2):
+        begun = time.process_time()
+        contact = asp.solve_contact(height, solids[solid], mean_pressure=0.01)
+        solved = time.process_time()
+        asp.analyse_stress(contact.in_body("lower"), tolerance=TOLERANCE)
+        times[repeat, solid] = solved - begun, time.process_time() - solved
+    for stage, both in zip(("contact", "stress"), times.min(0).T, strict=True):
+        print(f"{stage}: {both[0]:.2f} s, four layers {both[1]:.2f} s, {both[1] / both[0]:.2f} times")
+    total = times.sum(-1).min(0)
+    print(f"both: {total[1] / total[0]:.2f} times")
+
+
 def main() -> None:
     """Measure the cost, or print the tables of the accuracy."""
     parser = parser_of(__doc__)
     parser.add_argument("--points", type=int, nargs="+", default=[1024], help="nodes on an edge")
     parser.add_argument("--threads", type=int, nargs="+", default=[1])
     parser.add_argument("--accuracy", action="store_true", help="print the tables of the accuracy instead")
+    parser.add_argument("--layers", action="store_true", help="compare a stack with a coating instead")
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
     parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.run:
         measure_once(options.run, options.threads[0])
+    elif options.layers:
+        against_coating(options.points[0])
     elif not options.accuracy:
         measure(options.points, options.threads, options.out)
     else:

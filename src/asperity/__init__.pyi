@@ -6,6 +6,7 @@ from . import results as results
 from . import stress as stress
 from . import surface as surface
 from . import views as views
+from .contact import Adhesion as Adhesion
 from .contact import Contact as Contact
 from .contact import ConvergenceError as ConvergenceError
 from .contact import solve_contact as solve_contact

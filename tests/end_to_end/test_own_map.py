@@ -138,6 +138,7 @@ def quantity(name):
 
 
 EFFECTS = {
+    "adhesion": lambda answer: answer["pull-off force"].value > 0,
     "ball": lambda answer: answer.face.boundary == "free",
     "bearing": lambda answer: answer.case.hertz_contact.maximum_pressure == pytest.approx(1.255e9, rel=1e-3),
     "coating": quantity("maximum shear stress on the interface"),
@@ -151,6 +152,7 @@ EFFECTS = {
     "hertz_roller": lambda answer: answer.case.cell_pressure == pytest.approx(1.2e9 * 0.96**0.5),
     "instrument": lambda answer: answer.face.treatment.spikes > 0,
     "layer": lambda answer: answer.stress["lower"]["plane_depth"].values.max() == pytest.approx(3e-6),
+    "layers": quantity("strength over stress, shear of interface 2"),
     "leak": None,  # test_interface_answer.py
     "load_curve": lambda answer: len(answer.tables["curve"]) == 3,
     "moving_faces": lambda answer: {"cycles_lower", "cycles_upper"} == {*answer.datasets},
@@ -158,10 +160,12 @@ EFFECTS = {
     "rolling": None,  # 200 positions
     "running_in": lambda answer: answer["maximum flattening of the first load"].value > 0,
     "sample": None,  # test_pooled.py
+    "sweep": lambda answer: len({*answer.tables["sweep"]["case"]}) == 4,
     "two_faces": lambda answer: answer.case.counter_map.shift == pytest.approx((10e-6, -4e-6)),
 }
 """Case file of the pages → its effect on the answer, None for one that is only checked."""
 SMALLER = {
+    "adhesion": "--set map.points=48 --set adhesion.steps=4",
     "fatigue": "--set map.points=20",
     "moving_faces": "--set map.points=20 --set map.wavelength_short=32um --set cycles.shifts=12",
 }

@@ -47,6 +47,9 @@ OPTIONS = {
     "friction": "--friction 0.3 --sliding-direction 30",
     "layer": "--set body.layers.0.thickness=5um --set body.layers.0.young=3GPa "
     "--set body.layers.0.poisson=0.4",
+    "layers": "--set body.layers.0.thickness=2um --set body.layers.0.material=DLC "
+    "--set body.layers.0.residual_stress=-1GPa --set body.layers.0.strength.shear=300MPa "
+    "--set body.layers.1.thickness=300nm --set body.layers.1.material=chromium",
     "free": "--periodic none",
     "counter map": f"{SECOND} --counter-map other.txt --set counter_body.map.turned_about=x",
     "fields": "--set fields=[xx,von_mises]",
@@ -112,8 +115,7 @@ def is_refused(case):
             and "hardness" not in options
             and case["load"] in ("pressure", "curve", "steps", "force")
         )
-        or {"layer", "free"} <= options
-        or ("layer" in options and options & {"conductivity", "resistivity"})
+        or (options & {"layer", "layers"} and options & {"free", "conductivity", "resistivity"})
         or ("fatigue" in options and options & {"counter map", "friction"})
     )
 

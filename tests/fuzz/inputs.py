@@ -125,19 +125,30 @@ layers = st.fixed_dictionaries(
         "lateral": choice("confined", "free"),
     },
 )
-bodies = layers | layers | st.tuples(layers, layers)
+constants = {"young": number(1e-3, 1e12), "poisson": number(-0.99, 0.5)}
+stacks = st.fixed_dictionaries(
+    {"layers": st.lists(st.tuples(number(1e-3, 10), *constants.values()), min_size=1, max_size=4)},
+    optional={
+        "base": st.fixed_dictionaries(constants),
+        "bottom": choice("bonded", "frictionless"),
+        "lateral": choice("confined", "free"),
+    },
+)
+solids = layers | stacks
+bodies = solids | solids | st.tuples(solids, solids)
 
 
 def solid_of(case):
-    """A layer, or two bodies."""
+    """A layer, a stack of them, or two bodies."""
     if isinstance(case, dict):
-        return asp.Solid(**case)
-    return asp.TwoBodies(*(asp.Solid(**body) for body in case))
+        base = {"base": asp.Solid(**case["base"])} if "base" in case else {}
+        return asp.Solid.stack(**case | base) if "layers" in case else asp.Solid(**case)
+    return asp.TwoBodies(*map(solid_of, case))
 
 
 loaded = {
     "pressure": heights,
-    "layer": layers | st.just({"young": 1.0, "poisson": 0.3}),
+    "layer": solids | st.just({"young": 1.0, "poisson": 0.3}),
     "length": lengths,
     "boundary": boundaries,
     "mirrored": st.booleans(),
@@ -153,4 +164,4 @@ def loaded_solid(case):
         values = np.maximum(values, 0.0)
     mirrored = case["mirrored"] and case["boundary"] != "free"
     grid = asp.Grid(values.shape, case["length"], mirrored)
-    return asp.LoadedSolid(values, grid, asp.Solid(**case["layer"]), case["boundary"])
+    return asp.LoadedSolid(values, grid, solid_of(case["layer"]), case["boundary"])

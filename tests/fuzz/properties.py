@@ -9,6 +9,7 @@ import functools
 import math
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -214,6 +215,42 @@ def try_mirrored(case):
     require(error <= WORST_NODE * rtol, "the pressure is another than on the cell")
 
 
+adhesive_contacts = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(4, 40), st.integers(4, 40)),
+        "seed": st.integers(0, 100),
+        "relief": power_of_ten(-4, -1),
+        "solid": st.sampled_from([solid for solid in families.SOLIDS if solid != "sheet"]),
+        "boundary": st.sampled_from(["periodic", "mirrored", "free"]),
+        "work": power_of_ten(-9, -4),
+        "range": power_of_ten(-0.15, 1),
+        "law": st.sampled_from(["exponential", "maugis-dugdale"]),
+        "path": st.lists(st.floats(-0.5, 0.8), min_size=1, max_size=4),
+        "hardness": st.none() | power_of_ten(-3, 0),
+    }
+)
+
+
+def try_adhesion(case):
+    """A path with adhesion: certified anew, and within the strength and the hardness."""
+    solid = families.SOLIDS[case["solid"]]
+    boundary = "free" if case["boundary"] == "free" and solid.height is None else "periodic"
+    grid = asp.Grid(case["shape"], mirrored=case["boundary"] == "mirrored")
+    height = case["relief"] * np.random.default_rng(case["seed"]).random(case["shape"])
+    modulus = solid.effective_modulus
+    fitted = asp.Adhesion.fitted(case["work"] * modulus, solid, grid, case["law"])
+    adhesion = replace(fitted, range=fitted.range * case["range"])
+    hardness = case["hardness"] and case["hardness"] * modulus
+    path = height.min() + (height.mean() - height.min()) * np.array(case["path"])
+    settings = {"adhesion": adhesion, "hardness": hardness, "boundary": boundary}
+    for contact in asp.solve_load_path(height, solid, grid, approaches=path.tolist(), **settings):
+        settings["approach"] = contact.approach
+        found = asp.contact.verify_contact(contact.height, contact.pressure, solid, grid, **settings)
+        require(found.worst < 1e-3, "the certificate does not hold")
+        require(contact.pressure.min() >= -adhesion.strength * (1 + 1e-9), "a tension is above the strength")
+        require(contact.pressure.max() <= contact.hardness, "a pressure is above the hardness")
+
+
 dilute_contacts = st.fixed_dictionaries(
     {
         "shape": st.tuples(st.integers(128, 300), st.integers(128, 300)),
@@ -417,7 +454,14 @@ def try_treatment(case):
 strengths = st.none() | number(1e-3, 1e12)
 more = {"hardness": strengths, "conductivity": number(1e-9, 1e5), "resistivity": number(1e-12, 1e20)}
 material = {"young": number(1e-3, 1e12), "poisson": number(-0.99, 0.5), "yield_stress": strengths}
-layered = {"layers": st.tuples(st.fixed_dictionaries(material | {"thickness": number(1e-6, 10)}))}
+strength = st.fixed_dictionaries(
+    {}, optional=dict.fromkeys(("shear", "tension", "energy", "toughness"), number(1e-3, 1e9))
+)
+layer = st.fixed_dictionaries(
+    material | {"thickness": number(1e-6, 10)},
+    optional={"residual_stress": number(-1e9, 1e9), "strength": strength},
+)
+layered = {"layers": st.lists(layer, min_size=1, max_size=3)}
 elastic = (
     st.fixed_dictionaries(material, optional=more)
     | st.fixed_dictionaries(material | layered, optional=more)
@@ -433,7 +477,7 @@ cases = st.fixed_dictionaries(
         "map": maps,
         "lower": elastic,
         "upper": st.none() | elastic,
-        "kind": st.sampled_from(list(PLURALS)),
+        "kind": st.sampled_from([kind.replace("approach", "normal_approach") for kind in PLURALS]),
         "value": number(1e-3, 1) | st.lists(st.floats(1e-3, 1), min_size=1, max_size=3).map(sorted),
         "friction": st.just(0.0) | number(0, 2),
         "direction": st.just("x") | choice("x", "y") | number(-180, 360),
@@ -567,6 +611,8 @@ conduction: a counter_body is needed
 conduction: conductivity or resistivity of both bodies
 (counter_)?body\.(conductivity|resistivity): missing
 (counter_)?body\.layers: not accepted
+(counter_)?body\.layers\.\d\.(residual_stress|strength\.\w+): not accepted
+(counter_)?body\.fatigue_torsion: not accepted with several
 load_curve\.loads = .*: a list of rising values
 (counter_)?body\.hardness = .*: more than the pressure
 contact_area_fraction = .*: less is needed
@@ -582,6 +628,7 @@ PROPERTIES = {
     "family": (engineered, try_family),
     "contact": (contacts, try_contact),
     "mirrored": (mirrored_maps, try_mirrored),
+    "adhesion": (adhesive_contacts, try_adhesion),
     "dilute": (dilute_contacts, try_dilute),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),

@@ -43,6 +43,15 @@ def test_plastic_pressure_is_that_of_contact_mechanics(share):
     np.testing.assert_allclose(ours, theirs, atol=1e-7 * hardness)
 
 
+def test_adhesive_pressure_is_that_of_tamaas():
+    height = rough((128, 128), 2)
+    adhesion = asp.Adhesion.fitted(1e-6, UNIT, asp.Grid((128, 128)))
+    approach = float(height.min() + 0.3 * (height.mean() - height.min()))
+    ours = asp.solve_contact(height, UNIT, approach=approach, adhesion=adhesion, rtol=1e-8).pressure
+    theirs = PEERS["tamaas_adhesion"](height, adhesion, height.mean() - approach, 1e-10)
+    np.testing.assert_allclose(ours, theirs, atol=1e-6 * adhesion.strength)
+
+
 def test_stress_is_that_of_tamaas():
     """All components at the surface and two depths, to rounding."""
     height = rough((32, 32))

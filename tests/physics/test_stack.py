@@ -305,7 +305,7 @@ def test_sparse_inverse_is_near_the_dense_one(contrast, mirrored):
 def test_stiff_film_as_thin_as_a_pixel(nu, load):
     """Contacts that ended with an error, or did not end, with a stencil as preconditioner."""
     height = asp.self_affine((64, 64), 0.8, 0.25, 1 / 16, rms_height=1e-3, seed=1)
-    contact = asp.solve_contact(height, asp.Solid(1e4, nu, 1 / 64, base=BASE), **load)
+    contact = asp.solve_contact(height, asp.Solid(1e4, nu, 1 / 64, base=BASE), 1.0, **load)
     assert contact.certificate.worst < 1e-4
 
 

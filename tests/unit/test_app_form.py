@@ -31,13 +31,31 @@ def test_settings_that_are_switched_off_keep_their_texts_and_are_not_used():
         "leak.viscosity": "1",
     }
     assert form.content_of(values) == {"map": {"file": "a.x3p"}}
-    values |= {"use.body.layers": "yes", "choose.load": "force", "use.leak": "yes"}
+    values |= {"use.body.layers.0": "yes", "choose.load": "force", "use.leak": "yes"}
     assert form.content_of(values) == {
         "map": {"file": "a.x3p"},
         "body": {"layers": [{"thickness": "2 um"}]},
         "load": {"force": "3 N"},
         "leak": {"viscosity": 1.0},
     }
+
+
+def test_layers_survive_the_form_and_those_below_an_unused_one_are_left_out():
+    layers = [
+        {"thickness": "2 um", "strength": {"shear": "300 MPa"}},
+        {"thickness": "0.3 um"},
+        {"thickness": "1 um"},
+    ]
+    steel = {"material": "100Cr6"}
+    content = {"map": {"file": "a.x3p"}, "load": {"force": "3 N"}}
+    content["body"] = steel | {"layers": [{"material": "chromium", **each} for each in layers]}
+    values = form.values_of(content)
+    assert form.content_of(values) == content
+    del values["use.body.layers.1"]
+    assert form.content_of(values)["body"]["layers"] == content["body"]["layers"][:1]
+    content["body"]["layers"] *= 2
+    with pytest.raises(SettingsError, match=r"body\.layers: the page holds at most 4"):
+        form.values_of(content)
 
 
 def test_every_setting_of_a_case_has_a_field():

@@ -9,6 +9,7 @@ from asperity.cli.main import main
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import load_case
 from asperity.engineering.jobs import arranged
+from asperity.engineering.records import DISCRETISATION
 from asperity.engineering.stages import answer_of
 from asperity.engineering.templates import WORDS
 from asperity.settings.model import described, entry_of
@@ -212,3 +213,12 @@ def test_the_check_refuses_all_that_a_run_refuses(body, groups, refused, tmp_pat
     assert [each.key for each in job.problems] == ([refused] if refused else [])
     if not refused:
         assert answer_of(job.case, job.rough).records
+
+
+def test_numbers_that_follow_from_each_other_have_one_relative_error():
+    answer = asp.run(ground(128), STEEL, mean_pressure=400e6)
+    names = ("contact area fraction", "contact area", "mean contact pressure")
+    records = [answer[name] for name in names]
+    relative = [each.errors[DISCRETISATION] / each.best for each in records]
+    assert relative == pytest.approx([relative[0]] * 3, rel=1e-9)
+    assert records[0].best * records[2].best == pytest.approx(400e6, rel=1e-9)

@@ -49,6 +49,8 @@ CASES = {
         "conduction": {},
         "load_curve": {"loads": ["10 MPa"], "steps": 3},
     },
+    "adhesion": {"adhesion": {"work": "50 mJ/m^2", "range": "20 nm"}},
+    "sticking": {"adhesion": {"work": "0.05 J/m^2", "range": "fit", "law": "maugis-dugdale"}},
     "gap": {"leak": {"direction": "y", "viscosity": 0.03, "pressure_difference": "5 bar"}},
     "slip": {
         "load": {"force": "12 N"},

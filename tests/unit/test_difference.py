@@ -69,7 +69,7 @@ def test_single_maps_say_that_positions_are_not_known():
 
 
 def test_samples_are_judged_by_the_volume_above_yield():
-    found = compared({"soft": sample_of(1, 2, 3), "hard": sample_of(1, 2, 3, hardness=4e9)})
+    found = compared({"soft": sample_of(1, 2, 3, hardness=np.inf), "hard": sample_of(1, 2, 3, hardness=4e9)})
     key = ("stress", "lower", "volume above yield per area")
     difference = found.difference(key, "soft", "hard")
     values = [sample.values(sample[key[2]]) for sample in found.items.values()]

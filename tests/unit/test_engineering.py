@@ -215,7 +215,7 @@ def spots_of(touching):
     pressure = np.asarray(touching, float)
     grid = Grid(pressure.shape, tuple(1e-6 * n for n in pressure.shape))
     face = TreatedMap(pressure, grid, 2e-6, None)
-    return contact_spots(face, SimpleNamespace(pressure=pressure))
+    return contact_spots(face, SimpleNamespace(pressure=pressure, touching=pressure > 0))
 
 
 def test_long_spots_of_a_cell_are_not_folded():

@@ -10,7 +10,16 @@ from asperity.core.errors import InputError
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, OUT, at, case_of_map, changed_files, leaves, put
 from asperity.engineering.templates import yaml_line
-from asperity.settings.model import Entry, SettingsError, accepted, described, entries, item_of, scalar
+from asperity.settings.model import (
+    Entry,
+    Problem,
+    SettingsError,
+    accepted,
+    described,
+    entries,
+    item_of,
+    scalar,
+)
 from asperity.settings.reader import parse
 
 LOADS = {
@@ -33,8 +42,13 @@ COUNTER_BODIES = {
 QUESTIONS = {name: kind.ASKS for name, kind in Case.kinds().items() if kind.ASKS}
 """Group of a question → how the page asks it."""
 
+LAYERS = 4
+"""Most layers of a body that the form holds."""
+
+BODIES = ("body", "counter_body")
+
 SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding", "sample")} | {
-    f"use.{body}.layers": f"{body}.layers.0" for body in ("body", "counter_body")
+    f"use.{body}.layers.{number}": f"{body}.layers.{number}" for body in BODIES for number in range(LAYERS)
 }
 """Key of a check box of the page → the group that it adds to the case."""
 
@@ -68,10 +82,10 @@ class Input(NamedTuple):
 @cache
 def settings() -> dict[str, Entry]:
     """Dotted key → description of all settings that the form has; lists of maps are fields of text."""
-    known = dict(entries(described(Case)))
     return {
-        key: entry
-        for key, entry in known.items()
+        key.replace(".layers.0.", f".layers.{number}."): entry
+        for key, entry in entries(described(Case))
+        for number in range(LAYERS if ".layers.0." in key else 1)
         if "properties" not in item_of(entry) and not key.startswith("body.map.")
     }
 
@@ -84,6 +98,8 @@ def inputs(group: str) -> Iterator[Input]:
             continue
         first = FIRST.get(group)
         options = tuple(map(str, entry.get("enum", ())))
+        if entry.get("type") == "boolean":
+            options = ("true", "false")
         proposed = entry.get("default_text") or entry.get("default", "")
         if "example" in entry and not options:
             proposed = f"such as {_text(key, entry['example'])}"
@@ -110,20 +126,27 @@ def _text(key: str, value: Any) -> str:
         return yaml_line(value)
     if isinstance(value, (list, tuple)):
         return ("\n" if key.endswith(".file") else ", ").join(map(str, value))
-    return str(value)
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def is_used(key: str, values: Mapping[str, str]) -> bool:
     """True if a setting is part of the case, given the check boxes and choices of the page."""
-    for switch, group in SWITCHES.items():
-        if _group_of(key) == group and not values.get(switch):
-            return False
+    if not all(values.get(switch) for switch, group in SWITCHES.items() if _needs(_group_of(key), group)):
+        return False
     if key.startswith("load."):
         return key.removeprefix("load.") in LOADS[chosen("choose.load", values)]
     if key.startswith("counter_body."):
         kind = chosen("choose.counter_body", values)
         return ("map" if key.startswith("counter_body.map.") else "elastic") in kind
     return True
+
+
+def _needs(group: str, other: str) -> bool:
+    """True if a group is used only with another one: itself, or the layers of a body that lie above it."""
+    (body, _, number), (of, _, above) = group.partition(".layers."), other.partition(".layers.")
+    if number and above:
+        return body == of and int(above) <= int(number.partition(".")[0])
+    return group == other
 
 
 def chosen(key: str, values: Mapping[str, str]) -> str:
@@ -170,6 +193,11 @@ def values_of(content: Mapping[str, Any]) -> dict[str, str]:
         Case.read({key: group for key, group in first.items() if key not in (OUT, CHECKSUMS)})
     except SettingsError as error:
         found += [problem for problem in error.found if not problem.text.startswith(": missing")]
+    found += [
+        Problem(f"{body}.layers", f": the page holds at most {LAYERS}; asperity run takes any number")
+        for body in BODIES
+        if len(at(content, (body, "layers")) or ()) > LAYERS
+    ]
     if found := [*found, *changed_files(content)]:
         raise SettingsError("", found)
     given = {key: at(content, key.split(".")) for key in settings()}

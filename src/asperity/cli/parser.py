@@ -27,8 +27,9 @@ Stress inside an elastic solid pressed against a rough surface: from a measured 
 their units to an answer. The steps of a calculation are functions of the library."""
 
 EPILOG = """\
-From a map to an answer: run; as a page in the browser: app. Pictures and tables of its results: view, export.
-Whether they hold: verify. The study of the paper: study; its cost and error beforehand: plan."""
+From a map to an answer: run; as a page in the browser: app; answers that exist, side by side: compare.
+Pictures and tables of its results: view, export. Whether they hold: verify.
+The study of the paper: study; its cost and error beforehand: plan."""
 
 _PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"} | {
     quantity: quantity.upper() for quantity in ("pressure", "force", "length", "area", "volume")

@@ -1,3 +1,5 @@
+from .adhesion import Adhesion as Adhesion
+from .adhesion import stickiness as stickiness
 from .certificate import Certificate as Certificate
 from .certificate import verify_contact as verify_contact
 from .gap import percolation as percolation

@@ -1,7 +1,9 @@
 """Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
 A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the solid
-under p. With a hardness p_H, p ≤ p_H, and the bodies overlap, g ≤ 0, only where p = p_H. `verify_contact`
+under p. With a hardness p_H, p ≤ p_H, and the bodies overlap, g ≤ 0, only where p = p_H. With adhesion this
+holds for the reaction p + σ(g) of the faces in place of p, with p_H + σ₀: the contact is then stationary, and
+need not be the only one. `verify_contact`
 evaluates u anew in double precision, so that the certificate does not depend on any intermediate result of
 a solver.
 """
@@ -14,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.contact.adhesion import Adhesion
 from asperity.contact.contact_nodes import added, dot
 from asperity.contact.problem import Problem, State
 from asperity.contact.response import response_on
@@ -54,6 +57,12 @@ class Certificate:
         Relative difference between the mean pressure and the imposed one; 0 if the load is not imposed.
     complementarity : float
         Σ p |g| / Σ p, without the overlap of nodes at the hardness.
+    attraction : float
+        Largest difference between the attraction and that of the gap by the law of adhesion, over the largest
+        pressure or attraction; 0 without adhesion.
+    stability : float
+        Smallest second variation of the energy along the last steps of the solver, over its elastic part:
+        above 0 for a contact with adhesion that is stable along these directions; NaN where it is not known.
     iterations : int
         Applications of the compliance, on all grids.
     pairs : float
@@ -78,11 +87,13 @@ class Certificate:
     iterations: int = 0
     pairs: float = 0.0
     seconds: float = 0.0
+    attraction: float = 0.0
+    stability: float = math.nan
 
     @property
     def violations(self) -> dict[str, float]:
         """Condition → its violation."""
-        names = ("penetration", "contact_gap", "tension", "load_imbalance", "complementarity")
+        names = ("penetration", "contact_gap", "tension", "load_imbalance", "complementarity", "attraction")
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -97,9 +108,10 @@ class Certificate:
 
         p* is the exact pressure of the same load and hardness p_H, and G the compliance: the energy of the
         error over the load times the length to which the violations are relative. The proof is in
-        ``docs/contact.md``.
+        ``docs/contact.md``. Infinite with adhesion, where several contacts may exist.
         """
-        return self.penetration + self.complementarity if self.tension == 0 else math.inf
+        is_convex = self.tension == 0 and self.attraction == 0 and math.isnan(self.stability)
+        return self.penetration + self.complementarity if is_convex else math.inf
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} {value:.2g}" for name, value in self.violations.items())
@@ -131,6 +143,7 @@ def verify_contact(
     approach: float | None = None,
     mean_pressure: float | None = None,
     hardness: float | None = None,
+    adhesion: Adhesion | None = None,
     boundary: str = "periodic",
     threads: int = 1,
 ) -> Certificate:
@@ -151,6 +164,8 @@ def verify_contact(
         The load imposed, if it was.
     hardness : float, optional
         Largest pressure, see `asperity.contact.solve`.
+    adhesion : Adhesion, optional
+        Attraction of the faces; the approach is then needed.
     boundary : "periodic" | "free"
         As for `asperity.contact.solve`.
     threads : int
@@ -193,13 +208,21 @@ def verify_contact(
     limit = math.inf
     if hardness is not None:
         limit = number("hardness", hardness, "a number > 0", lambda value: value > 0)
+    if approach is None and adhesion is not None:
+        raise ValueError("approach: needed with adhesion, where no pressure tells which nodes touch")
     if approach is None:
         elastic, plastic = (pressure > 0) & (pressure < limit), pressure >= limit
         approach = float(gap[elastic].mean() if elastic.any() else gap.max(where=plastic, initial=gap.min()))
     gap -= approach
     nodal_compliance = min(grid.spacing) / solid.effective_modulus
     rms_height = rms_deviation(height, threads)
-    return certificate_of_fields(pressure, gap, rms_height, nodal_compliance, mean_pressure, threads, limit)
+    if adhesion is None:
+        return certificate_of_fields(
+            pressure, gap, rms_height, nodal_compliance, mean_pressure, threads, limit
+        )
+    return certificate_with_adhesion(
+        pressure, gap, adhesion, rms_height, nodal_compliance, mean_pressure, limit
+    )
 
 
 def checked_certificate(
@@ -305,6 +328,32 @@ def certificate_of_fields(
         load_imbalance=imbalance,
         complementarity=work / (support or 1.0) / scale,
     )
+
+
+def certificate_with_adhesion(
+    pressure: Array,
+    gap: Array,
+    adhesion: Adhesion,
+    rms_height: float,
+    nodal_compliance: float,
+    mean_pressure: float | None,
+    hardness: float = math.inf,
+) -> Certificate:
+    """Certificate of a pressure with adhesion, as of `certificate_of_fields` for the reaction of the faces.
+
+    A node touches if its reaction over the largest attraction exceeds its gap over the range.
+    """
+    reaction = pressure + adhesion.traction(gap)
+    is_open = reaction / adhesion.strength < gap / adhesion.range
+    largest = max(adhesion.strength, float(pressure.max()))
+    mismatch = float(np.abs(reaction).max(where=is_open, initial=0.0)) / largest
+    reaction[is_open] = 0
+    limit = hardness + adhesion.strength
+    found = certificate_of_fields(reaction, gap, rms_height, nodal_compliance, None, 1, limit)
+    load = float(pressure.mean())
+    wanted = load if mean_pressure is None else mean_pressure
+    imbalance = abs(load - wanted) / max(abs(load), abs(wanted), math.ulp(0))
+    return replace(found, attraction=mismatch, load_imbalance=imbalance)
 
 
 def rms_deviation(values: Array, threads: int = 1) -> float:

@@ -80,7 +80,7 @@ def percolation(contact: Contact) -> Percolation:
         constriction[axis] = float(levels[closes - 1])
         nodes = np.argwhere(gap == levels[closes - 1])[0]
         place[axis] = tuple((nodes * contact.grid.spacing).tolist())
-    touching = spanned(contact.pressure > 0, periodic, diagonals=True)
+    touching = spanned(contact.touching, periodic, diagonals=True)
     return Percolation(touching, opened, tuple(constriction), tuple(place))  # type: ignore
 
 
@@ -96,5 +96,5 @@ def spanned(phase: Array, periodic: bool, diagonals: bool) -> tuple[bool, bool]:
 
 
 def open_gap(contact: Contact) -> Array:
-    """The gap of a contact [y, x], 0 where there is pressure."""
-    return np.where(contact.pressure > 0, 0.0, np.maximum(contact.gap, 0.0))
+    """The gap of a contact [y, x], 0 where it touches."""
+    return np.where(contact.touching, 0.0, np.maximum(contact.gap, 0.0))

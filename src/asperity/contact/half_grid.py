@@ -18,7 +18,8 @@ def solve_on_half(
 ) -> tuple[Contact, float]:
     """The contact on half of the nodes, and the share of the squared gradient that they do not hold.
 
-    `settings` of `asperity.solve_contact` hold the load. With a free boundary every second node is kept,
+    `settings` of `asperity.solve_contact` hold the load. A range of adhesion that half of the nodes do not
+    resolve is longer. With a free boundary every second node is kept,
     and the share is not computed: it is 0.
     """
     lost = 0.0
@@ -28,6 +29,8 @@ def solve_on_half(
         grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
     else:
         height, grid, lost = on_half_the_nodes(height, grid)
+    if (adhesion := settings.get("adhesion")) is not None:
+        settings["adhesion"] = adhesion.resolved_on(solid, grid)
     contact = solve_contact(
         height,
         solid,

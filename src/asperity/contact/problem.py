@@ -216,6 +216,11 @@ class Units:
         stress = self.stress * (height_unit / self.length)
         return Units(self.length, height_unit, stress, datum, below, above)
 
+    def for_adhesion(self, height: Array, attraction_range: float) -> "Units":
+        """Units for faces that attract each other: no height is clipped."""
+        unit, lowest = _power_of_two(max(float(np.ptp(height)), attraction_range)), float(height.min())
+        return Units(self.length, unit, self.stress * (unit / self.length), lowest)
+
     def grid(self, grid: Grid) -> Grid:
         return replace(grid, length=(grid.length[0] / self.length, grid.length[1] / self.length))
 

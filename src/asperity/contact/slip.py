@@ -278,6 +278,8 @@ def partial_slip(
     degrees_of(sliding_direction)
     for body in _bodies(contact):
         body.shear_kernels(1.0, 0.0)  # an error for a layer on a frictionless bottom, which has none
+    if contact.adhesion is not None:
+        raise ValueError("adhesion: a contact without adhesion is needed for partial slip")
     if contact.plastic_area:
         raise ValueError(
             f"hardness = {contact.hardness:.6g}: partial slip needs a contact without a hardness"

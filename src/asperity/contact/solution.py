@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asperity.contact.adhesion import Adhesion
 from asperity.contact.certificate import Certificate
 from asperity.contact.load import Tangent, load_interval, tangent
 from asperity.contact.response import response_on
@@ -45,7 +46,7 @@ class Contact:
     boundary : "periodic" | "free"
         Condition at the edge of the map; "periodic" of a mirrored one.
     contact_area_fraction : float
-        Number of nodes under pressure over the number of all nodes of the map.
+        Number of nodes that touch over the number of all nodes of the map.
     mean_pressure : float
         Load over the area of the map.
     approach : float
@@ -64,6 +65,11 @@ class Contact:
     plastic_depth : (ny, nx) array or None
         Depth by which the surface is flattened where the pressure is the hardness: the overlap of the bodies,
         zero elsewhere. The gap is measured from the flattened surface. None without a hardness.
+    adhesion : Adhesion or None
+        The pressure is then down to ``-adhesion.strength``.
+    attraction : (ny, nx) array or None
+        Traction with which the faces attract each other; pressure and attraction together are the reaction of
+        the faces where they touch. None without adhesion.
     fft_engine : str
         Library of the Fourier transforms, its version and plans.
 
@@ -100,6 +106,8 @@ class Contact:
     rtol: float
     hardness: float = np.inf
     plastic_depth: Array | None = None
+    adhesion: Adhesion | None = None
+    attraction: Array | None = None
     fft_engine: str = field(default_factory=lambda: current_engine().description)
 
     def __repr__(self) -> str:
@@ -161,6 +169,12 @@ class Contact:
         fields += ["contact_area_fraction", "mean_pressure", "approach", "gradient_rms_contact"]
         if self.plastic_depth is not None:
             fields += ["plastic_depth", "plastic_area", "plastic_load", "hardness"]
+        attracted = {}
+        if self.attraction is None:
+            del certificate["certificate_attraction"], certificate["certificate_stability"]
+        else:
+            fields.append("attraction")
+            attracted = {"adhesion": json.dumps(asdict(self.adhesion))}  # type: ignore[arg-type]
         values = {name: getattr(self, name) for name in fields}
         return xr.Dataset(
             {name: (("y", "x"), value) if np.ndim(value) else value for name, value in values.items()},
@@ -179,6 +193,7 @@ class Contact:
                 "method": self.method,
                 "fft_engine": self.fft_engine,
                 **certificate,
+                **attracted,
             },
         )
 
@@ -220,6 +235,11 @@ class Contact:
         return self.boundary == "periodic" and not self.grid.mirrored
 
     @property
+    def touching(self) -> Array:
+        """Nodes [y, x] that touch: under pressure, with adhesion also in tension where the gap is closed."""
+        return self.pressure > 0 if self.attraction is None else self.pressure + self.attraction > 0
+
+    @property
     def force(self) -> float:
         """Load: mean pressure times the area of the map."""
         return self.mean_pressure * self.grid.area
@@ -231,7 +251,9 @@ class Contact:
 
     @property
     def mean_contact_pressure(self) -> float:
-        """Mean pressure of the nodes under pressure, load over contact area; NaN without contact."""
+        """Mean pressure of the nodes that touch, without adhesion load over contact area; NaN without any."""
+        if self.adhesion is not None and self.contact_area_fraction:
+            return float(self.pressure.mean(where=self.touching))
         return self.mean_pressure / self.contact_area_fraction if self.contact_area_fraction else float("nan")
 
     @property
@@ -241,8 +263,11 @@ class Contact:
 
     @property
     def plastic_load(self) -> float:
-        """Share of the load on nodes at the hardness."""
-        return self.plastic_area * self.hardness / self.mean_pressure if self.plastic_area else 0.0
+        """Share of the load on nodes at the hardness; with adhesion of the pressures without tension."""
+        if not self.plastic_area:
+            return 0.0
+        borne = self.mean_pressure if self.adhesion is None else float(np.maximum(self.pressure, 0).mean())
+        return self.plastic_area * self.hardness / borne
 
     def flattened_height(self) -> Array:
         """Height of the indenter [y, x] after this load: its plastic nodes are raised by the plastic depth.
@@ -256,15 +281,16 @@ class Contact:
         """Least and largest mean pressure under which the same nodes touch.
 
         An imposed area fixes the load no closer than this. The largest one is infinite in full contact. With
-        a hardness the same nodes are plastic, too.
+        a hardness the same nodes are plastic, too. Not known with adhesion.
         """
+        self._require_repulsive("load_interval")
         gap = self.gap if self.plastic_depth is None else self.gap - self.plastic_depth
         return load_interval(self.pressure, gap, self.hardness, self._tangent)
 
     @cached_property
     def _tangent(self) -> Tangent | None:
-        """Change under further loading; None if no node moves."""
-        moving = (self.pressure > 0) & (self.pressure < self.hardness)
+        """Change under further loading, at the same attraction; None if no node moves."""
+        moving = self.touching & (self.pressure < self.hardness)
         return tangent(moving, self.grid, self.solid, self.boundary)
 
     @property
@@ -272,9 +298,14 @@ class Contact:
         """Change dp̄/dδ of the mean pressure per approach under further loading, in stress per length.
 
         Nodes at the hardness keep their pressure. Zero without contact, and infinite in full contact of a
-        periodic solid without uniform displacement.
+        periodic solid without uniform displacement. Not known with adhesion, whose force may fall.
         """
+        self._require_repulsive("stiffness")
         return _inverse(self._tangent)
+
+    def _require_repulsive(self, what: str) -> None:
+        if self.adhesion is not None:
+            raise ValueError(f"{what}: a contact without adhesion is needed")
 
     def conductance(self, resistivity: float) -> float:
         """Conductance of the real contact per nominal area, electrical or thermal, between two half-spaces.
@@ -307,7 +338,7 @@ class Contact:
             raise ValueError(f"solid = {self.solid!r}: half-spaces are needed for a conductance")
         moves = self._tangent
         if self.plastic_area:
-            moves = tangent(self.pressure > 0, self.grid, self.solid, self.boundary)
+            moves = tangent(self.touching, self.grid, self.solid, self.boundary)
         return 2 * _inverse(moves) / (self.solid.effective_modulus * resistivity)
 
     def in_body(self, body: str) -> LoadedSolid:
@@ -335,17 +366,22 @@ class Contact:
 
     @cached_property
     def gradient_rms_contact(self) -> float:
-        """Root-mean-square gradient of the deformed surface over the nodes under pressure (the paper's ḡ_r).
+        """Root-mean-square gradient of the deformed surface over the nodes that touch (the paper's ḡ_r).
 
         By spectral differentiation, with a free boundary from the closed form for the slope beside a loaded
         rectangle; NaN without contact.
         """
-        touching = self.pressure > 0
+        touching = self.touching
         if not touching.any():
             return float("nan")
         response = response_on(self.boundary, self.solid, self.grid, self.displacement.dtype)
         slope_y, slope_x = response.gradient(self.pressure, self.displacement)
         return float(np.sqrt((slope_y[touching] ** 2 + slope_x[touching] ** 2).mean(dtype=float)))
+
+
+def adhesion_of(stored: xr.Dataset) -> Adhesion | None:
+    """Adhesion of a stored contact."""
+    return Adhesion(**json.loads(stored.attrs["adhesion"])) if "adhesion" in stored.attrs else None
 
 
 def _inverse(found: Tangent | None) -> float:

@@ -13,7 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.contact import active_set, gfmd
-from asperity.contact.certificate import checked_certificate, field_in_double, rms_deviation
+from asperity.contact import adhesion as adhesive
+from asperity.contact.adhesion import Adhesion
+from asperity.contact.certificate import (
+    certificate_with_adhesion,
+    checked_certificate,
+    field_in_double,
+    rms_deviation,
+)
 from asperity.contact.problem import Control, Problem, State, Units
 from asperity.contact.response import check_boundary, response_on
 from asperity.contact.solution import Contact
@@ -75,6 +82,7 @@ def solve_contact(
     force: float | None = None,
     approach: float | None = None,
     hardness: float | None = None,
+    adhesion: Adhesion | None = None,
     boundary: str | None = None,
     method: str = "active_set",
     rtol: float = 1e-6,
@@ -117,6 +125,10 @@ def solve_contact(
         Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
         that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact
         is elastic everywhere. Needs method "active_set".
+    adhesion : Adhesion, optional
+        Attraction of the faces, whose cohesive zone the grid has to resolve; see
+        `asperity.contact.adhesion`. Of several contacts it finds the one of first approach, or with
+        `initial` the one that follows from that contact.
     boundary : "periodic" | "free", optional
         By default that of a map, and "periodic" for an array. "periodic": the map, or the map with its mirror
         images, repeats in both directions. "free": nothing surrounds the map, whose solid is a half-space, or
@@ -133,7 +145,7 @@ def solve_contact(
     progress : callable, optional
         Called as progress(done, total).
     initial : Contact or (ny, nx) array, optional
-        A pressure to start from.
+        A pressure to start from; with adhesion a Contact with adhesion, which is then a part of the path.
 
     Returns
     -------
@@ -199,6 +211,8 @@ def solve_contact(
     if method == "gfmd" and boundary != "periodic":
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
     check_boundary(boundary, solid, grid)
+    if adhesion is not None:
+        _check_adhesion(adhesion, control, method, precision, solid, grid)
     solid_units = Units.of_solid(solid, grid)
     solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
@@ -211,6 +225,14 @@ def solve_contact(
     units = solid_units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach
         units = replace(units, below=np.inf, above=np.inf)
+    if adhesion is not None:
+        units = solid_units.for_adhesion(values, adhesion.range)
+        problem = Problem(units.heights(values), response, limit / units.stress)
+        asked = _Asked(grid, solid, method, control.value if approach is not None else None, rtol, begin)
+        try:
+            return _adhesive_contact(problem, adhesion, control, values, units, asked, progress, initial)
+        except ConvergenceError as error:
+            raise error.in_units(units.stress) from None
     scaled = units.control(control)
     start = None
     if initial is not None:
@@ -267,6 +289,73 @@ def _on_grid(height: Any, solid: Any, length: Edges | None, boundary: str | None
     return height, length, "periodic" if boundary is None else boundary
 
 
+def _check_adhesion(
+    adhesion: Adhesion, control: Control, method: str, precision: np.dtype[Any], solid: Solids, grid: Grid
+) -> None:
+    """Raise an error for what adhesion excludes."""
+    if not isinstance(adhesion, Adhesion):
+        raise TypeError(f"adhesion = {shown(adhesion)}: an Adhesion is needed")
+    if control.kind == "contact_area_fraction":
+        raise ValueError(
+            "contact_area_fraction: an approach, a force or a mean_pressure is needed with adhesion"
+        )
+    if method != "active_set":
+        raise ValueError(f"method = {method!r}: active_set is needed with adhesion")
+    if precision != np.float64:
+        raise ValueError(f"dtype = {precision.name!r}: float64 is needed with adhesion")
+    adhesion.check_resolved(solid, grid)
+
+
+def _adhesive_contact(
+    problem: Problem,
+    adhesion: Adhesion,
+    control: Control,
+    values: Array,
+    units: Units,
+    asked: _Asked,
+    progress: Progress | None,
+    initial: Contact | ArrayLike | None,
+) -> Contact:
+    """The certified contact with adhesion, in the units of the caller."""
+    start, response, hardness = None, problem.response, problem.hardness * units.stress
+    if isinstance(initial, Contact) and initial.attraction is not None:
+        fields = initial.pressure + initial.attraction, initial.attraction
+        reaction, attraction = (asked.grid.field("initial", each) / units.stress for each in fields)
+        start = np.maximum(reaction, 0), attraction
+    law, scaled = adhesion.in_units(units.height, units.stress), units.control(control)
+    found, stability = adhesive.solve(problem, law, scaled, asked.rtol, progress, start)
+    pulling, pulled = found.attraction * units.stress, found.pulled * units.height
+    mean = float(found.attraction.mean())
+    if scaled.kind == "mean_pressure":
+        scaled = replace(scaled, value=scaled.value + mean)
+    contact = _contact_of(found.problem, scaled, found.state, values - pulled, units, asked)
+    pressure = contact.pressure - pulling
+    if hardness < np.inf:
+        pressure[contact.pressure >= contact.hardness] = hardness
+    mean *= response.omitted_compliance * units.height
+    flat = contact.gap if contact.plastic_depth is None else contact.gap - contact.plastic_depth
+    scales = rms_deviation(values), min(asked.grid.spacing) / asked.solid.effective_modulus
+    certificate = replace(
+        certificate_with_adhesion(pressure, flat, adhesion, *scales, None, hardness),
+        stability=stability,
+        iterations=contact.certificate.iterations,
+        pairs=contact.certificate.pairs,
+        seconds=contact.certificate.seconds,
+    )
+    return replace(
+        contact,
+        height=values,
+        pressure=pressure,
+        displacement=contact.displacement - pulled - mean,
+        mean_pressure=float(pressure.mean()),
+        approach=contact.approach - mean if asked.approach is None else asked.approach,
+        certificate=certificate,
+        hardness=hardness,
+        adhesion=adhesion,
+        attraction=pulling,
+    )
+
+
 def solve_load_path(
     height: ArrayLike,
     solid: Solids,
@@ -286,7 +375,9 @@ def solve_load_path(
     height, solid, length
         As for `solve_contact`.
     contact_area_fractions, mean_pressures, forces, approaches : sequence of float
-        Exactly one of them. With a hardness they rise: each contact is a first loading.
+        Exactly one of them. With a hardness they rise: each contact is a first loading. With adhesion they
+        may rise and fall: each contact follows from the last one, and with a hardness, too, the surface that
+        was flattened there is pressed.
     progress : callable, optional
         Called as progress(done, total), in loads.
     **settings
@@ -332,24 +423,36 @@ def solve_load_path(
         control = _checked_control(kind, value, grid)
         if hardness is not None:
             _checked_hardness(hardness, control)
-    if hardness is not None and any(later < earlier for earlier, later in pairwise(values)):
+    rises = not any(later < earlier for earlier, later in pairwise(values))
+    if hardness is not None and settings.get("adhesion") is None and not rises:
         raise ValueError(
             f"{name} = {shown(values)}: rising values are needed with a hardness, because a flattened "
             "surface unloads elastically; press contact.flattened_height() without a hardness to unload"
         )
-    return _solve_each(partial(solve_contact, height, solid, length, **settings), kind, values, progress)
+    return _solve_each(height, {"solid": solid, "length": length, **settings}, kind, values, progress)
 
 
 def _solve_each(
-    solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
+    height: ArrayLike,
+    settings: Mapping[str, Any],
+    kind: str,
+    values: Sequence[float],
+    progress: Progress | None,
 ) -> Iterator[Contact]:
-    report = progress or (lambda done, total: None)
+    """Contacts under loads; with adhesion each follows from the last one, and from its flattened surface."""
+    report, own = progress or (lambda done, total: None), dict[str, Any]()
     for index, value in enumerate(values):
-        yield solve_one(
-            **{kind: value},
-            progress=lambda done, total, index=index: report(index + done / total, len(values)),
-        )
+        told = partial(_report_part, report, index, len(values))
+        contact = solve_contact(height, **{**settings, **own, kind: value}, progress=told)
+        if contact.adhesion is not None:
+            own, height = {"initial": contact}, contact.flattened_height()
+        yield contact
         report(index + 1, len(values))
+
+
+def _report_part(report: Progress, index: int, of: int, done: float, total: float) -> None:
+    """Report the progress of one of several solutions."""
+    report(index + done / total, of)
 
 
 # Arguments

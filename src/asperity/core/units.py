@@ -37,6 +37,7 @@ DIMENSIONS = {
     "volume": Dimension("m^3", ("um^3", "mm^3", "m^3")),
     "pressure": Dimension("Pa", ("kPa", "MPa", "GPa", "N/mm^2")),
     "force": Dimension("N", ("mN", "N", "kN")),
+    "work of adhesion": Dimension("J/m^2", ("mJ/m^2", "J/m^2")),
 }
 
 # pint evaluates arithmetic in a text, and a long power takes hours: only a number with a unit is passed on.
@@ -85,7 +86,8 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
     usual = _USUAL.fullmatch(value.strip()) if isinstance(value, str) else None
     if usual and usual[3] == known.unit:  # without pint, whose import takes a quarter of a second
         if usual[2] + usual[3] != "mPa":  # which is refused: MPa is meant
-            number = float(usual[1]) * 10.0 ** _EXPONENTS[usual[2]]
+            exponent = _EXPONENTS[usual[2]]  # powers of ten above 1 are exact: 300 nm is 0.3 um to the bit
+            number = float(usual[1]) * 10.0**exponent if exponent > 0 else float(usual[1]) / 10.0**-exponent
     else:
         with suppress(Exception):  # pint has errors of many unrelated types for a unit that it does not know
             import pint

@@ -12,11 +12,10 @@ from asperity.contact import Contact
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
-from asperity.engineering.body_stress import BodyStress
 from asperity.engineering.numbers import EXTREMES, LIMITS, limit_of
 from asperity.engineering.question import RESOLUTION_CHANGE, Stages
 from asperity.engineering.records import Advice, Record, per_cent
-from asperity.settings.body import HARDNESS_OVER_YIELD
+from asperity.settings.body import HARDNESS_OVER_YIELD, OfMaterial
 from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
 from asperity.surface.reading.formats import PROFILE
@@ -119,14 +118,14 @@ def advise(
     shown = stages.asked.different_bodies
     for name in shown:
         where = f" of the {name} body" if len(shown) > 1 else ""
-        for material, body in stages.bodies[name].materials.items():
-            of_material = f" of the {material}{where}" if material else where
-            part = _on_body(body)
-            found += [(warns, key, values | {"where": of_material}) for warns, key, values in part]
+        for material, (part, extremes) in stages.bodies[name].materials.items():
+            of_material = f" of {material}{where}" if material else where
+            of_part = _on_part(part, extremes["von_mises"].value)
+            found += [(warns, key, values | {"where": of_material}) for warns, key, values in of_part]
     found += [*_on_pixels(stages, records), *_on_map(stages, compared), *_on_neighbours(stages, compared)]
     made: dict[str, Advice] = {}
     bodies = list(stages.asked.bodies.values())
-    alike = bodies[0].is_like(bodies[-1]) and not bodies[0].coating
+    alike = bodies[0].is_like(bodies[-1]) and len(bodies[0].parts) == 1
     for warns, key, values in found:
         text, known = texts[key], {"stages": stages, "numbers": stages.numbers, **values}
         words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}
@@ -156,7 +155,7 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         yield True, "pressure_on_spike", {"count": len(stages.rough.spikes), "size": SPIKE_SIZE}
     if numbers.maximum_pressure > young:
         yield True, "beyond_modulus", {"young": young}
-    surfaces = [body.coating or body for body in case.bodies.values()]
+    surfaces = [next(iter(body.parts.values())) for body in case.bodies.values()]
     suggested = HARDNESS_OVER_YIELD * min(each.yield_stress or math.inf for each in surfaces)
     if math.isinf(stages.contact.hardness) and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
@@ -187,10 +186,9 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         yield True, "inaccurate", {}
 
 
-def _on_body(part: BodyStress) -> Iterator[Found]:
+def _on_part(part: OfMaterial, stress: float) -> Iterator[Found]:
     """Advice on implausible constants, and on stress above the strength of any material."""
-    body, stress = part.body, part.von_mises.value
-    young, ratio, limit = body.young, body.poisson, body.yield_stress
+    young, ratio, limit = part.young, part.poisson, part.yield_stress
     values: dict[str, Any] = {"young": young, "ratio": ratio, "limit": limit, "stress": stress}
     too_strong = limit is not None and limit > HIGHEST_YIELD * young
     if not SOFTEST <= young <= STIFFEST:

@@ -33,8 +33,8 @@ from asperity.surface.treatment.treatment import TreatedMap
 CONTACT_TILES = ("contact area fraction", "maximum pressure", "maximum von Mises stress")
 """Quantities of contact and stress at the top of the report."""
 
-INTERFACE_TILES = ("maximum shear stress on the interface", "maximum tension across the interface")
-"""Quantities of the interface of a coating, in the order of `Interface.extremes`."""
+ON_INTERFACE = {"shear": "maximum shear stress on", "tension": "maximum tension across"}
+"""Extreme value of an `Interface` → its quantity, before the name of the interface."""
 
 ALIKE = 0.01
 """Relative difference up to which a number of the upper body is left out as equal to the lower body's."""
@@ -263,8 +263,11 @@ class AnswerData:
 def tile_names(case: Scene) -> list[str]:
     """Quantities at the top of a page: first of the questions of the case, then of the contact."""
     of_questions = [name for question in case.questions.values() for name in question.TILES]
-    coated = any(body.coating is not None for body in case.bodies.values())
-    return list(dict.fromkeys([*(INTERFACE_TILES if coated else ()), *of_questions, *CONTACT_TILES]))
+    faces = [face for body in case.bodies.values() for face in body.interfaces]
+    of_faces = [f"{words} {face}" for face in faces for words in ON_INTERFACE.values()]
+    strength = case.questions.get("strength")
+    first = () if strength is None else strength.TILES
+    return list(dict.fromkeys([*first, *of_faces, *of_questions, *CONTACT_TILES]))
 
 
 def without_repeats(records: Any) -> list[Any]:

@@ -18,6 +18,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Certificate, Contact
+from asperity.contact.solution import adhesion_of
 from asperity.core.errors import DatasetError
 from asperity.core.system import sha256_of
 from asperity.engineering.answer_data import AnswerData, Origin
@@ -246,6 +247,8 @@ def _contact_from(stored: xr.Dataset, answer: AnswerData, plain: Mapping[str, fl
         rtol=plain["rtol"],
         hardness=float(stored["hardness"]) if "hardness" in stored else np.inf,
         plastic_depth=plastic,
+        adhesion=adhesion_of(stored),
+        attraction=stored["attraction"].transpose("y", "x").values if "attraction" in stored else None,
         fft_engine=str(stored.attrs["fft_engine"]),
     )
 

@@ -6,7 +6,7 @@ One stream of planes gives all but the error.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,9 +18,9 @@ from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import HalfGrid, continuum_on_grids
 from asperity.engineering.scene import Scene
-from asperity.settings.body import Body
+from asperity.settings.body import Body, OfMaterial
 from asperity.stress.analysis import SOUGHT, analyse_stress
-from asperity.stress.extremes import Extreme, Extremes, largest_of
+from asperity.stress.extremes import Extreme, Extremes, Interface, largest_of
 from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -52,23 +52,6 @@ class Observer(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Interface:
-    """Stress on the interface of a coating.
-
-    Parameters
-    ----------
-    along : (float, float)
-        σ_xx of the largest magnitude, in the coating and in the base.
-    extremes : dict
-        ``shear``, √(σ_xz² + σ_yz²), and ``tension``, σ_zz → its maximum, which is below 0 if the interface
-        is nowhere in tension.
-    """
-
-    along: tuple[float, float]
-    extremes: dict[str, Extreme]
-
-
-@dataclass(frozen=True, eq=False)
 class BodyStress:
     """Stress in one body, in SI units.
 
@@ -85,8 +68,8 @@ class BodyStress:
         Field → its extreme value, in each material from the surface down: the maximum of ``von_mises``,
         ``maximum_shear`` (Tresca) and ``principal_1`` (tension), the minimum of ``principal_3`` and
         ``hydrostatic`` (compression), and the value of largest magnitude of any other field.
-    interface : Interface or None
-        None without a coating.
+    interfaces : sequence of Interface
+        Between the materials, from the surface down.
     observed : mapping
         Name of a question → its observer of the planes.
     """
@@ -96,7 +79,7 @@ class BodyStress:
     stress: xr.Dataset
     limits: xr.Dataset
     parts: Sequence[dict[str, Extreme]]
-    interface: Interface | None = None
+    interfaces: Sequence[Interface] = ()
     observed: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -105,16 +88,12 @@ class BodyStress:
         return largest_of(self.parts)
 
     @property
-    def materials(self) -> dict[str, BodyStress]:
-        """The coating and the base as bodies of their own; without a coating the body alone."""
-        coating = self.body.coating
-        if coating is None or len(self.parts) < 2:
-            return {"": self}
-        constants = {name: getattr(coating, name) for name in ("young", "poisson", "yield_stress")}
-        return {
-            "coating": replace(self, body=Body(**constants), parts=self.parts[:1]),
-            "base": replace(self, parts=self.parts[1:]),
-        }
+    def materials(self) -> dict[str, tuple[OfMaterial, dict[str, Extreme]]]:
+        """Name of each part of the body → its constants, and the extreme values in it."""
+        parts = self.body.parts
+        if len(parts) == 1:
+            return {"": (self.body, self.extremes)}
+        return dict(zip(parts, zip(parts.values(), self.parts, strict=False), strict=False))
 
     def cycle_error(self, number: str) -> float:
         """Relative discretisation error of a number of `CYCLE_ERRORS`; NaN where it is not known.
@@ -161,8 +140,8 @@ def body_stress(
     """
     on_nodes, on_half = loaded
     layer, sliding = on_nodes.layer, case.sliding_of(name)
-    extremes, interface = Extremes(layer, case.fields), _AtInterface(face, on_nodes)
-    observers: list[Observer] = [extremes, interface, *observed.values()]
+    extremes = Extremes(layer, case.fields)
+    observers: list[Observer] = [extremes, *observed.values()]
 
     def observe(plane: LinearPlane) -> None:
         for each in observers:
@@ -177,33 +156,7 @@ def body_stress(
         **sliding,
     )
     parts = extremes.refined(on_nodes, STRESS_TOLERANCE, **sliding)
-    values = {field: each.value for field, each in largest_of(parts).items()}
     main = stress.sel(quantity=list(ESTIMATED))
-    limits = continuum_on_grids(contact, coarse, main, name, on_half, values)
-    return BodyStress(case.bodies[name], layer, stress, limits, parts, interface.found, observed)
-
-
-class _AtInterface:
-    """Takes the planes of a stress on both sides of the interface of a coating."""
-
-    def __init__(self, face: TreatedMap, loaded: LoadedSolid) -> None:
-        self._face, self._grid, self._poisson = face, loaded.grid, loaded.layer.poisson
-        self._depth, self._along = loaded.layer.interface or -1.0, list[float]()
-        self._extremes: dict[str, Extreme] = {}
-
-    def add(self, plane: LinearPlane) -> None:
-        """Take the next plane."""
-        if not self._depth <= plane.depth <= np.nextafter(self._depth, np.inf):
-            return
-        xx, zz, xz, yz = (plane.field(name, self._poisson) for name in ("xx", "zz", "xz", "yz"))
-        self._along.append(float(xx.flat[np.abs(xx).argmax()]))
-        for name, values in {"shear": np.hypot(xz, yz), "tension": zz}.items():
-            row, column = divmod(int(values.argmax()), plane.grid.shape[1])
-            place = np.add(plane.grid.first_node(self._grid), np.multiply((row, column), plane.grid.spacing))
-            y, x = map(float, self._face.grid.on_map(*place))
-            self._extremes.setdefault(name, Extreme(float(values.max()), self._depth, y, x))
-
-    @property
-    def found(self) -> Interface | None:
-        """The stress on the interface; None without one."""
-        return Interface((self._along[0], self._along[1]), self._extremes) if self._along else None
+    limits = continuum_on_grids(contact, coarse, main, name, on_half, extremes.values(parts))
+    interfaces = [each.on_map(face.grid) for each in extremes.interfaces]
+    return BodyStress(case.bodies[name], layer, stress, limits, parts, interfaces, observed)

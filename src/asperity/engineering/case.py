@@ -16,6 +16,7 @@ from pydantic import ConfigDict, model_validator
 from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Question
+from asperity.engineering.questions.adhesion_path import Adhesion
 from asperity.engineering.questions.conduction import Conduction
 from asperity.engineering.questions.cycles import Cycles
 from asperity.engineering.questions.film import Film
@@ -26,6 +27,8 @@ from asperity.engineering.questions.running_in import RunningIn
 from asperity.engineering.questions.sample import SampleOfMaps
 from asperity.engineering.questions.sensitivity import Sensitivity
 from asperity.engineering.questions.sliding import Sliding
+from asperity.engineering.questions.strength import LayerStrength
+from asperity.engineering.questions.sweep import Sweep
 from asperity.engineering.questions.yielding import Yielding
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
@@ -49,6 +52,8 @@ class Case(Scene):
     (50000000.0, 0.3)
     """
 
+    adhesion: Adhesion | None = optional("no adhesion")
+    """Adhesion: the faces attract each other, and a force pulls them off."""
     film: Film | None = optional("not asked")
     """A film carries a part of the load."""
     running_in: RunningIn | None = optional("not asked")
@@ -67,10 +72,14 @@ class Case(Scene):
     """Load curve."""
     yielding: Yielding | None = optional("asked if a body or its material has a yield stress")
     """Yield."""
+    strength: LayerStrength | None = optional("asked if a layer has a strength")
+    """Strength of the layers and of their interfaces."""
     cycles: Cycles | None = optional("asked if a body gives fatigue limits or a residual stress itself")
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
     sensitivity: Sensitivity | None = optional("asked if an input has a tolerance, such as `210 GPa ± 5 %`")
     """Change of the main numbers with each input."""
+    sweep: Sweep | None = optional("not asked")
+    """Sweep of one or two settings."""
     sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
@@ -139,4 +148,6 @@ class Case(Scene):
             loads = self.load_curve.loads
             written = [each if isinstance(each, str) else shown_si(each, UNITS[kind], 15) for each in loads]
             found["load_curve"]["loads"] = written
+        if self.sweep is not None:
+            found["sweep"]["values"] = self.sweep.written_values(self)
         return found

@@ -1,6 +1,7 @@
 """Numbers of the contact in an answer, in SI units: patches, areas, pressures, and the certificate."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import xarray as xr
 from asperity.contact import Certificate, Contact, verify_contact
 from asperity.contact.certificate import MAX_ROUNDINGS, rms_deviation
 from asperity.contact.patches import contact_patches
+from asperity.contact.solution import adhesion_of
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import solid_of
 from asperity.engineering.face import RoughFace
@@ -83,6 +85,12 @@ class ContactNumbers:
 
 def certificate_in_words(certificate: Certificate) -> str:
     """The certificate of a contact: the largest violation of its conditions, and the bound of the error."""
+    if math.isfinite(certificate.stability):
+        stable = "stable" if certificate.stability > 0 else "unstable"
+        return (
+            f"it is stationary, its conditions are violated by at most {certificate.worst:.1e}, and {stable} "
+            "along the directions computed; other contacts may exist"
+        )
     return (
         f"its conditions are violated by at most {certificate.worst:.1e}; the energy of the error of the "
         f"pressure is at most {certificate.error_bound:.1e} of load times Sq"
@@ -119,13 +127,15 @@ def stored_certificate(
         mean_pressure=float(contact["mean_pressure"]),
         hardness=float(contact["hardness"]) if "hardness" in contact else None,
         boundary=str(contact.attrs.get("boundary", "periodic")),
+        adhesion=adhesion_of(contact),
     )
     rounding = MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps)
     nodal = float(pressure.max()) * min(grid.spacing) / solid.effective_modulus
     largest = abs(approach) + float(np.abs(height).max()) + float(np.abs(displacement).max())
     lengths = rounding * largest / (rms_deviation(height) or nodal or 1.0)
+    found = replace(found, stability=float(contact.attrs.get("certificate_stability", math.nan)))
     return found, {
-        name: float(contact.attrs[f"certificate_{name}"])
+        name: float(contact.attrs.get(f"certificate_{name}", 0.0))
         + (rounding if name in ("tension", "load_imbalance") else lengths)
         for name in found.violations
     }
@@ -143,7 +153,7 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
     """
     pressure, grid = contact.pressure, face.grid
     periodic = face.boundary == "periodic" and not grid.mirrored  # opposite edges of the map meet
-    number, _, cells, spans = contact_patches(pressure > 0, periodic)
+    number, _, cells, spans = contact_patches(contact.touching, periodic)
     node = np.flatnonzero(number)
     spot, carried = number.ravel()[node] - 1, pressure.ravel()[node].astype(float)
     nodes = np.bincount(spot)
@@ -184,7 +194,8 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
 def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> ContactNumbers:
     """Numbers of the contact: areas, pressures, patches."""
     face = rough.face
-    pressure, load, nominal = contact.pressure, spots["load_N"], face.grid.area
+    pressure, load = np.maximum(contact.pressure, 0), spots["load_N"].clip(lower=0)
+    nominal = face.grid.area
     node = nominal / face.grid.size
     total, inside = max(float(load.sum()), 1e-300), float(pressure[1:-1, 1:-1].sum(dtype=float)) * node
     area, force = contact.contact_area_fraction * nominal, contact.mean_pressure * nominal
@@ -192,13 +203,15 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     roughness = roughness_parameters(face.height, face.grid)
     by_width, median = spots.sort_values("width_m"), 0.0
     if len(spots):  # width of a patch such that wider patches carry half of the load
-        carried = by_width["load_N"].cumsum().to_numpy()
+        carried = by_width["load_N"].clip(lower=0).cumsum().to_numpy()
         median = float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
     return ContactNumbers(
         contact_area_fraction=contact.contact_area_fraction,
         contact_area=area,
         nominal_pressure=contact.mean_pressure,
-        mean_pressure=force / area if area else 0.0,
+        mean_pressure=(force / area if contact.adhesion is None else contact.mean_contact_pressure)
+        if area
+        else 0.0,
         maximum_pressure=float(pressure.max()),
         force=force,
         normal_approach=contact.approach - float(contact.height.min()),
@@ -220,5 +233,5 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
 
 
 def gap_of(contact: Contact) -> Array:
-    """Gap on the nodes, 0 where there is pressure."""
-    return np.where(contact.pressure > 0, 0.0, contact.gap)
+    """Gap on the nodes, 0 where they touch."""
+    return np.where(contact.touching, 0.0, contact.gap)

@@ -6,15 +6,16 @@ The formulas are in `asperity.stress.statistics.extrapolation`.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import xarray as xr
 
 from asperity.contact import Contact
 from asperity.contact.half_grid import HALF_TOLERANCE, solve_on_half
-from asperity.core.types import Progress
+from asperity.core.types import FIELDS, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.analysis import analyse_stress
-from asperity.stress.extremes import Extremes, largest_of
+from asperity.stress.extremes import Extremes
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.extrapolation import OnGrid, extrapolate, reason_against
 
@@ -110,13 +111,17 @@ def continuum_limit(
 
 
 def solved_on_half(contact: Contact) -> HalfGrid:
-    """The contact on half of the nodes, under the same load."""
+    """The contact on half of the nodes, under the same load, or with adhesion at the same approach."""
     reason = "the boundary is free, and the estimate is made for periodic cells"
     if contact.boundary != "free":
         reason = reason_against(contact.pressure, contact.height, mirrored=contact.grid.mirrored)
     hardness = contact.hardness if math.isfinite(contact.hardness) else None
     given = contact.height, contact.solid, contact.grid, contact.boundary
-    half, lost = solve_on_half(*given, force=contact.force, hardness=hardness)
+    load: dict[str, Any] = {"force": contact.force}
+    if contact.adhesion is not None:
+        reason = "the faces attract each other, and the estimate is made for contacts without adhesion"
+        load = load if contact.contact_area_fraction == 1 else {"approach": contact.approach}
+    half, lost = solve_on_half(*given, **load, hardness=hardness, adhesion=contact.adhesion)
     return HalfGrid(half, lost, reason)
 
 
@@ -130,19 +135,19 @@ def continuum_on_grids(
 ) -> xr.Dataset:
     """The result of `continuum_limit`, given the contact on half of the nodes, and the body under it.
 
-    With the `extremes` of the stress, field → extreme value, also their ``extreme`` along `field`.
+    With the `extremes` of the stress, as of `Extremes.values`, also their ``extreme`` along `field`.
     """
     coarse = on_half = None
     if stress is not None:
-        planes, interface = stress["plane_depth"].values, contact.in_body(body).layer.interface
+        planes, interfaces = stress["plane_depth"].values, contact.in_body(body).layer.interfaces
         # Depths over the spacing are the same on both grids; in a thin coating planes lie closer.
-        spacing = planes[1] / min(contact.grid.spacing) if interface is None else 0.5
+        spacing = 0.5 if interfaces else planes[1] / min(contact.grid.spacing)
         solid = loaded or half.contact.in_body(body)
         sliding = {name: stress.attrs[name] for name in ("friction", "sliding_direction")}
-        found = Extremes(solid.layer, [*(extremes or {})])
+        found = Extremes(solid.layer, [name for name in extremes or () if name in FIELDS])
         coarse = analyse_stress(
             solid,
-            depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interface),
+            depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4, interfaces),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=HALF_TOLERANCE,
@@ -151,8 +156,7 @@ def continuum_on_grids(
             **sliding,
         )
         if extremes is not None:
-            largest = largest_of(found.refined(solid, HALF_TOLERANCE, **sliding))
-            on_half = {name: largest[name].value for name in extremes}
+            on_half = found.values(found.refined(solid, HALF_TOLERANCE, **sliding))
     both = _on_grid(contact, stress, extremes), _on_grid(half.contact, coarse, on_half)
     attributes = {"lost_gradient": half.lost, "plastic_area": contact.plastic_area}
     return extrapolate(*both, half.lost, half.reason).assign_attrs(attributes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from typing import Any
@@ -12,7 +13,7 @@ import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import INTERFACE_TILES
+from asperity.engineering.answer_data import ON_INTERFACE
 from asperity.engineering.body_stress import BodyStress
 from asperity.engineering.contact_numbers import ContactNumbers
 from asperity.engineering.records import (
@@ -28,9 +29,9 @@ from asperity.engineering.records import (
     fraction,
 )
 from asperity.engineering.scene import Scene
-from asperity.settings.body import HARDNESS_OVER_YIELD
+from asperity.settings.body import HARDNESS_OVER_YIELD, Body, Layer
 from asperity.settings.load import Hertz
-from asperity.stress.extremes import DIRECTION
+from asperity.stress.extremes import DIRECTION, OF_MATERIALS, Extreme
 from asperity.stress.peaks.selection import has_percentile, select_peaks
 
 EXTREMES = {
@@ -87,20 +88,26 @@ def contact_records(
             continue
         quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
         record = Record(quantity, value, each.metadata["unit"])
-        if each.name != "normal_approach":
+        may_pull = contact.adhesion is not None and quantity in PARTS
+        if each.name != "normal_approach" and not may_pull:
             record = replace(record, bounds=POSITIVE)
         if each.name == "contact_area_fraction":
             record = fraction(quantity, value, note=f"of {shown_si(numbers.nominal_area, 'm^2')}")
         elif each.name == "contact_area":
             record = replace(record, bounds=Bounds(0.0, numbers.nominal_area, "the nominal area"))
         elif each.name == "maximum_pressure":
-            record = replace(record, bounds=most, varies=True, better="less")
+            record = replace(record, bounds=record.bounds if may_pull else most, varies=True, better="less")
         elif each.name == "patches":
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":
             record = _extrapolated(record, limits, "contact area fraction", numbers.nominal_area)
+        elif each.name == "mean_pressure":  # the load over the area
+            area = limit_of(limits, "contact area fraction")
+            estimate = value * area["on_grid"] / area["estimate"] if area["estimate"] else math.nan
+            record = replace(record, bounds=most, extrapolated=estimate)
+            record = record.with_error(DISCRETISATION, area["error"] * estimate)
         record = _extrapolated(record, limits, quantity)
-        if each.name in ("contact_area_fraction", "contact_area"):
+        if each.name in ("contact_area_fraction", "contact_area", "mean_pressure"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
         if carried < 1 and quantity in PARTS:
             record = replace(record, note="the part of the asperities")
@@ -161,48 +168,59 @@ def elastic_record(name: str, elastic: float, records: Iterable[Record]) -> Iter
 
 def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) -> Iterator[Record]:
     """Numbers of the stress in a body under a contact of some hardness, infinite if it is elastic."""
-    coating, limits = stress.body.coating, stress.limits
+    limits, materials = stress.limits, stress.materials
 
-    def record(quantity: str, value: float, unit: str = "Pa", **more: Any) -> Record:
-        return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, quantity)
+    def record(quantity: str, value: float, unit: str = "Pa", limit: str = "", **more: Any) -> Record:
+        return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, limit or quantity)
 
-    worse: dict[str, Any] = {"varies": True, "better": "less"}
-    for field, quantity in EXTREMES.items():
-        found = stress.extremes[field]
-        value = DIRECTION[field] * found.value
+    def extreme(quantity: str, value: float, found: Extreme, limit: str = "", **more: Any) -> Record:
         if not value > 0:
-            yield record(quantity, 0.0, words="none")
-            continue
-        position = Position(found.depth, found.y, found.x)
+            return record(quantity, 0.0, words="none")
+        residual = "" if limit.startswith(tuple(ON_INTERFACE)) else residual_in(stress.body, found.depth)
+        notes = [residual, "on a mirror image of the map" * found.on_image]
+        more |= {"note": ", ".join(filter(None, notes)), "varies": True, "better": "less"}
+        return record(quantity, value, limit=limit, position=Position(*found[1:4]), **more)
+
+    for field, quantity in EXTREMES.items():
         bounds = POSITIVE
         if field == "hydrostatic" and math.isfinite(hardness) and _is_plain(case, name):
             # The hydrostatic stress is harmonic, and −2 (1 + ν) p / 3 at the surface.
             most = 2 * (1 + stress.layer.poisson) / 3 * hardness
             bounds = Bounds(0.0, most, "2 (1 + ν) / 3 of the hardness")
-        note = "on a mirror image of the map" if found.on_image else ""
-        yield record(quantity, value, position=position, bounds=bounds, note=note, **worse)
-    if stress.interface is not None:
-        for material, part in stress.materials.items():
-            quantity, own = f"maximum von Mises stress in the {material}", part.von_mises
-            yield record(quantity, own.value, position=Position(own.depth), **worse)
-        for quantity, found in zip(INTERFACE_TILES, stress.interface.extremes.values(), strict=True):
-            if found.value > 0:
-                yield record(quantity, found.value, position=Position(*found[1:4]), **worse)
-            else:
-                yield record(quantity, 0.0, words="none", **worse)
-        for material, value in zip(stress.materials, stress.interface.along, strict=True):
-            yield record(f"σ_xx on the interface, in the {material}", value)
-        if coating is not None and coating.residual_stress:
-            energy = (1 - coating.poisson) * coating.residual_stress**2 * coating.thickness / coating.young
-            note = "which a coating that comes off sets free"
-            yield record("energy of the residual stress of the coating", energy, "J/m^2", note=note)
-        if coating is not None and coating.yield_stress is not None:
-            yield record("yield stress of the coating", coating.yield_stress)
+        found = stress.extremes[field]
+        yield extreme(quantity, DIRECTION[field] * found.value, found, bounds=bounds)
+    if stress.interfaces:
+        for number, (material, (_, extremes)) in enumerate(materials.items()):
+            for field in OF_MATERIALS:
+                own = extremes[field]
+                yield extreme(f"{EXTREMES[field]} in {material}", own.value, own, f"{field} {number}")
+    for number, (interface, stresses) in enumerate(
+        zip(stress.body.interfaces, stress.interfaces, strict=True)
+    ):
+        for kind, words in ON_INTERFACE.items():
+            own = getattr(stresses, kind)
+            yield extreme(f"{words} {interface}", own.value, own, f"{kind} {number}")
+        depth = stresses.shear.depth
+        for side, (material, value) in enumerate(zip([*materials][number:], stresses.along, strict=False)):
+            note = residual_in(stress.body, depth if side == 0 else float(np.nextafter(depth, np.inf)))
+            yield record(f"σ_xx on {interface}, in {material}", value, note=note)
+    for material, (part, _) in materials.items():
+        if isinstance(part, Layer) and part.residual_stress:
+            energy = (1 - part.poisson) * part.residual_stress**2 * part.thickness / part.young
+            note = f"which {material or 'a layer'} sets free if it comes off"
+            yield record(f"energy of the residual stress of {material}", energy, "J/m^2", note=note)
     peaks = select_peaks(stress.stress, "von_mises", selection="under_contact")["peak_value"].values
     for percent in PERCENTS:
         if has_percentile(peaks.size, percent / 100):
             value = float(np.percentile(np.abs(peaks), percent))
             yield record(f"{percent}th percentile of the peaks", value, bounds=POSITIVE)
+
+
+def residual_in(body: Body, depth: float) -> str:
+    """The residual stress of the layer at a depth in words; on an interface that of the layer above."""
+    number = bisect_left([*body.interfaces.values()], depth)
+    residual = body.layers[number].residual_stress if number < len(body.layers) else None
+    return f"with the residual stress {shown_si(residual, 'Pa')}" if residual else ""
 
 
 def _is_plain(case: Scene, name: str) -> bool:
@@ -224,7 +242,7 @@ def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float
     size : float
         Unit of the record over that of the limit.
     """
-    if quantity not in LIMITS:
+    if quantity not in LIMITS and quantity not in limits.coords.get("field", ()):
         return record
     values = limit_of(limits, quantity)
     estimate = size * values["estimate"]
@@ -238,8 +256,8 @@ def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float
 
 
 def limit_of(limits: xr.Dataset, quantity: str) -> dict[str, float]:
-    """Kind → value of a quantity of `LIMITS` in a result of `asperity.continuum_limit`."""
-    output, of = LIMITS[quantity]
+    """Kind → value of a quantity of `LIMITS`, or an extreme value, in a result of `continuum_limit`."""
+    output, of = LIMITS.get(quantity, ("extreme", quantity))
     values = limits[output]
     if of is not None:
         values = values.sel({"field" if output == "extreme" else "quantity": of})

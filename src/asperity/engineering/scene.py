@@ -6,6 +6,7 @@ The physics is imported where it is needed: forms, help and schemas are made wit
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -17,16 +18,18 @@ from pydantic import Field, field_validator
 from asperity.core.types import FIELDS
 from asperity.core.units import shown_si
 from asperity.settings.body import Body
+from asperity.settings.interface import Attraction
 from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import OwnMaterials
 from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting
 
 if TYPE_CHECKING:
-    from asperity.contact import Contact
+    from asperity.contact import Adhesion, Contact
     from asperity.elasticity.loaded_solid import LoadedSolid
     from asperity.elasticity.solid import Solid
     from asperity.elasticity.two_bodies import TwoBodies
+    from asperity.fourier.grid import Grid
     from asperity.stress.cycles.hertz_contact import HertzContact
 
 MATERIALS = "materials.yaml"
@@ -53,6 +56,8 @@ class Scene(Settings):
     the slopes are small."""
     load: Load = setting(...)
     """The load."""
+    adhesion: Attraction | None = optional("no adhesion")
+    """Adhesion: the faces attract each other, and a force pulls them off."""
     fields: Annotated[tuple[one_of(FIELDS), ...], Field(min_length=1), DISTINCT] = setting(  # type: ignore[valid-type]
         ("von_mises",)
     )
@@ -218,6 +223,16 @@ class Scene(Settings):
 
         return TwoBodies(solid_of(self.body), solid_of(counter))
 
+    def adhesion_on(self, grid: Grid) -> Adhesion | None:
+        """The attraction of the faces on a grid, on which a range that is fitted depends."""
+        from asperity.contact import Adhesion
+
+        if (given := self.adhesion) is None:
+            return None
+        if isinstance(given.range, str):
+            return Adhesion.fitted(given.work, self.solid, grid, given.law)
+        return Adhesion(given.work, given.range, given.law)
+
     @property
     def hertz_contact(self) -> HertzContact | None:
         """The Hertz contact under the load."""
@@ -243,16 +258,15 @@ class Scene(Settings):
         return contact.maximum_pressure * load.share if contact and isinstance(load, Hertz) else load.value
 
     def loaded_body(self, contact: Contact, name: str) -> LoadedSolid:
-        """A body under the pressure of a contact, with the stress that coating and Hertz contact add.
+        """A body under the pressure of a contact, with the stress that layers and Hertz contact add.
 
         The contact carries `carried` of the pressure of the Hertz contact, and slides.
         """
-        loaded, load = contact.in_body(name), self.load
-        coating = self.bodies[name].coating
-        if coating is not None and coating.residual_stress:
-            stress = coating.residual_stress * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-            within = coating.thickness
-            return replace(loaded, background=lambda depth: stress if depth <= within else 0 * stress)
+        loaded, load, body = contact.in_body(name), self.load, self.bodies[name]
+        if any(residual := [layer.residual_stress or 0.0 for layer in body.layers]):
+            depths, stresses = [*body.interfaces.values()], [*residual, 0.0]
+            equal = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+            return replace(loaded, background=lambda depth: stresses[bisect_left(depths, depth)] * equal)
         if not isinstance(load, Hertz):
             return loaded
         pressure = contact.mean_pressure / self.carried
@@ -260,13 +274,14 @@ class Scene(Settings):
         sliding = self.sliding_of(name)
         sliding["friction"] *= self.carried
         below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
-        return replace(loaded, background=below, deepest=smooth.deepest(self.bodies[name].yield_stress))
+        return replace(loaded, background=below, deepest=smooth.deepest(body.yield_stress))
 
     def under(self, **load: float) -> Scene:
         """The same bodies under another load, without questions."""
         if isinstance(self.load, Hertz):
             load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
-        given = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
+        given: dict[str, Any] = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
+        given["adhesion"] = self.adhesion
         return Scene(**given, load=load)
 
     @property
@@ -293,12 +308,11 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
 
 
 def solid_of(body: Body) -> Solid:
-    """A body as the solver takes it: a half-space, a layer on a rigid base, or a coated half-space."""
+    """A body as the solver takes it: layers on a half-space or a rigid base, or a half-space."""
     from asperity.elasticity.solid import Solid
 
-    if body.base is not None:
-        return Solid(body.young, body.poisson, body.layers[0].thickness, body.base)
-    solid = Solid(body.young, body.poisson)
-    for layer in reversed(body.layers):
-        solid = Solid(layer.young, layer.poisson, layer.thickness, base=solid)
-    return solid
+    base = Solid(body.young, body.poisson) if body.base is None else None
+    if base is not None and not body.layers:
+        return base
+    layers = [(layer.thickness, layer.young, layer.poisson) for layer in body.layers]
+    return Solid.stack(layers, base, body.base or "bonded")

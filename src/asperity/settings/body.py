@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     ConfigDict,
-    Field,
     GetPydanticSchema,
     PlainSerializer,
     PlainValidator,
@@ -107,6 +106,26 @@ class OfMaterial(Settings):
         return inner if self._material is None else [self._material, *inner]
 
 
+class Strength(Settings):
+    """Strengths of a layer and of the interface below it."""
+
+    shear: Pressure | None = optional("not judged", example="500 MPa", varied=True)
+    """Shear strength of the interface below the layer."""
+    tension: Pressure | None = optional("not judged", example="300 MPa", varied=True)
+    """Tensile strength of the interface below the layer."""
+    energy: Number | None = optional("not judged", unit="J/m^2", gt=0, le=1e9, example=50.0, varied=True)
+    """Fracture energy of the layer, for a crack through its thickness."""
+    toughness: Number | None = optional(
+        "not judged", unit="Pa m^(1/2)", gt=0, le=1e12, example=3e6, varied=True
+    )
+    """Fracture toughness of the layer, in place of its fracture energy."""
+
+    def contradictions(self) -> Iterator[tuple[str, str]]:
+        """Two values of the same property, or none."""
+        if self.energy is not None and self.toughness is not None:
+            yield "toughness", ": not accepted together with energy"
+
+
 class Layer(OfMaterial):
     """A layer of a body."""
 
@@ -116,7 +135,9 @@ class Layer(OfMaterial):
     """Thickness of the layer."""
     residual_stress: Stress | None = optional("none", example="-2 GPa")
     """Equal normal stresses along x and y in the layer of the unloaded body, compression negative. They are
-    added to the stress in the layer. On a rigid base the residual stress of the body is given instead."""
+    added to the stress in the layer. In a single layer on a rigid base that of the body is given instead."""
+    strength: Strength | None = optional("not judged", example={"shear": "500 MPa", "tension": "300 MPa"})
+    """Strengths with which the stress is compared."""
 
 
 class ResidualStress(Settings):
@@ -200,7 +221,7 @@ class Body(OfMaterial):
         given, top = {**value, **UNUSED}, layers[0]
         name = top.get("material") if isinstance(top, Mapping) else getattr(top, "material", None)
         with suppress(ContradictionError):  # of a material that is not known, which the layer reports
-            given["material"] = material(name).name if isinstance(name, str) else None
+            given["material"] = material(name).name if isinstance(name, str) and len(layers) == 1 else None
         found = made(given)
         found.__dict__.update({each: getattr(found.layers[0], each) for each in OF_LAYER})
         found.model_fields_set.difference_update(OF_LAYER)
@@ -212,7 +233,7 @@ class Body(OfMaterial):
 
         A coated body has none: its hardness is neither that of the coating nor that of the base.
         """
-        if self.hardness is None and self.yield_stress is not None and self.coating is None:
+        if self.hardness is None and self.yield_stress is not None and len(self.parts) == 1:
             self.__dict__["hardness"] = HARDNESS_OVER_YIELD * self.yield_stress
             self._hardness_is_estimated = True
         return self
@@ -243,17 +264,17 @@ class Body(OfMaterial):
     """Equal normal stresses along x and y in the unloaded body, compression negative. They are added to
     the mean stress in the criterion of Dang Van. A group of two lists, `depth` and `stress`, is a table over
     depth, linear between its rows and constant beyond them."""
-    layers: Annotated[tuple[Layer, ...], Field(max_length=1)] = setting(
+    layers: tuple[Layer, ...] = setting(
         (),
         default_text="none",
-        accepts="a list of one group of keys",
+        accepts="a list of groups of keys",
         example=[{"thickness": "2 um", "young": "400 GPa", "poisson": 0.25}],
     )
-    """Layers on the body, the top one first; so far one. On a half-space it is a coating: the hardness is
-    measured on the coated body; yield stress and fatigue limits of the body hold below the coating."""
+    """Layers on the body, the top one first, bonded to each other. On a half-space they are its coating: the
+    hardness is measured on the coated body; yield stress and fatigue limits of the body hold below them."""
     base: Literal["bonded", "frictionless"] | None = optional("a half-space with the constants of the body")
-    """Rigid base of the layer, which is `bonded` to it or rests on it `frictionless`. Material, elastic
-    constants and yield stress are then those of the layer, and the body gives none."""
+    """Rigid base of the layers, which are `bonded` to it or rest on it `frictionless`. Material, elastic
+    constants and yield stress are then those of the layers, and the body gives none."""
     map: CounterMap | None = optional("the counter body is flat")
     """Height map of the counter body, which is rigid if nothing else is given."""
     _is_rigid: bool = PrivateAttr(False)
@@ -263,7 +284,9 @@ class Body(OfMaterial):
         """Settings of the body that exclude each other, or need others."""
         if self.base is not None and not self.layers:
             yield "base", ": needs layers"
-        elif self.base is not None and self.layers[0].residual_stress is not None:
+        elif self.base is not None and len(self.layers) > 1 and self.fatigue_torsion is not None:
+            yield "fatigue_torsion", ": not accepted with several layers on a rigid base"
+        elif self.base is not None and len(self.layers) == 1 and self.layers[0].residual_stress is not None:
             yield "layers.0.residual_stress", ": not accepted on a rigid base; give that of the body"
         if (self.fatigue_torsion is None) != (self.fatigue_bending is None):
             limits = ("fatigue_torsion", "fatigue_bending")
@@ -293,38 +316,46 @@ class Body(OfMaterial):
         return self._hardness_is_estimated
 
     @property
-    def coating(self) -> Layer | None:
-        """The layer on a half-space."""
-        return self.layers[0] if self.layers and self.base is None else None
+    def parts(self) -> dict[str, OfMaterial]:
+        """The layers, top first, and the elastic base, by names for sentences; a single part has the name "".
+
+        A coating is the only layer on an elastic base.
+        """
+        parts: list[OfMaterial] = [*self.layers, *([self] if self.base is None else [])]
+        if len(parts) == 1:
+            return {"": self}
+        names = [f"layer {number + 1}" for number in range(len(self.layers))]
+        coated = len(names) == 1
+        return dict(zip([*(["the coating"] if coated else names), "the base"], parts, strict=False))
 
     @property
-    def layer(self) -> Layer | None:
-        """The layer on a rigid base."""
-        return self.layers[0] if self.layers and self.base is not None else None
+    def interfaces(self) -> dict[str, float]:
+        """Depths of the interfaces between the parts, by their names."""
+        depths = [*accumulate(layer.thickness for layer in self.layers)][: len(self.parts) - 1]
+        names = ["the interface"] if len(depths) == 1 else [f"interface {n + 1}" for n in range(len(depths))]
+        return dict(zip(names, depths, strict=True))
 
     @property
     def in_words(self) -> str:
-        """Material, elastic constants, and coating or layer."""
-        layer = ""
-        if self.layer is not None:
-            layer = f", {shown_si(self.layer.thickness, 'm')} thick, {self.base} bottom"
-        if (coating := self.coating) is not None:
-            young, poisson = shown_si(coating.young, "Pa"), coating.poisson
-            layer = f" under {shown_si(coating.thickness, 'm')} of E = {young}, ν = {poisson:g}"
-        name = f"{self.material}: " if self.material else ""
-        return f"{name}E = {shown_si(self.young, 'Pa')}, ν = {self.poisson:g}{layer}"
+        """Materials, elastic constants and thicknesses, the uppermost layer last."""
+        words = [f"{shown_si(layer.thickness, 'm')} of {_in_words(layer)}" for layer in reversed(self.layers)]
+        own = [] if self.base else [_in_words(self)]
+        return " under ".join([*own, *words]) + (f", {self.base} bottom" if self.base else "")
 
     def is_like(self, other: "Body") -> bool:
         """True if another body has the same constants, layers and base."""
         return self.model_dump(exclude={"map", "material"}) == other.model_dump(exclude={"map", "material"})
 
 
+def _in_words(part: OfMaterial) -> str:
+    """Material and elastic constants."""
+    name = f"{part.material}: " if part.material else ""
+    return f"{name}E = {shown_si(part.young, 'Pa')}, ν = {part.poisson:g}"
+
+
 def _group_of(solid: Any) -> dict[str, Any]:
     """The settings of a body from an `asperity.Solid`."""
-    own = {"young": solid.young, "poisson": solid.poisson}
-    if solid.height is None:
-        return own
-    layers = [own | {"thickness": solid.height}]
-    if solid.base is None:
-        return {"layers": layers, "base": solid.bottom}
-    return {"layers": layers, "young": solid.base.young, "poisson": solid.base.poisson}
+    last = solid.parts[-1]
+    base = {"young": last.young, "poisson": last.poisson} if last.height is None else {"base": last.bottom}
+    layers = [layer._asdict() for layer in solid.layers]
+    return base | ({"layers": layers} if layers else {})

@@ -28,14 +28,19 @@ class Quantity:
         True if only values above 0 are accepted.
     infinite : bool
         True if ``inf`` is accepted.
+    word : str
+        A word that is accepted, too, and stays as it is.
     """
 
     dimension: str
     positive: bool = True
     infinite: bool = False
+    word: str = ""
 
-    def __call__(self, value: Any, info: core_schema.ValidationInfo) -> float:
+    def __call__(self, value: Any, info: core_schema.ValidationInfo) -> Any:
         """The value in SI; `NeededError` if it is not accepted."""
+        if self.word and value == self.word:
+            return value
         from asperity.core.arguments import LARGEST, SMALLEST  # need NumPy; the help of a command does not
         from asperity.core.units import misread, to_si
 
@@ -62,7 +67,7 @@ class Quantity:
         article = "an" if self.dimension[0] in "ae" else "a"
         units = ", ".join(DIMENSIONS[self.dimension].examples)
         sign = " > 0" if self.positive else ""
-        other = " or inf" if self.infinite else ""
+        other = " or inf" if self.infinite else f" or {self.word}" if self.word else ""
         return (
             f"{article} {self.dimension}{sign} with its unit ({units}{misread(value, self.dimension)}){other}"
         )
@@ -80,6 +85,8 @@ class Quantity:
         """The value as text with its unit."""
         from asperity.core.units import DIMENSIONS, shown_si
 
+        if value == self.word:
+            return value
         return "inf" if math.isinf(value) else shown_si(value, DIMENSIONS[self.dimension].unit, 15)
 
 

@@ -27,6 +27,9 @@ from asperity.stress.planes.stream import LinearPlane, PlaneStream
 DIRECTION = {"von_mises": 1, "maximum_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
 """Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
 
+OF_MATERIALS = ("von_mises", "principal_1")
+"""Fields whose extreme values count in each material of a layered body."""
+
 BOUNDS = {"maximum_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
 """Field → factors of the von Mises and the hydrostatic stress in an upper bound of it, or of its negative.
 
@@ -67,6 +70,35 @@ class Extreme(NamedTuple):
     on_image: bool = False
 
 
+class Interface(NamedTuple):
+    """Stress on an interface between two materials.
+
+    `along` is σ_xx of the largest magnitude above and below it. `shear`, √(σ_xz² + σ_yz²), and `tension`,
+    σ_zz, are the largest values at the nodes; tension is below 0 if the interface is nowhere in tension.
+    """
+
+    along: list[float]
+    shear: Extreme
+    tension: Extreme
+
+    @classmethod
+    def of(cls, plane: LinearPlane, poisson: float) -> Interface:
+        """The interface from the plane on its upper face; its places lie in the cell of the plane."""
+        xz, yz, zz = (plane.field(name, poisson) for name in ("xz", "yz", "zz"))
+        found = []
+        for values in (np.hypot(xz, yz), zz):
+            node = divmod(int(values.argmax()), plane.grid.shape[1])
+            place = np.add(plane.first_node, np.multiply(node, plane.grid.spacing)).tolist()
+            found.append(Extreme(float(values.max()), plane.depth, *place))
+        return cls([], *found)
+
+    def on_map(self, grid: Grid) -> Interface:
+        """The interface with its places on the map, whose grid may be mirrored."""
+        places = ([*map(float, grid.on_map(each.y, each.x))] for each in self[1:])
+        shear, tension = (each._replace(y=y, x=x) for each, (y, x) in zip(self[1:], places, strict=True))
+        return Interface(self.along, shear, tension)
+
+
 class _AtNode(NamedTuple):
     """Extreme value at a node: the number of its plane, and the place y, x of the node in the cell."""
 
@@ -91,6 +123,7 @@ class Extremes:
     ----------
     planes : dict
         Field to be drawn → depth, grid and values of the plane with its extreme value at the nodes.
+    interfaces : list of Interface
     """
 
     def __init__(self, layer: Solid, fields: Sequence[str] = (), drawn: Sequence[str] = ()) -> None:
@@ -102,6 +135,7 @@ class Extremes:
         self._rivals: list[list[_AtNode]] = []
         self.planes: dict[str, tuple[float, Grid, Array]] = {}
         self._sizes: dict[str, float] = {}
+        self.interfaces: list[Interface] = []
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
@@ -112,6 +146,11 @@ class Extremes:
             self._starts.append(len(self._depths))
         part = self._parts[-1]
         self._depths.append(plane.depth)
+        if plane.depth in self._layer.interfaces:
+            self.interfaces.append(Interface.of(plane, poisson))
+        if self.interfaces and plane.depth <= np.nextafter(self.interfaces[-1].shear.depth, np.inf):
+            xx = plane.field("xx", poisson)
+            self.interfaces[-1].along.append(float(xx.flat[np.abs(xx).argmax()]))
         von_mises, hydrostatic = (plane.field(name, poisson) for name in ("von_mises", "hydrostatic"))
         self._rivals[-1] = self._with_rivals(self._rivals[-1], plane, von_mises)
         highest, ends = von_mises.max(), {1.0: hydrostatic.max(), -1.0: hydrostatic.min(), 0.0: 0.0}
@@ -210,6 +249,24 @@ class Extremes:
             {name: _largest(name, own, stream) for name in part}
             for part, own in zip(self._parts, found, strict=True)
         ]
+
+    def values(self, parts: Sequence[Mapping[str, Extreme]]) -> dict[str, float]:
+        """Extreme values by name: of the fields, of each of several materials, and of the interfaces.
+
+        Materials and interfaces are counted from 0, as in ``von_mises 0``, ``shear 0`` and ``tension 0``.
+
+        Parameters
+        ----------
+        parts : sequence of dict
+            Result of `refined`.
+        """
+        found = {name: each.value for name, each in largest_of(parts).items()}
+        if len(parts) > 1:
+            of_parts = ((n, name, part[name]) for n, part in enumerate(parts) for name in OF_MATERIALS)
+            found |= {f"{name} {n}": each.value for n, name, each in of_parts}
+        for number, face in enumerate(self.interfaces):
+            found |= {f"shear {number}": face.shear.value, f"tension {number}": face.tension.value}
+        return found
 
 
 class _Patch(NamedTuple):

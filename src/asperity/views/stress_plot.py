@@ -320,12 +320,13 @@ def _section(
     elif not 0 < depth <= height:
         most = f" and at most {source.shown(height)}" if solid.layer.extent else ""
         raise ValueError(f"depth = {source.shown(depth)}: a depth > 0{most} is needed")
-    at, face = float(node * solid.grid.spacing[axis]), solid.layer.interface
+    at = float(node * solid.grid.spacing[axis])
+    faces = [face for face in solid.layer.interfaces if face < depth]
     found = stress_section(
         solid,
         along,
         at,
-        depth_grid(solid.grid, depth, interface=face if face is not None and face < depth else None),
+        depth_grid(solid.grid, depth, interface=faces),
         (stress.field,),
         tolerance=SECTION_TOLERANCE,
         progress=progress,
@@ -367,11 +368,11 @@ def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
     )
     at_face = np.diff(section["depth"].values) <= np.spacing(section["depth"].values[:-1])
     for face in depth[:-1][at_face]:
-        axis.axhline(face, color="0.6", lw=0.6)  # the interface under a coating
+        axis.axhline(face, color="0.6", lw=0.6)  # an interface
     if "limit" in section.coords:
         over = values / section["limit"].values[:, None]
         ends = np.append(np.flatnonzero(at_face), depth.size - 1)
-        for first, last in zip([0, *(ends[:-1] + 1)], ends + 1, strict=True):  # coating and base
+        for first, last in zip([0, *(ends[:-1] + 1)], ends + 1, strict=True):  # each material
             draw_contour(axis, over[first:last], 1.0, CONTOUR_COLOUR, 0.8, position, depth[first:last])
     # The contacts are bars on the upper edge, as thick as two spines.
     touching = np.flatnonzero(np.maximum.reduceat(section["contact"].values, starts))

@@ -150,7 +150,7 @@ class Cycles(Question):
             "map.periodic = none": case.map.periodic == "none",
             "a radius of the map": case.map.radius is not None,
             "a load curve": "load_curve" in case.questions,
-            "a coating": any(body.coating is not None for body in bodies.values()),
+            "layers on a body": any(body.interfaces for body in bodies.values()),
         }
         for name in (name for name, given in refused.items() if given):
             yield "cycles.shifts", f" = {self.shifts}: not accepted together with {name}"
@@ -168,7 +168,8 @@ class Cycles(Question):
             return None
         direction, layer = pressed.asked.sliding_of(body)["sliding_direction"], loaded.layer
         criteria = Criteria(**_limits(constants))
-        return StreamedCycles(loaded, criteria, direction, layer.poisson, below=layer.interface or -1.0)
+        below = max(layer.interfaces, default=-1.0)
+        return StreamedCycles(loaded, criteria, direction, layer.poisson, below=below)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The worst cycles of each body, volumes above fractions of the limit, and cracks."""
@@ -304,8 +305,7 @@ class Cycles(Question):
             return f"a point moves along {along} through the Hertz contact, {rolling}"
         if self.shifts is not None:
             return f"the faces move along {along}, {self.shifts} shifts"
-        coated = any(body.coating is not None for body in case.bodies.values())
-        below = ", below its coating" if coated else ""
+        below = ", below its layers" if any(body.interfaces for body in case.bodies.values()) else ""
         return f"the rough body moves along {along}, over each body as if that were the smooth one{below}"
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ from asperity.engineering.records import (
     per_cent,
 )
 from asperity.engineering.scene import Scene
-from asperity.settings.body import HARDNESS_OVER_YIELD
+from asperity.settings.body import HARDNESS_OVER_YIELD, Body
 from asperity.stress.peaks.selection import select_peaks
 
 if TYPE_CHECKING:
@@ -35,26 +36,30 @@ if TYPE_CHECKING:
 
 
 class Yielded:
-    """Part of a body whose von Mises stress is above yield, from a stream of planes below its coating.
+    """Volume of a material whose von Mises stress is above yield, from a stream of planes.
 
     Attributes
     ----------
     exceedance : Exceedance
         Volume and depths above the yield stress.
+    between : (float, float)
+        Depths between which the material lies.
     """
 
-    def __init__(self, limit: float, pressed: Pressed, loaded: LoadedSolid) -> None:
+    def __init__(
+        self, limit: float, between: tuple[float, float], pressed: Pressed, loaded: LoadedSolid
+    ) -> None:
         from asperity.stress.exceedance import Exceedance
 
         self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary == "periodic")
         self._limit, self._face, self._blocks = limit, pressed.face, pressed.blocks
-        self._poisson, self._below = loaded.layer.poisson, loaded.layer.interface or -1.0
+        self._poisson, self.between = loaded.layer.poisson, between
         self._last: tuple[float, Array] | None = None
         self._means: Array | float = 0.0
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane downward; blocks of the map take their mean depth above yield by trapezoids."""
-        if plane.depth <= self._below:
+        if not self.between[0] < plane.depth <= self.between[1]:
             return
         values = plane.field("von_mises", self._poisson)
         self.exceedance.add(plane.depth, plane.grid, values)
@@ -72,8 +77,17 @@ class Yielded:
         return blocks.error(np.asarray(self._means))
 
 
+class YieldedParts(dict[str, Yielded]):
+    """Name of each material of a body with a yield stress → its volume above yield."""
+
+    def add(self, plane: LinearPlane) -> None:
+        """Add the next plane downward."""
+        for each in self.values():
+            each.add(plane)
+
+
 class Yielding(Question):
-    """Volume above the yield stress of the bodies; below its coating of a coated body."""
+    """Volume above the yield stress of each material of the bodies."""
 
     ASKS = "Where does it yield?"
     TILES = ("maximum von Mises stress", "volume above yield per area", "volume fraction above yield")
@@ -81,18 +95,25 @@ class Yielding(Question):
 
     @classmethod
     def is_implied(cls, case: Scene) -> bool:
-        """True if a body or its material has a yield stress."""
-        return any(body.yield_stress is not None for body in case.groups_of_bodies.values())
+        """True if a body, a layer or their material has a yield stress."""
+        parts = (part for body in case.groups_of_bodies.values() for part in body.parts.values())
+        return any(part.yield_stress is not None for part in parts)
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies without a yield stress."""
         if not self.is_implied(case):
             yield "yielding", ": a yield_stress of a body is needed"
 
-    def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> Yielded | None:
-        """The volume above yield, from the planes below a coating."""
-        limit = pressed.asked.bodies[body].yield_stress
-        return None if limit is None else Yielded(limit, pressed, loaded)
+    def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> YieldedParts:
+        """The volumes above yield of the materials."""
+        constants = pressed.asked.bodies[body]
+        ends = [-1.0, *constants.interfaces.values(), math.inf]
+        parts = zip(constants.parts.items(), pairwise(ends), strict=True)
+        return YieldedParts(
+            (name, Yielded(part.yield_stress, between, pressed, loaded))
+            for (name, part), between in parts
+            if part.yield_stress is not None
+        )
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Volume, depths and peaks above yield of each body, and whether its materials yield."""
@@ -100,12 +121,13 @@ class Yielding(Question):
         attributes: dict[str, dict[str, Any]] = {}
         for body in stages.asked.different_bodies:
             part = stages.bodies[body]
-            found: Yielded | None = part.observed.get("yielding")
-            if found is not None:
-                found.exceedance.finish(part.parts[-1]["von_mises"].value)
-                records += _records(stages, body, found)
-                volume = found.exceedance.volume * stages.face.grid.area
-                attributes[body] = {"yield_stress": part.body.yield_stress, "volume_above_yield": volume}
+            for name, found in part.observed["yielding"].items():
+                constants, extremes = part.materials[name]
+                found.exceedance.finish(extremes["von_mises"].value)
+                records += _records(stages, body, name, found)
+                if constants is part.body:
+                    volume = found.exceedance.volume * stages.face.grid.area
+                    attributes[body] = {"yield_stress": constants.yield_stress, "volume_above_yield": volume}
         materials = [*_materials(stages, records)]
         return Findings(
             records=records,
@@ -115,39 +137,47 @@ class Yielding(Question):
         )
 
 
-def _records(stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
-    """Volume, depths and peaks above yield in a body."""
+def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[Record]:
+    """Volume, depths and peaks above yield in a material of a body; of a layer with its name."""
     part, area, above = stages.bodies[body], stages.face.grid.area, found.exceedance
     of: dict[str, Any] = {"topic": "stress", "body": body}
     worse: dict[str, Any] = of | {"varies": True, "better": "less"}
-    limit = part.body.yield_stress or np.inf
+    constants, (top, bottom) = part.materials[name][0], found.between
+    within = "" if constants is part.body else f" in {name}"
+    limit = constants.yield_stress or np.inf
     peaks = select_peaks(part.stress, "von_mises")
-    is_above = peaks["peak_value"].values > limit
+    depths = peaks["peak_depth"].values
+    is_above = (peaks["peak_value"].values > limit) & (depths > top) & (depths <= bottom)
     error = above.error(part.limits, int(is_above.sum()))
     positions = found.error_of_positions(stages.blocks)
-    yield Record("yield stress", limit, "Pa", **of)
-    per_area = Record("volume above yield per area", above.volume, "m", bounds=POSITIVE, **worse)
+    yield Record(f"yield stress{within.replace(' in ', ' of ')}", limit, "Pa", **of)
+    per_area = Record(f"volume above yield per area{within}", above.volume, "m", bounds=POSITIVE, **worse)
     if above.depths is None:
         none = "none: everything stays elastic"
-        yield Record("volume above yield", 0.0, "m^3", words=none, **worse)
+        yield Record(f"volume above yield{within}", 0.0, "m^3", words=none, **worse)
         extrapolated = 0.0 if error == 0 else np.nan  # far below yield: it is known to be zero
         yield replace(per_area, extrapolated=extrapolated).with_error(PLANES, error)
     else:
         first, last = above.depths
-        share = fraction("volume fraction above yield", above.volume / last, **worse)
+        share = above.volume / (last - max(top, 0.0))
         volumes = (
-            Record("volume above yield", above.volume * area, "m^3", bounds=POSITIVE, **worse),
+            Record(f"volume above yield{within}", above.volume * area, "m^3", bounds=POSITIVE, **worse),
             per_area,
-            replace(share, note=f"of the volume down to {shown_si(last, 'm', 3)}"),
+            fraction(
+                f"volume fraction above yield{within}",
+                share,
+                note=f"of the volume{f' of {name}' * bool(name)} down to {shown_si(last, 'm', 3)}",
+                **worse,
+            ),
         )
         for each in volumes:
             of_pixels = error * each.value / above.volume
             yield each.with_error(PLANES, of_pixels).with_error(POSITIONS, positions * each.value)
         note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
-        yield Record("maximum depth above yield", last, "m", note=note, bounds=POSITIVE, **worse)
-    below = peaks["peak_depth"].values > (part.layer.interface or -1.0)
-    density = int((is_above & below).sum()) / stages.numbers.nominal_area
-    yield Record("peaks above yield", density, "1/m^2", bounds=POSITIVE, **worse)
+        deepest = Record(f"maximum depth above yield{within}", last, "m", note=note, bounds=POSITIVE, **worse)
+        yield deepest.with_error(PLANES, math.nan)
+    density = int(is_above.sum()) / stages.numbers.nominal_area
+    yield Record(f"peaks above yield{within}", density, "1/m^2", bounds=POSITIVE, **worse)
 
 
 class _Material(NamedTuple):
@@ -192,7 +222,7 @@ class _Material(NamedTuple):
         text = f"the maximum von Mises stress{of}, {self.stress.best_text()}, {reaches} the yield stress of "
         text += shown_si(self.limit, "Pa", 3)
         # The hardness that a yield stress suggests holds for the surface.
-        if stages.case.hardness is None and self.name != "base":
+        if stages.case.hardness is None and self.name in ("", "the coating", "layer 1"):
             hardness = shown_si(HARDNESS_OVER_YIELD * self.limit, "Pa", 3)
             affected = (
                 f". The answer is elastic: real material flows there{affected}. The pressure stays below "
@@ -210,13 +240,13 @@ def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]
     alike = bodies[0].is_like(bodies[-1])
     for body in names[:1] if alike else names:
         of = f" of the {body} body" if len(names) > 1 and not alike else ""
-        for name, part in stages.bodies[body].materials.items():
-            if (limit := part.body.yield_stress) is None:
+        for name, (part, _) in stages.bodies[body].materials.items():
+            if (limit := part.yield_stress) is None:
                 continue
-            quantity = f"maximum von Mises stress{f' in the {name}' if name else ''}"
-            stress = next(find(stages.records, quantity, body))
+            stress = next(find(stages.records, f"maximum von Mises stress{f' in {name}' * bool(name)}", body))
+            within = "" if isinstance(part, Body) else f" in {name}"
             volume, depth = (
-                None if name == "coating" else next(find(records, each, body), None)
+                next(find(records, f"{each}{within}", body), None)
                 for each in ("volume fraction above yield", "maximum depth above yield")
             )
-            yield _Material(f"the {name or 'material'}{of}", name, limit, stress, volume, depth)
+            yield _Material(f"{name or 'the material'}{of}", name, limit, stress, volume, depth)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from io import BytesIO
+from itertools import product
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import FADED, INTERFACE_TILES, AnswerData
+from asperity.engineering.answer_data import FADED, ON_INTERFACE, AnswerData
 from asperity.engineering.drawing import (
     draw_framed,
     framed_part,
@@ -37,8 +38,8 @@ MAPS = {
 }
 """Field of the contact → its colours, and the caption of its picture."""
 
-INTERFACE = {"shear": ("shear stress on", ("xz", "yz")), "tension": ("tension across", ("zz",))}
-"""Picture of an interface → its words, and the components of the stress of which it is the size."""
+INTERFACE = {"shear": ("xz", "yz"), "tension": ("zz",)}
+"""Picture of an interface → the components of the stress of which it is the size."""
 
 
 def pictures(answer: AnswerData) -> Iterator[Picture]:
@@ -57,8 +58,7 @@ def pictures(answer: AnswerData) -> Iterator[Picture]:
         suffix = f"_{body}" if len(answer.stress) > 1 else ""
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field, suffix)
-        if answer.case.bodies[body].coating is not None:
-            yield from _of_interface(answer, source, body, suffix)
+        yield from _of_interfaces(answer, source, body, suffix)
 
 
 def lead_of(answer: AnswerData, of: Any = None) -> Picture | None:
@@ -136,14 +136,10 @@ def _of_stress(
     """Pictures of one field of the stress in one body."""
     end = f"; {answer.case.stress_title(body)}."
     own = answer.case.bodies[body]
-    limits = {"": own.yield_stress}
-    if own.coating is not None:
-        limits = {"coating": own.coating.yield_stress, "base": own.yield_stress}
+    limits = {name: part.yield_stress for name, part in own.parts.items()}
     known = {name: limit for name, limit in limits.items() if limit is not None and field == "von_mises"}
     if known:
-        texts = (
-            f"{shown_si(limit, 'Pa')}{f' of the {name}' if name else ''}" for name, limit in known.items()
-        )
+        texts = (f"{shown_si(limit, 'Pa')}{f' of {name}' if name else ''}" for name, limit in known.items())
         end = f"; the line is the yield stress, {' and '.join(texts)}{end}"
     suffix = ("" if field == "von_mises" else f"_{field}") + end_of_name
     word, look = field_words(field), field_look(field)
@@ -165,31 +161,35 @@ def _of_stress(
     stress = answer.stress[body].assign_attrs(unit_system=source.system)
     if (stress["peak_quantity"] == field).any():
         line: Any = min(known.values(), default=None)
-        if known and own.coating is not None:
-            thick = own.coating.thickness
-            depths = np.array([0.0, thick, np.nextafter(thick, 1), 1e3])
+        if known and own.interfaces:
+            faces = [*own.interfaces.values()]
+            depths = np.sort([0.0, *faces, *np.nextafter(faces, 1), 1e3])
             line = depths, np.where(np.isinf(at := yield_at(own, depths)), np.nan, at)
         figure = plot_peaks({source.title: stress}, field, yield_stress=line)
         yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{end}", figure, body)
 
 
-def _of_interface(answer: AnswerData, source: Source, body: str, suffix: str) -> Iterator[Picture]:
-    """Shear and tension on the interface of a coating; a cross is at the maximum."""
-    coating, part = answer.case.bodies[body].coating, framed_part(answer, answer.case.fields[0], body)
-    for quantity, (name, (words, components)) in zip(INTERFACE_TILES, INTERFACE.items(), strict=True):
-        record = next(find(answer.records, quantity, body), None)
-        if record is None or record.words or coating is None or part is None:
+def _of_interfaces(answer: AnswerData, source: Source, body: str, suffix: str) -> Iterator[Picture]:
+    """Shear and tension on each interface; a cross is at the maximum."""
+    faces, part = answer.case.bodies[body].interfaces, framed_part(answer, answer.case.fields[0], body)
+    for (face, depth), (name, components) in product(faces.items(), INTERFACE.items()):
+        record = next(find(answer.records, f"{ON_INTERFACE[name]} {face}", body), None)
+        if record is None or record.words or part is None:
             continue
-        planes = [answer.plane(coating.thickness, each, body) for each in components]
+        planes = [answer.plane(depth, each, body) for each in components]
         size = planes[0].clip(0)
         if len(planes) == 2:
             size = size.copy(data=np.hypot(planes[0].values, planes[1].values))
-        look = Look(f"{words} the interface", "stress", STRESS, "white", np.max, low=0.0)
-        figure = draw_framed(plane_maps(answer, source, size, part, "")[:1], look)
+        words = f"{ON_INTERFACE[name].removeprefix('maximum ')} {face}"
+        figure = draw_framed(
+            plane_maps(answer, source, size, part, "")[:1],
+            Look(words, "stress", STRESS, "white", np.max, low=0.0),
+        )
         axis = figure.axes[0]
         scale = (source.grid.spacing[1] * answer.face.height.shape[1]) / float(np.diff(axis.get_xlim())[0])
         at = record.position
         axis.plot(at.x / scale, at.y / scale, "+", color="w", ms=9, mew=1.5, clip_on=False, zorder=6)
-        caption = f"{words[0].upper()}{words[1:]} the interface of the coating; the cross is its maximum"
-        title = answer.case.stress_title(body)
-        yield Picture(f"interface_{name}{suffix}", f"{caption}; {title}.", figure, body)
+        below = f", {shown_si(depth, 'm')} deep; the cross is its maximum"
+        caption = f"{words[0].upper()}{words[1:]}{below}; {answer.case.stress_title(body)}."
+        number = "_".join(["", *face.split()[1:]]) if len(faces) > 1 else ""
+        yield Picture(f"interface{number}_{name}{suffix}", caption, figure, body)

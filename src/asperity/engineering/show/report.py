@@ -126,7 +126,10 @@ def constants_of_table(case: Scene) -> list[str]:
     """Constants of a case that come from materials, a line for each body and layer."""
     lines = []
     for name, body in case.groups_of_bodies.items():
-        for part, group in ((name, body), *((f"{name}, layer", layer) for layer in body.layers)):
+        for part, group in (
+            (name, body),
+            *((f"{name}, layer {n + 1}", layer) for n, layer in enumerate(body.layers)),
+        ):
             if constants := group.from_material:
                 values = [
                     f"{each} {found.value}{found.source and f' ({found.source})'}"

@@ -86,7 +86,10 @@ SHARE_OF_CHANGE = {
 """Number → relative error that remains, over the largest change of the numbers of its kind from half of the
 nodes to all; for depths the error of the sizes is added."""
 
-OF_RESOLUTION = {"von_mises": 0.6, "maximum_shear": 0.7, "principal_3": 1.5, "hydrostatic": 1.5}
+OF_RESOLUTION = {
+    **{"von_mises": 0.6, "maximum_shear": 0.7, "principal_3": 1.5, "hydrostatic": 1.5},
+    "shear": 0.6,  # of an interface, where it is smoother than in the whole body
+}
 """Field → b of the relative error a C + b c^1.5 of its extreme value: a is `OF_EXTREME`, C the largest change
 of all sizes from half of the nodes to all, and c the `resolution`. Of the percentiles of the peaks b is
 `OF_RESOLUTION_OF_PEAKS`, and of other fields 1.5. Quantile regressions of 95 % on 130 band-limited surfaces
@@ -451,14 +454,17 @@ def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float, resolut
     error["mean_depth"] *= 1 + LOST_DEPTH * lost
     if "extreme" in found:
         names = found["field"].values.tolist()
-        change = abs(found["extreme"] / other["extreme"] - 1).where(found["field"] != "principal_1")
-        of_largest = OF_EXTREME * max(float(change.max()), float(common.fillna(0)))
+        kinds = [name.partition(" ")[0] for name in names]  # in one material or interface a number follows
+        is_tension, in_whole = np.isin(kinds, ("principal_1", "tension")), np.array(kinds) == names
+        change = np.nan_to_num(abs(found["extreme"] / other["extreme"] - 1).values, posinf=np.inf)
+        of_body = max(change[in_whole & ~is_tension].max(initial=0.0), float(common.fillna(0)))
+        own = OF_EXTREME * np.where(in_whole, of_body, np.maximum(change, of_body))
+        own += np.array([OF_RESOLUTION.get(kind, 1.5) for kind in kinds]) * resolution**1.5
+        factor, power, of_straight = OF_TENSION
+        along = float(found["departure"] * found["straight_boundary"])
+        of_tension = np.maximum(factor * resolution**power + of_straight * along, ~in_whole * change)
         error["extreme"] = xr.zeros_like(found["extreme"])
-        error["extreme"][:] = [of_largest + OF_RESOLUTION.get(name, 1.5) * resolution**1.5 for name in names]
-        if "principal_1" in names:
-            factor, power, of_straight = OF_TENSION
-            along = float(found["departure"] * found["straight_boundary"])
-            error["extreme"].loc["principal_1"] = factor * resolution**power + of_straight * along
+        error["extreme"][:] = np.where(is_tension, of_tension, own)
     return error
 
 

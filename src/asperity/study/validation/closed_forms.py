@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.contact import solve_contact
+from asperity.contact import Adhesion, solve_contact, solve_load_path
 from asperity.contact.gap import percolation
 from asperity.contact.slip import partial_slip
 from asperity.core.types import Array
@@ -441,6 +441,9 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     Mechanics, 1985, Sec. 9.3). A gap of white noise percolates where a share 0.592746 of its nodes is open,
     as sites of a square lattice do (M. E. J. Newman, R. M. Ziff, Phys. Rev. Lett. 85 (2000) 4104).
 
+    A sphere is pulled off by 1.60073 π w R at Maugis's parameter 1, at −0.48263 (π² w² R / K²)^(1/3) with
+    K = 4 E*/3 (D. Maugis, J. Colloid Interface Sci. 150 (1992) 243).
+
     Parameters
     ----------
     points : int
@@ -450,7 +453,7 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     -------
     Dataset
         ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, sticking_area, tangential_displacement,
-        lost_energy, percolation, shear_range and shakedown_pressure.
+        lost_energy, percolation, pull_off, shear_range and shakedown_pressure.
     """
     solid = Solid(1 - 0.3**2, 0.3)
     height = self_affine((points, points), 0.8, 1 / 4, 8 / points, rms_height=1e-3, seed=1)
@@ -466,6 +469,14 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     compliance = 2 * (1 + 0.3) * (2 - 0.3) / solid.young / exact.contact_radius
     displacement = slip.displacement / (3 / 16 * friction * exact.load * compliance)
     lost = slip.lost_energy / (0.9 * (friction * exact.load) ** 2 * compliance)
+    # With R = 2 and (π w R² / K)^(1/3) = 0.3.
+    work, stiffness = 0.009 / np.pi, 4 / 3
+    strength = (np.pi * work * stiffness**2 / 2) ** (1 / 3) / 2
+    adhesion = Adhesion(work, work / strength, "maugis-dugdale")
+    path = [0.0, -0.48263 * (2 * (np.pi * work / stiffness) ** 2) ** (1 / 3)]
+    *_, pulled = solve_load_path(
+        sphere.height, solid, approaches=path, adhesion=adhesion, boundary="free", rtol=RTOL
+    )
     opened = []
     for seed in range(8):
         noise = np.random.default_rng(seed).random((points, points))
@@ -481,6 +492,7 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
         "tangential_displacement": ((), displacement, 1 - 0.5 ** (2 / 3)),
         "lost_energy": ((), lost, 1 - 0.5 ** (5 / 3) - 5 / 12 * (1 + 0.5 ** (2 / 3))),
         "percolation": ((), np.mean(opened), 0.592746),
+        "pull_off": ((), -pulled.force / (2 * np.pi * work), 1.60073),
         "shear_range": ((), cycles["worst_shear_range"][0] / pressure, 0.5),
         "shakedown_pressure": ((), cycles["worst_shakedown_line"][0] * pressure, 4.0),
     }

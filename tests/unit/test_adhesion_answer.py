@@ -1,0 +1,90 @@
+"""Answers with adhesion: records, the path, files, the certificate computed anew, and what is refused."""
+
+import numpy as np
+import pytest
+from samples import refuses
+from test_engineering import a_rough_map
+
+import asperity as asp
+from asperity import Case, run
+from asperity.cli.main import main
+
+RUBBER = {"young": "5 MPa", "poisson": 0.49}
+
+
+@pytest.fixture(scope="module")
+def sticking(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("adhesion") / "answer"
+    answer = run(a_rough_map(), RUBBER, mean_pressure=5e4, adhesion={"work": "50 mJ/m^2", "steps": 8})
+    return answer, folder, {path.name for path in answer.write(folder)}
+
+
+def test_path_gives_pull_off_and_lost_energy(sticking):
+    answer, path = sticking[0], sticking[0].tables["adhesion"]
+    forces, approaches = path["force_N"].to_numpy(), path["normal_approach_m"].to_numpy()
+    assert answer["pull-off force"].value >= -forces[8:].min() > 0
+    assert "at twice the range" in answer["pull-off force"].note
+    lost = np.trapezoid(forces, approaches)
+    assert answer["dissipated energy"].value == pytest.approx(max(lost, 0), rel=1e-9)
+    assert answer["maximum attraction"].value * answer["range of the attraction"].value == pytest.approx(0.05)
+    assert answer["cohesive zone"].value == pytest.approx(4 * max(answer.face.grid.spacing))
+    assert path["contact_area_fraction"].iloc[-1] == 0
+    assert answer["stability"].value > 0
+    assert ("sticks" in answer.verdict[0]) == (answer["criterion of stickiness"].value < 1)
+
+
+def test_opened_answer_with_adhesion_is_the_same(sticking, capsys):
+    answer, folder, names = sticking
+    assert {"adhesion.png", "adhesion.csv"} <= names
+    again = asp.open_answer(folder)
+    assert again.records == answer.records
+    assert again.contact.adhesion == answer.contact.adhesion
+    np.testing.assert_array_equal(again.contact.touching, answer.contact.touching)
+    np.testing.assert_array_equal(again.contact.attraction, answer.contact.attraction)
+    assert main(["verify", str(folder)]) == 0
+    assert "it is stationary, its conditions" in capsys.readouterr().out
+
+
+def test_approach_may_pull():
+    answer = run(a_rough_map(), RUBBER, normal_approach=5e-9, adhesion={"work": 0.05, "steps": 4})
+    assert answer["force"].value < 0
+    assert answer["mean pressure"].value < 0
+
+
+def case_of(body=RUBBER, load=None, work="50 mJ/m^2", **groups):
+    known = {"map": "a.x3p", "load": load or {"force": "2 N"}, "adhesion": {"work": work}, "body": body}
+    return lambda: Case.read(known | groups)
+
+
+test_bad_cases = refuses(
+    (case_of(work="50 mPa"), "adhesion.work = '50 mPa': a work of adhesion > 0 with its unit"),
+    (
+        case_of(adhesion={"work": "1 J/m^2", "range": "far"}),
+        "adhesion.range = 'far': a length > 0 .* or fit is",
+    ),
+    (
+        case_of(load={"contact_area_fraction": 0.1}),
+        "load.contact_area_fraction: a pressure, a force or an app",
+    ),
+    (
+        case_of(load={"hertz_pressure": "1 MPa", "radius_x": "9 mm"}),
+        "load.radius_x: not accepted with adhesion",
+    ),
+    (case_of(sliding={"friction": 0.3}), "sliding: not accepted with adhesion"),
+    (case_of(film={"load_fraction": 0.3}), "film: not accepted with adhesion"),
+    (case_of(load_curve={"loads": ["1 N"]}), "load_curve: not accepted with adhesion"),
+    (
+        case_of(RUBBER | {"hardness": "5 MPa"}, running_in={"loads": 1}),
+        "running_in: not accepted with adhesion",
+    ),
+    (case_of(RUBBER | {"fatigue_torsion": "3 MPa", "fatigue_bending": "4 MPa"}), "cycles: not accepted with"),
+    (
+        lambda: run(a_rough_map(), RUBBER, force=1e-3, adhesion={"work": 0.05, "range": "1 nm"}),
+        "adhesion.range = .*: nodes at most d/2 apart are needed in the cohesive zone",
+    ),
+)
+
+
+def test_partial_slip_is_refused_with_adhesion(sticking):
+    with pytest.raises(ValueError, match="adhesion: a contact without adhesion is needed"):
+        asp.contact.partial_slip(sticking[0].contact, 0.3, tangential_force=1e-6)
