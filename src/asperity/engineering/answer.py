@@ -269,8 +269,8 @@ def run(
         The load by its quantity: `mean_pressure` (Pa), `force` (N), `normal_approach` (m) or
         `contact_area_fraction`, or the group `load`, which also places the map in a Hertz contact.
         Questions, each a mapping of its settings, or ``{}`` for their defaults: `film`, `running_in`,
-        `sliding`, `conduction`, `leak`, `partial_slip`, `load_curve`, `yielding`, `cycles`, `sensitivity` and
-        `sample`. The `fields` of the stress, such as ``["von_mises"]``, and own `materials`.
+        `sliding`, `conduction`, `leak`, `partial_slip`, `load_curve`, `yielding`, `strength`, `cycles`,
+        `adhesion`, `sensitivity`, `sweep` and `sample`. The `fields` of the stress, such as ``["von_mises"]``, and own `materials`.
         ``help(asp.Case)`` and `docs/cases.md` describe all.
 
     Returns
