@@ -270,8 +270,8 @@ def run(
         `contact_area_fraction`, or the group `load`, which also places the map in a Hertz contact.
         Questions, each a mapping of its settings, or ``{}`` for their defaults: `film`, `running_in`,
         `sliding`, `conduction`, `leak`, `partial_slip`, `load_curve`, `yielding`, `strength`, `cycles`,
-        `adhesion`, `sensitivity`, `sweep` and `sample`. The `fields` of the stress, such as ``["von_mises"]``, and own `materials`.
-        ``help(asp.Case)`` and `docs/cases.md` describe all.
+        `adhesion`, `sensitivity`, `sweep` and `sample`. The `fields` of the stress, such as
+        ``["von_mises"]``, and own `materials`. ``help(asp.Case)`` and `docs/cases.md` describe all.
 
     Returns
     -------
