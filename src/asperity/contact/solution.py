@@ -251,7 +251,9 @@ class Contact:
 
     @property
     def mean_contact_pressure(self) -> float:
-        """Mean pressure of the nodes that touch, load over contact area; NaN without contact."""
+        """Mean pressure of the nodes that touch, without adhesion load over contact area; NaN without any."""
+        if self.adhesion is not None and self.contact_area_fraction:
+            return float(self.pressure.mean(where=self.touching))
         return self.mean_pressure / self.contact_area_fraction if self.contact_area_fraction else float("nan")
 
     @property

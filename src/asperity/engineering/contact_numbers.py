@@ -209,7 +209,9 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         contact_area_fraction=contact.contact_area_fraction,
         contact_area=area,
         nominal_pressure=contact.mean_pressure,
-        mean_pressure=force / area if area else 0.0,
+        mean_pressure=(force / area if contact.adhesion is None else contact.mean_contact_pressure)
+        if area
+        else 0.0,
         maximum_pressure=float(pressure.max()),
         force=force,
         normal_approach=contact.approach - float(contact.height.min()),
