@@ -160,6 +160,7 @@ EFFECTS = {
     "rolling": None,  # 200 positions
     "running_in": lambda answer: answer["maximum flattening of the first load"].value > 0,
     "sample": None,  # test_pooled.py
+    "sweep": lambda answer: len({*answer.tables["sweep"]["case"]}) == 4,
     "two_faces": lambda answer: answer.case.counter_map.shift == pytest.approx((10e-6, -4e-6)),
 }
 """Case file of the pages → its effect on the answer, None for one that is only checked."""

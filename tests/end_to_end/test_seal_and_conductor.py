@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import ndimage
 
 import asperity as asp
 from asperity.cli.main import main
@@ -10,6 +11,7 @@ from asperity.cli.parser import with_units
 from asperity.contact.reynolds import film_flow
 from asperity.core.packages import absent
 from asperity.core.units import misread
+from asperity.engineering.questions.leak import SEALING_ERROR, _sealing_load
 from asperity.study import progress_and_log
 
 EDGES = (30e-6, 50e-6)
@@ -67,6 +69,56 @@ def test_sealed_gap_is_an_answer_with_the_load_that_seals(folder, capsys):
         answer = asp.run(HEIGHT, RUBBER, length=EDGES, mean_pressure=factor * seals, leak={})
         assert answer["gap percolates along x"].value == is_open
     assert (folder / "out" / "constriction.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("load", "direction", "more"), [(2e3, "x", {}), (3e6, "y", {}), (2e4, "x", {"hardness": 1e6})]
+)
+def test_load_that_seals_is_that_of_a_scan(load, direction, more):
+    """From loads far below and above it; the scan labels the open nodes of a mirrored map by itself."""
+    asked = {"direction": direction, "seal": True}
+    found = asp.run(HEIGHT, {**RUBBER, **more}, length=EDGES, mean_pressure=load, leak=asked)
+    seals = found["mean pressure that seals"]
+    grid, solid = found.contact.grid, found.case.solid
+    loads = np.geomspace(0.8, 1.25, 60) * seals.value
+    sealed = []
+    for each in loads:
+        contact = asp.solve_contact(found.face.height, solid, grid, mean_pressure=each, **more)
+        pieces, _ = ndimage.label(contact.pressure == 0)
+        ends = (pieces[:, 0], pieces[:, -1]) if direction == "x" else (pieces[0], pieces[-1])
+        sealed.append(not (set(ends[0]) & set(ends[1])) - {0})
+    assert sealed == sorted(sealed)
+    assert seals.value == pytest.approx(loads[sealed.index(True)], rel=0.02)
+    assert {"the search", "discretisation"} >= {*seals.errors}
+    assert "a mean pressure of" in found.verdict[0]
+
+
+@pytest.mark.parametrize(("start", "seals"), [(1.0, 3.0), (1e-5, 3.0), (1e4, 3.0), (7.0, 7.0), (1.0, 1e3)])
+def test_search_takes_few_contacts_from_any_load(start, seals):
+    """Rising factors, then halves; no load seals a gap that is open just below the hardness."""
+    asked = []
+    load, low = _sealing_load(lambda load: asked.append(load) or load < seals, start, 2.0, 100.0)
+    assert len(asked) <= 20
+    if seals > 100:
+        assert (load, low) == (np.inf, 100.0)
+    else:
+        assert load == pytest.approx(seals, rel=SEALING_ERROR)
+        assert low < seals
+
+
+@flows
+def test_leakage_leads_and_is_per_width():
+    answer = asp.run(HEIGHT, RUBBER, length=EDGES, mean_pressure=2e4, leak=LEAK)
+    leakage, per_width = answer["leakage along x"], answer["leakage along x per width"]
+    assert per_width.value == pytest.approx(leakage.value / EDGES[0])
+    assert per_width.number().endswith("l/min per mm")
+    factor, _ = per_width.scale()
+    prefix = {"fl": 1e-15, "pl": 1e-12, "nl": 1e-9, "µl": 1e-6}[per_width.number().split()[1].split("/")[0]]
+    assert factor == pytest.approx(prefix / 60)  # m²/s is l/s per mm
+    assert "30 µm wide and 50 µm long" in leakage.text()
+    assert answer.tiles[0] is leakage
+    again = film_flow(answer.contact, 0.03, 5e5)
+    assert leakage.value == pytest.approx(again.flow_rate, rel=1e-8)  # from another start
 
 
 @flows
@@ -203,9 +255,8 @@ def test_questions_are_answered_in_a_sentence():
     given = {"length": EDGES, "leak": LEAK, "load_curve": {"loads": ["10 kPa"]}}
     answer = asp.run(HEIGHT, RUBBER, mean_pressure="1 MPa", **given)
     first, growth, *_ = answer.verdict
-    assert first == "Sealed along x: the contact closes the gap."
+    assert first.startswith("Sealed along x: the contact closes the gap; a mean pressure of ")
     assert growth.startswith("From 10 kPa to 1 MPa the contact area fraction grows from ")
-    assert "; the gap is sealed above a mean pressure of " in growth
     assert answer.tiles[1].quantity == "mean pressure that seals"
     metal = {"young": "100 GPa", "poisson": 0.3, "resistivity": 2e-8}
     whole = asp.run(HEIGHT, metal, metal, length=EDGES, force="1 mN", sliding={"friction": 0.2})

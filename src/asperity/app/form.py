@@ -98,6 +98,8 @@ def inputs(group: str) -> Iterator[Input]:
             continue
         first = FIRST.get(group)
         options = tuple(map(str, entry.get("enum", ())))
+        if entry.get("type") == "boolean":
+            options = ("true", "false")
         proposed = entry.get("default_text") or entry.get("default", "")
         if "example" in entry and not options:
             proposed = f"such as {_text(key, entry['example'])}"
@@ -124,7 +126,7 @@ def _text(key: str, value: Any) -> str:
         return yaml_line(value)
     if isinstance(value, (list, tuple)):
         return ("\n" if key.endswith(".file") else ", ").join(map(str, value))
-    return str(value)
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def is_used(key: str, values: Mapping[str, str]) -> bool:

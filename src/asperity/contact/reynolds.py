@@ -33,15 +33,22 @@ from asperity.fourier.grid import Grid
 CLOSED = 1e-6
 """Gap over the mean gap below which a node is closed to the film: its flux would be 1e-18 of the mean."""
 
-ENERGY_TOLERANCE = 1e-14
-"""Power of the error of the pressure over the dissipated power: the pressure is exact to about 1e-7."""
+ENERGY_TOLERANCE = 1e-10
+"""Power of the error of the pressure over the dissipated power: the error of the flow rate; the pressure is
+exact to about 1e-5."""
 
 DELAY = 4
 """Steps after which the decrease of the power estimates its error (Z. Strakoš, P. Tichý, Electron. Trans.
 Numer. Anal. 13 (2002) 56)."""
 
+SMOOTHERS = {
+    "presmoother": ("gauss_seidel", {"sweep": "forward"}),
+    "postsmoother": ("gauss_seidel", {"sweep": "backward"}),
+}
+"""Half of the default sweeps, in two thirds of the time of a solution."""
+
 MAX_STEPS = 500
-"""Most conjugate gradient steps; usually 10 to 20. `FilmFlow.conservation_error` shows the error left."""
+"""Most conjugate gradient steps; usually 5 to 20. `FilmFlow.conservation_error` shows the error left."""
 
 COARSEST = 500
 """Nodes of the coarsest grid, which is solved directly."""
@@ -78,6 +85,7 @@ def film_flow(
     pressure_difference: float,
     flow_direction: str = "x",
     progress: Progress | None = None,
+    start: FilmFlow | None = None,
 ) -> FilmFlow:
     """Flow of a thin film through the gap of a contact; needs ``pip install "asperity[flow]"``.
 
@@ -94,6 +102,8 @@ def film_flow(
     flow_direction : "x" | "y"
     progress : callable, optional
         Called as progress(done, total).
+    start : FilmFlow, optional
+        A similar flow under the same pressure difference, on any grid, with whose pressure it starts.
 
     Returns
     -------
@@ -117,9 +127,9 @@ def film_flow(
     viscosity = magnitude("viscosity", viscosity)
     pressure_difference = magnitude("pressure_difference", pressure_difference)
     axis = "yx".index(choice("flow_direction", flow_direction, ("x", "y")))
-    return flow_through(
-        open_gap(contact), contact.grid, contact.edges_meet, axis, pressure_difference, viscosity, progress
-    )
+    known = None if start is None else start.pressure / pressure_difference
+    given = contact.grid, contact.edges_meet, axis, pressure_difference, viscosity, progress, known
+    return flow_through(open_gap(contact), *given)
 
 
 def flow_through(
@@ -130,8 +140,12 @@ def flow_through(
     pressure_difference: float,
     viscosity: float,
     progress: Progress | None = None,
+    start: Array | None = None,
 ) -> FilmFlow:
-    """Flow through a gap [y, x], which is 0 where it is closed, along y (`axis` 0) or x; see `film_flow`."""
+    """Flow through a gap [y, x], which is 0 where it is closed, along y (`axis` 0) or x; see `film_flow`.
+
+    `start` is a pressure that falls by 1, on any grid.
+    """
     require(["pyamg"])
     mean = float(gap.mean(dtype=float))
     step_across, step_along = grid.spacing if axis == 1 else grid.spacing[::-1]
@@ -140,7 +154,13 @@ def flow_through(
     pressure, piece = _joined(relative > 0, periodic)
     net = _Network.of(np.where(piece > 0, relative, 0.0), piece, step_across / step_along, periodic)
     if net.size:
-        pressure[piece > 0] = net.solve(ConvergenceProgress(progress, ENERGY_TOLERANCE))
+        first = np.broadcast_to(1 - (np.arange(gap.shape[axis]) + 0.5) / gap.shape[axis], relative.shape)
+        if start is not None:
+            rows, columns = (np.arange(n) * m // n for n, m in zip(gap.shape, start.shape, strict=True))
+            known = start[np.ix_(rows, columns)]
+            first = np.where(np.isnan(known := known if axis == 1 else known.T), first, known)
+        report = ConvergenceProgress(progress, ENERGY_TOLERANCE)
+        pressure[piece > 0] = net.solve(first[piece > 0], report)
         pressure = net.levelled(pressure)
     across, along, rate = net.flows(pressure)  # the flow rate is the power under a fall of 1
     sections = along.sum(axis=0)
@@ -204,14 +224,15 @@ class _Network(NamedTuple):
         """Number of nodes."""
         return int(np.count_nonzero(self.piece))
 
-    def solve(self, report: Callable[[float], None]) -> Array:
-        """Pressure at the nodes, up to a constant in each pore of a periodic map."""
+    def solve(self, start: Array, report: Callable[[float], None]) -> Array:
+        """Pressure at the nodes, up to a constant in each pore of a periodic map, from a first guess."""
         import pyamg
 
         matrix, inflow = self._equations()
         second_pass = ("RS", {"second_pass": True})
-        levels = pyamg.ruge_stuben_solver(matrix, CF=second_pass, max_coarse=COARSEST, coarse_solver="splu")
-        return _conjugate_gradients(matrix, inflow, levels.aspreconditioner(), report)
+        settings = {"CF": second_pass, "max_coarse": COARSEST, "coarse_solver": "splu", **SMOOTHERS}
+        levels = pyamg.ruge_stuben_solver(matrix, **settings)
+        return _conjugate_gradients(matrix, inflow, levels.aspreconditioner(), start, report)
 
     def _equations(self) -> tuple[Any, Array]:
         """Matrix of the equations of the nodes, and the flow into each node from outside."""
@@ -281,10 +302,11 @@ def _sides(field: Array, axis: int, periodic: bool, before: float, after: float)
 
 
 def _conjugate_gradients(
-    matrix: Any, inflow: Array, preconditioner: Any, report: Callable[[float], None]
+    matrix: Any, inflow: Array, preconditioner: Any, start: Array, report: Callable[[float], None]
 ) -> Array:
     """Solution of a positive definite system to `ENERGY_TOLERANCE`, or after `MAX_STEPS` steps."""
-    solution, residual = np.zeros_like(inflow), inflow.copy()
+    solution = start.astype(float)
+    residual = inflow - matrix @ solution
     image = preconditioner @ residual
     direction, product = image, float(residual @ image)
     powers: list[float] = []
@@ -294,7 +316,7 @@ def _conjugate_gradients(
         solution += step * direction
         residual -= step * applied
         powers.append(step * product)
-        error = sum(powers[-DELAY:]) / sum(powers)
+        error = sum(powers[-DELAY:]) / abs(float(solution @ inflow))
         report(error)
         if error < ENERGY_TOLERANCE:
             break

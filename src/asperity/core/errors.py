@@ -7,6 +7,7 @@ import difflib
 import sys
 import traceback
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 # Most characters of a value in a message.
 _LONGEST_VALUE = 60
@@ -53,6 +54,11 @@ class ConvergenceError(RuntimeError):
         self.load = load
         self._reason, self._remedy = reason, remedy
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The error from another process."""
+        numbers = self.residual, self.tolerance, self.iterations, self.load
+        return ConvergenceError, (self._reason, *numbers, self._remedy)
+
     def in_units(self, stress: float) -> "ConvergenceError":
         """The same error with the mean pressure multiplied by a unit of stress."""
         numbers = self.residual, self.tolerance, self.iterations, self.load * stress
@@ -79,6 +85,10 @@ class InputError(ValueError):
         self.problems = tuple(problems)
         heading = f"{source}:" if source else f"{len(self.problems)} problems:"
         super().__init__(self.lines[0] if len(self.lines) == 1 else "\n  ".join([heading, *self.problems]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The error from another process."""
+        return type(self), (self.source, getattr(self, "found", self.problems))
 
     @property
     def lines(self) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,6 @@ from asperity.core.types import Progress
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data, write_data
 from asperity.engineering.case import Case
-from asperity.engineering.face import RoughFace
 from asperity.engineering.folder import (
     COMPARISON_DATA,
     SAMPLE_DATA,
@@ -277,14 +276,9 @@ def run(
     return answer_to(case, progress=progress)
 
 
-def answer_to(
-    case: Case,
-    rough: RoughFace | None = None,
-    progress: Progress | None = None,
-    on_stage: Callable[[str], None] | None = None,
-) -> Answer:
+def answer_to(case: Case, *given: Any, **options: Any) -> Answer:
     """The answer of a case; arguments as of `asperity.engineering.stages.answer_of`."""
-    return Answer(**vars(answer_of(case, rough, progress, on_stage)))
+    return Answer(**vars(answer_of(case, *given, **options)))
 
 
 def _with_heights(map: Any, length: Any) -> Any:

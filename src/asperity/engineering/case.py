@@ -28,6 +28,7 @@ from asperity.engineering.questions.sample import SampleOfMaps
 from asperity.engineering.questions.sensitivity import Sensitivity
 from asperity.engineering.questions.sliding import Sliding
 from asperity.engineering.questions.strength import LayerStrength
+from asperity.engineering.questions.sweep import Sweep
 from asperity.engineering.questions.yielding import Yielding
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
@@ -77,6 +78,8 @@ class Case(Scene):
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
     sensitivity: Sensitivity | None = optional("asked if an input has a tolerance, such as `210 GPa ± 5 %`")
     """Change of the main numbers with each input."""
+    sweep: Sweep | None = optional("not asked")
+    """Sweep of one or two settings."""
     sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""
 
@@ -145,4 +148,6 @@ class Case(Scene):
             loads = self.load_curve.loads
             written = [each if isinstance(each, str) else shown_si(each, UNITS[kind], 15) for each in loads]
             found["load_curve"]["loads"] = written
+        if self.sweep is not None:
+            found["sweep"]["values"] = self.sweep.written_values(self)
         return found

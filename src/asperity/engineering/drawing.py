@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -131,3 +131,13 @@ def yield_at(body: Body, depth: Array) -> Array:
     """Yield stress of the material at each depth; infinite where none is given."""
     limits = [np.inf if part.yield_stress is None else part.yield_stress for part in body.parts.values()]
     return np.array(limits)[np.searchsorted([*body.interfaces.values()], depth)]
+
+
+def plain_logarithms(axis: Any) -> None:
+    """Make an axis logarithmic, with plain numbers at 1, 2 and 5 times powers of ten."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())

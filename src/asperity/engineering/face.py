@@ -1,7 +1,7 @@
 """The rough face that is pressed: one map, or the composite roughness of two, read, treated and measured."""
 
 import os
-from collections.abc import Set
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.core.errors import one_line
+from asperity.core.processes import processes_for
 from asperity.core.system import sha256_of
 from asperity.core.types import Array
 from asperity.settings.map import MOST_POINTS, CounterMap, Map
@@ -16,7 +17,13 @@ from asperity.surface.description import MapMeasures, map_warnings
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, is_period
 from asperity.surface.reading.map_file import open_shared_map
 from asperity.surface.treatment.face_to_face import face_to_face
-from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
+from asperity.surface.treatment.treatment import (
+    ANSWER_MEMORY,
+    BYTES_PER_NODE,
+    TreatedMap,
+    missing_options,
+    treat_map,
+)
 
 LONGEST_NAME = 60
 """Most characters of the name of a map in titles."""
@@ -185,3 +192,14 @@ def _levelled(surface: HeightMap, options: Map) -> tuple[HeightMap, float, list[
     height = -treated.height if surface.orientation == PEAKS_UP else treated.height
     done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]
     return replace(surface, height=height), treated.treatment.filled_fraction, done
+
+
+def memory_on(face: TreatedMap) -> float:
+    """Bytes that an answer on a map takes."""
+    return ANSWER_MEMORY + BYTES_PER_NODE[face.boundary] * face.height.size
+
+
+def processes_on(faces: Sequence[TreatedMap], count: int, cores: int | None = None) -> int:
+    """Number of processes for some tasks on the largest of some maps, by default on all cores."""
+    nodes = max((face.height.size for face in faces), default=0)
+    return processes_for(count, nodes, max(map(memory_on, faces), default=1.0), cores)

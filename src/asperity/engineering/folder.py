@@ -25,6 +25,9 @@ UNFINISHED = ".unfinished-"
 COMPLETE = ".complete"
 """Name of that folder when it is complete; its files then replace the files of an earlier answer."""
 
+KEPT = ".rows"
+"""Name of the folder with the finished rows of a sweep until the answer is written."""
+
 COMPARISON_DATA = "comparison.json"
 """Name of the file with the folders of the answers that a comparison is made of."""
 

@@ -6,17 +6,17 @@ The command line and the page arrange, check and compute through this module.
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
+from functools import partial
 from pathlib import Path
-from queue import Empty
 from typing import Any
 
 from asperity.core.errors import InputError, shown
-from asperity.core.system import available_memory
+from asperity.core.processes import side_by_side
+from asperity.core.types import Progress
 from asperity.engineering.answer import Answer, Sample, answer_to, pool
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data
@@ -30,21 +30,14 @@ from asperity.engineering.case_file import (
     holds_answer,
     names_of_maps,
 )
-from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.folder import COMPARISON, SAMPLE, folder_problem, locked, stems_of
+from asperity.engineering.face import RoughFace, memory_on, processes_on, read_face
+from asperity.engineering.folder import COMPARISON, KEPT, SAMPLE, folder_problem, locked, stems_of
+from asperity.engineering.question import part_of
 from asperity.engineering.sample import check_alike
 from asperity.engineering.stages import problems_on_map
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.model import Problem, SettingsError
 from asperity.stress.statistics.largest import check_area
-from asperity.surface.treatment.treatment import ANSWER_MEMORY, BYTES_PER_NODE
-
-SMALLEST_PARALLEL = 65_536
-"""Least nodes of the largest map for which maps are computed in parallel processes; a process takes about two
-seconds to start."""
-
-POLL = 0.2
-"""Seconds between two looks for the progress of other processes."""
 
 ReadFace = Callable[..., RoughFace]
 
@@ -82,8 +75,7 @@ class Job:
     def memory(self) -> float:
         """Bytes that its computation takes."""
         assert self.rough is not None
-        face = self.rough.face
-        return ANSWER_MEMORY + BYTES_PER_NODE[face.boundary] * face.height.size
+        return memory_on(self.rough.face)
 
     @property
     def files(self) -> list[str]:
@@ -259,34 +251,33 @@ def computed(
     cores : int, optional
         Most processes; by default all cores.
     """
-    first = arrangement.jobs[0].folder
-    with locked(first if len(arrangement.jobs) == 1 else arrangement.folder or first):
-        kept = {
-            job.name
-            for job in arrangement.jobs
-            if resume and job.rough and holds_answer(job.folder, job.case, job.rough.files)
-        }
-        left = [job for job in arrangement.jobs if job.name not in kept]
-        processes = _parallel_jobs(left, cores)
-        made = _one_by_one(left, progress) if processes == 1 else _in_parallel(left, progress, processes)
-        for job in arrangement.jobs:
-            if job.name in kept:
-                yield replace(job, is_kept=True), read_data(job.folder, Answer)
-            else:
-                yield job, next(made)
+    jobs, first = arrangement.jobs, arrangement.jobs[0].folder
+    with locked(first if len(jobs) == 1 else arrangement.folder or first):
+        done = [
+            bool(resume and job.rough and holds_answer(job.folder, job.case, job.rough.files)) for job in jobs
+        ]
+        left = [job for job, is_done in zip(jobs, done, strict=True) if not is_done]
+        for job in left:
+            if not resume:
+                shutil.rmtree(job.folder / KEPT, ignore_errors=True)
+        faces = [job.rough.face for job in left if job.rough]
+        processes = processes_on(faces, len(left), cores)
+        made: Iterator[Any] = _one_by_one(left, progress, cores or os.cpu_count() or 1)
+        if processes > 1:
+
+            def report(parts: list[float]) -> None:
+                ready = sum(part >= 1 for part in parts)
+                progress(sum(parts) / len(parts), f"{ready} of {len(parts)} maps done")
+
+            beside = max((cores or os.cpu_count() or 1) // processes, 1)
+            given = [(job.case, job.rough, job.folder, beside) for job in left]
+            made = side_by_side(_written, given, processes, report)
+        for job, is_done in zip(jobs, done, strict=True):
+            answer = None if is_done else next(made)
+            yield replace(job, is_kept=is_done), answer or read_data(job.folder, Answer)
 
 
-def _parallel_jobs(jobs: Sequence[Job], cores: int | None) -> int:
-    """Number of jobs that run in parallel."""
-    most = max((job.memory for job in jobs), default=1.0)
-    nodes = max((job.rough.face.height.size for job in jobs if job.rough), default=0)
-    if nodes < SMALLEST_PARALLEL:
-        return 1
-    available = 1e6 * available_memory()  # from MB to bytes
-    return max(1, min(len(jobs), cores or os.cpu_count() or 1, int(available / most)))
-
-
-def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> Iterator[Answer]:
+def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None], cores: int) -> Iterator[Answer]:
     """Answers in this process, one after the other."""
     for number, job in enumerate(jobs):
         place = f"map {number + 1} of {len(jobs)}, " if len(jobs) > 1 else ""
@@ -300,44 +291,18 @@ def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None]) -> 
             state[1] = f"{place}{name.replace('_', ' ')}"
             progress(*state)
 
-        answer = answer_to(job.case, job.rough, report, on_stage)
+        answer = answer_to(job.case, job.rough, report, on_stage, cores=cores, kept=job.folder / KEPT)
         progress((number + 0.95) / len(jobs), f"{place}pictures and report")
         answer.write(job.folder)
+        shutil.rmtree(job.folder / KEPT, ignore_errors=True)
         yield answer
 
 
-def _in_parallel(
-    jobs: Sequence[Job], progress: Callable[[float, str], None], processes: int
-) -> Iterator[Answer]:
-    """Answers in the order of the jobs, computed in several processes."""
-    context, done = get_context("spawn"), dict.fromkeys(range(len(jobs)), 0.0)
-    with context.Manager() as manager:
-        told: Any = manager.Queue()
-        with ProcessPoolExecutor(processes, context) as pool_of_processes:
-            futures = [
-                pool_of_processes.submit(_written, number, job.case, job.rough, job.folder, told)
-                for number, job in enumerate(jobs)
-            ]
-            try:
-                for future, job in zip(futures, jobs, strict=True):
-                    while not future.done():
-                        with suppress(Empty):
-                            number, part = told.get(timeout=POLL)
-                            done[number] = part
-                            ready = sum(part >= 1 for part in done.values())
-                            progress(sum(done.values()) / len(jobs), f"{ready} of {len(jobs)} maps done")
-                    future.result()
-                    yield read_data(job.folder, Answer)
-            except BaseException:
-                for future in futures:
-                    future.cancel()
-                raise
-
-
-def _written(number: int, case: Case, rough: RoughFace | None, folder: Path, told: Any) -> None:
+def _written(case: Case, rough: RoughFace | None, folder: Path, cores: int, progress: Progress) -> None:
     """Compute and write an answer in a process of its own."""
-    answer_to(case, rough, lambda done, total: told.put((number, 0.95 * done / total))).write(folder)
-    told.put((number, 1.0))
+    report = partial(part_of, progress, 0.0, 0.95, 1.0)
+    answer_to(case, rough, report, cores=cores, kept=folder / KEPT).write(folder)
+    shutil.rmtree(folder / KEPT, ignore_errors=True)
 
 
 def sample_of(arrangement: Arrangement, answers: Mapping[str, AnswerData]) -> Sample:

@@ -59,8 +59,8 @@ class Pressed:
     asked, case : Scene
         `asked` is the case of the user; `case` is the one whose contact is solved, after `Question.prepare`
         of every question, which may change load and hardness.
-    rough : RoughFace
-        The rough face that was pressed.
+    read, rough : RoughFace
+        The rough face of the map, and the one that was pressed.
     contact : Contact
     coarse : HalfGrid
         The contact on half of the nodes.
@@ -73,10 +73,13 @@ class Pressed:
         Name of a question → result of its `prepare`.
     tractions : mapping
         Name of a question → its tractions on the contact, and on the contact on half of the nodes.
+    cores : int
+        Most processes in which a question runs tasks side by side.
     """
 
     asked: Scene
     case: Scene
+    read: RoughFace
     rough: RoughFace
     contact: Contact
     coarse: HalfGrid
@@ -85,6 +88,7 @@ class Pressed:
     blocks: Blocks | None
     prepared: Mapping[str, Any]
     tractions: Mapping[str, tuple[xr.Dataset | None, xr.Dataset | None]]
+    cores: int = 1
 
     @property
     def face(self) -> TreatedMap:

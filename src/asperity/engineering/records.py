@@ -35,6 +35,9 @@ NOT_KNOWN = "not known"
 PER_AREA = "1/m^2"
 """Unit of numbers per area, which are shown per mm²."""
 
+PER_WIDTH = "m^2/s"
+"""Unit of leakages per width, which are shown per minute and mm."""
+
 SCALED = ("m", "m^2", "m^3", "Pa", "N", "Ω", "m^3/s")
 """Units that take prefixes."""
 
@@ -180,6 +183,9 @@ class Record:
         if self.unit == STIFFNESS:
             factor, symbol = scaled_unit(1e-6 * largest, "Pa")
             return 1e6 * factor, f"{symbol}/µm"
+        if self.unit == PER_WIDTH:
+            factor, symbol = scaled_unit(60 * largest, "l")
+            return factor / 60, f"{symbol}/min per mm"
         if self.unit not in SCALED:
             return 1.0, "" if self.unit == "1" else self.unit
         return (units or scaled_unit)(largest, self.unit)

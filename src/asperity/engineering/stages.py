@@ -6,12 +6,15 @@ stages before it.
 
 from __future__ import annotations
 
+import json
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
+from hashlib import sha256
 from importlib.metadata import version
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +23,7 @@ import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.arguments import require_finite
+from asperity.core.processes import side_by_side
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.core.version import __version__
@@ -28,9 +32,10 @@ from asperity.engineering.advice import Compared, advise
 from asperity.engineering.answer_data import ON_INTERFACE, AnswerData, Origin
 from asperity.engineering.body_stress import BodyStress, body_stress
 from asperity.engineering.case import Case
+from asperity.engineering.case_file import case_text
 from asperity.engineering.contact_numbers import contact_numbers, contact_spots, gap_of
 from asperity.engineering.continuum import solved_on_half
-from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.face import RoughFace, processes_on, read_face
 from asperity.engineering.numbers import (
     body_records,
     contact_records,
@@ -43,6 +48,7 @@ from asperity.engineering.press import imposed_load, press
 from asperity.engineering.question import Findings, Pressed, Stages
 from asperity.engineering.records import INPUTS, Record, find, per_cent
 from asperity.engineering.scene import Scene
+from asperity.results.atomic import write_text
 from asperity.settings.model import Problem, SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -67,6 +73,10 @@ def answer_of(
     rough: RoughFace | None = None,
     progress: Progress | None = None,
     on_stage: Callable[[str], None] | None = None,
+    *,
+    start: Contact | None = None,
+    cores: int = 1,
+    kept: Path | None = None,
 ) -> AnswerData:
     """The answer of a case.
 
@@ -79,6 +89,13 @@ def answer_of(
         Called as progress(done, total).
     on_stage : callable, optional
         Called with the name of each stage, a key of `work_of`, when it begins.
+    start : Contact, optional
+        Of a similar case, from which the contact is solved.
+    cores : int
+        Most processes in which the cases of a question and the loads of a curve run side by side.
+    kept : Path, optional
+        Folder in which the records of each case of a question are kept until `kept` is deleted; those that it
+        holds already are not computed again.
 
     Raises
     ------
@@ -90,7 +107,7 @@ def answer_of(
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
     parts = _Parts(progress, work_of(asked, rough.face.grid.mirrored), on_stage)
-    pressed = _pressed(asked, rough, parts)
+    pressed = _pressed(asked, rough, parts, start, cores)
     bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
     # Two equal bodies share one result.
     bodies = {name: bodies.get(name, bodies["lower"]) for name in pressed.case.bodies}
@@ -98,10 +115,15 @@ def answer_of(
     compared = _compared(pressed)
     records = _records(pressed, bodies, compared)
     stages = Stages(**vars(pressed), bodies=bodies, records=records, elastic=compared.elastic)
-    found = {}
+    found = dict[str, Findings]()
     for name, question in asked.questions.items():
-        others = {key: answer_of(each).records for key, each in question.other_cases(asked).items()}
-        found[name] = question.compute(replace(stages, others=others), parts.next(name))
+        if cases := question.other_cases(asked):
+            same = _completed(stages.records, found)
+            others = _others(
+                cases, asked.replaced(**{name: None}), same, pressed, parts.next(f"cases of {name}"), kept
+            )
+            stages = replace(stages, others=others)
+        found[name] = question.compute(stages, parts.next(name))
         stages = replace(stages, records=[*stages.records, *found[name].records])
     records = _completed(stages.records, found)
     known = {each.quantity: each.value for each in records if not each.words}
@@ -124,12 +146,57 @@ def answer_of(
     return answer
 
 
-def _pressed(asked: Case, rough: RoughFace, parts: _Parts) -> Pressed:
+def _others(
+    cases: Mapping[str, Case],
+    asked: Case,
+    same: Sequence[Record],
+    pressed: Pressed,
+    progress: Progress,
+    kept: Path | None,
+) -> dict[str, Sequence[Record]]:
+    """Records of further cases by name, computed side by side; of the case itself those that are known."""
+    rough, maps = pressed.read, (asked.map, asked.counter_map)
+    files, found = dict[str, Path | None](), dict[str, Sequence[Record]]()
+    for name, case in cases.items():
+        text = "" if kept is None else __version__ + case_text(case, Path(), files=rough.files)
+        files[name] = None if kept is None else kept / f"{sha256(text.encode()).hexdigest()}.json"
+        if case == asked:
+            found[name] = same
+    left = [name for name in cases if name not in found]
+    given = [
+        (
+            cases[name],
+            rough if (cases[name].map, cases[name].counter_map) == maps else None,
+            pressed.contact,
+            files[name],
+        )
+        for name in left
+    ]
+    processes = processes_on([rough.face], len(left), pressed.cores)
+    each = side_by_side(_records_of, given, processes, lambda parts: progress(sum(parts), len(parts)))
+    found |= dict(zip(left, each, strict=True))
+    return {name: found[name] for name in cases}
+
+
+def _records_of(
+    case: Case, rough: RoughFace | None, start: Contact, file: Path | None, progress: Progress
+) -> Sequence[Record]:
+    """Records of a case, from a file if it holds them, else written into it."""
+    if file is not None and file.exists():
+        return [Record.from_plain(each) for each in json.loads(file.read_text("utf-8"))]
+    records = answer_of(case, rough, progress, start=start).records
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_text(file, json.dumps([each.as_plain() for each in records]))
+    return records
+
+
+def _pressed(asked: Case, rough: RoughFace, parts: _Parts, start: Contact | None, cores: int) -> Pressed:
     """The contact of a case, on its nodes and on half of them, and what follows from it alone."""
-    case, prepared = asked, {}
+    case, read, prepared = asked, rough, {}
     for name, question in asked.questions.items():
         case, rough, prepared[name] = question.prepare(case, rough, parts.next(f"before {name}"))
-    contact = press(rough.face, case, parts.next("contact"))
+    contact = press(rough.face, case, parts.next("contact"), start=start)
     spots = contact_spots(rough.face, contact)
     parts.next("half of the nodes")
     coarse = solved_on_half(contact)
@@ -140,6 +207,7 @@ def _pressed(asked: Case, rough: RoughFace, parts: _Parts) -> Pressed:
     return Pressed(
         asked=asked,
         case=case,
+        read=read,
         rough=rough,
         contact=contact,
         coarse=coarse,
@@ -148,6 +216,7 @@ def _pressed(asked: Case, rough: RoughFace, parts: _Parts) -> Pressed:
         blocks=_blocks(asked, rough.face, contact),
         prepared=prepared,
         tractions=tractions,
+        cores=cores,
     )
 
 
@@ -313,7 +382,13 @@ def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
     work |= {"contact": 1.0, "half of the nodes": 0.3}
     work |= {f"stress {name}": STRESS for name in case.different_bodies}
     work["comparisons"] = 1.0 if case.hardness_is_estimated else 0.1
-    return work | {name: after for name, (_, after) in costs.items()}
+    for name, (_, after) in costs.items():
+        others = case.questions[name].other_cases(case).values()
+        work |= {
+            f"cases of {name}": sum(sum(work_of(each, is_mirrored).values()) for each in others),
+            name: after,
+        }
+    return work
 
 
 class _Parts:
@@ -366,8 +441,11 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
     ny, nx = rough.face.grid.shape
     if min(ny, nx) < FEWEST_NODES:
         found.append(("map", f": at least {FEWEST_NODES} nodes on each edge are needed, it has {ny} × {nx}"))
-    for question in case.questions.values():
+    for name, question in case.questions.items():
         found += [*question.problems(case, rough)]
+        for other, each in question.other_cases(case).items():
+            if each.map == case.map:
+                found += [(f"{name}.{other}", f": {wrong}") for wrong in problems_on_map(each, rough)]
     try:
         imposed_load(rough.face, case)
     except SettingsError as error:

@@ -230,6 +230,8 @@ def _relations(kind: str, targets: Mapping[str, str]) -> str:
 def _in_sheet_units(frame: "pd.DataFrame") -> "pd.DataFrame":
     shown = frame.copy()
     for column in shown.select_dtypes("number"):
+        if str(column).startswith("at_"):
+            continue
         if "unit" in shown and column not in PLACES:
             factors = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[1])
             shown[column] = shown[column] / factors

@@ -431,8 +431,10 @@ def item_of(entry: Entry) -> Entry:
 
 
 def scalar(text: str, entry: Entry) -> Any:
-    """A number where an entry is one and the text can be read as one, else the text."""
+    """A number or a truth value where an entry is one and the text can be read as one, else the text."""
     kinds = [each.get("type") for each in entry.get("anyOf", [entry])]
+    if "boolean" in kinds and text.lower() in ("true", "false"):
+        return text.lower() == "true"
     for kind, read in (("integer", int), ("number", float)):
         if kind in kinds:
             with suppress(ValueError):

@@ -55,11 +55,11 @@ def run(options: argparse.Namespace) -> None:
         source = sources[min(len(sources) - 1, arrangement.jobs.index(job))]
         problems += [_in_words(problem, source, given, job.content) for problem in job.problems]
     problems += [problem.text for problem in arrangement.problems]
-    problems += [
-        f"{name}: needs --pooled"
-        for name in ("--resume", "--only")
-        if getattr(options, name[2:]) and not pooled
-    ]
+    swept = any("sweep" in job.content for job in arrangement.jobs)
+    if options.only and not pooled:
+        problems.append("--only: needs --pooled")
+    if options.resume and not (pooled or swept):
+        problems.append("--resume: needs --pooled, or a sweep")
     if options.save:
         problems += _problems_of_save(options, arrangement.jobs)
     if problems:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,10 +16,18 @@ from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.numbers import elastic_record
-from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels
-from asperity.engineering.records import DISCRETISATION, POSITIVE, Advice, Position, Record
+from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels, part_of
+from asperity.engineering.records import (
+    DISCRETISATION,
+    PER_WIDTH,
+    POSITIVE,
+    SEARCH,
+    Advice,
+    Position,
+    Record,
+)
 from asperity.engineering.scene import Scene
-from asperity.settings.model import Number, optional, setting
+from asperity.settings.model import Number, YesNo, optional, setting
 from asperity.settings.quantities import Pressure
 
 if TYPE_CHECKING:
@@ -38,8 +48,14 @@ FLOW_CAPTION = (
 LEAST_FLUX = 1e-3
 """Flux over the mean one at the lower end of the colours."""
 
-SEALING_ERROR = 0.01
-"""Relative error of the load that seals; half of the error costs one contact more."""
+SEALING_LOAD, SEALING_ERROR = "mean pressure that seals", 0.01
+"""The load that seals, and its relative error; half of the error costs one contact more."""
+
+SEALING_CONTACTS, MOST_CONTACTS = 12, 40
+"""Usual number of contacts to find the load that seals, and the most."""
+
+BELOW_HARDNESS = 0.99
+"""Largest mean pressure over the hardness under which the load that seals is searched."""
 
 WIDE = 10
 """Maximum over minimum of a picture above which its colours, or its axis, are logarithmic."""
@@ -53,7 +69,7 @@ class Leak(Question):
 
     ASKS = "Does the gap leak?"
     TILES = (
-        *("leakage along x", "leakage along y", "mean pressure that seals"),
+        *("leakage along x", "leakage along y", SEALING_LOAD),
         *("narrowest constriction along x", "narrowest constriction along y"),
     )
     LEAD = "constriction"
@@ -67,6 +83,8 @@ class Leak(Question):
     """Dynamic viscosity of the fluid; needs `asperity[flow]`."""
     pressure_difference: Pressure | None = optional("percolation alone, no leakage", example="5 bar")
     """Fall of the pressure of the fluid over the length of the map."""
+    seal: YesNo | None = optional("with a load curve", example=True)
+    """Search the mean pressure that seals the gap, from any load."""
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """A viscosity without a pressure difference, or the other way round; the flow needs a package."""
@@ -81,16 +99,28 @@ class Leak(Question):
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
         """The flow is solved on the map and on half of its nodes."""
-        return 0.0, 0.1 if self.viscosity is None else 2.0
+        return 0.0, self.flow_cost + (1.3 * SEALING_CONTACTS if self._is_sought(case) else 0.0)
+
+    @property
+    def flow_cost(self) -> float:
+        """Work of the flow on the map and on half of its nodes."""
+        return 0.1 if self.viscosity is None else 4.0
+
+    def _is_sought(self, case: Scene) -> bool:
+        """True if the load that seals is searched."""
+        return "load_curve" in case.questions if self.seal is None else self.seal
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Percolation, the narrowest constriction, and the leakage with its discretisation error."""
         from asperity.contact.gap import percolation
 
         contact, axis = stages.contact, "yx".index(self.direction)
+        is_sought = self._is_sought(stages.asked)
+        flow_part = partial(part_of, progress, 0.0, 0.5 if is_sought else 1.0, 1.0)
+        search = partial(part_of, progress, 0.5, 1.0, 1.0)
         paths = percolation(contact)
-        flow = self._flow(contact, lambda done, total: progress(0.8 * done, total))
         on_half = self._flow(stages.coarse.contact)
+        flow = self._flow(contact, on_half, flow_part)
         records, width = [*_records(paths)], paths.constriction[axis]
         warnings: list[Advice] = []
         datasets = self._close_up(contact, "under the load")
@@ -100,21 +130,35 @@ class Leak(Question):
         name, note = f"leakage along {self.direction}", ""
         if (width if flow is None else flow.flow_rate) == 0:
             verdict = f"sealed along {self.direction}: the contact closes the gap"
-            if "load_curve" not in stages.asked.questions:
-                note = "while a load_curve from smaller loads finds the load that seals"
+            note = "" if is_sought else "while leak.seal finds the load that seals"
         if flow is not None and flow.flow_rate == 0:
             words = "0, sealed: the contact closes the gap"
             leakage = Record(name, 0.0, "m^3/s", TOPIC, words=words, note=note)
-            records += [leakage, *self._elastic(leakage, stages, warnings)]
+            records = [leakage, *self._elastic(leakage, stages, flow, warnings), *records]
         elif flow is not None and on_half is not None:
-            leakage = Record(name, flow.flow_rate, "m^3/s", TOPIC, bounds=POSITIVE)
-            leakage = leakage.with_error(DISCRETISATION, abs(flow.flow_rate - on_half.flow_rate))
+            length, across = contact.grid.length[axis], contact.grid.length[1 - axis]
+            through = f"{shown_si(across, 'm', 3)} wide and {shown_si(length, 'm', 3)} long"
+            error = abs(flow.flow_rate - on_half.flow_rate)
+            of: dict[str, Any] = {"topic": TOPIC, "bounds": POSITIVE, "varies": True, "better": "less"}
+            minute = f"{shown_si(6e4 * flow.flow_rate, 'l', 3)}/min, through a seal {through}"
+            leakage = Record(name, flow.flow_rate, "m^3/s", note=minute, **of)
+            leakage = leakage.with_error(DISCRETISATION, error)
+            per_width = Record(f"{name} per width", flow.flow_rate / across, PER_WIDTH, **of)
+            per_width = per_width.with_error(DISCRETISATION, error / across)
             note = "relative to the flow between planes at the mean gap"
-            records += [leakage, *self._elastic(leakage, stages, warnings)]
-            records.append(Record("pressure flow factor", flow.flow_factor, topic=TOPIC, note=note))
-            verdict = f"leaks {leakage.best_text()} along {self.direction}, with the discretisation error"
+            factor = Record("pressure flow factor", flow.flow_factor, topic=TOPIC, note=note)
+            elastic = self._elastic(leakage, stages, flow, warnings)
+            records = [leakage, *elastic, per_width, factor, *records]
+            verdict = f"leaks {leakage.best_text()} along {self.direction} through a seal {through}, "
+            verdict += f"{per_width.best_text()}, with the discretisation error"
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
             datasets["leak"] = _fields(contact, flow)
+        if is_sought:
+            seals, last_open = self._sealing(stages, search)
+            records.insert(min(len(records), 1), seals)
+            if not seals.words:
+                verdict += f"; a mean pressure of {seals.best_text()} seals it"
+                datasets |= self._close_up(last_open, "just below the load that seals")
         return Findings(
             records=records,
             verdict=verdict,
@@ -123,9 +167,11 @@ class Leak(Question):
             datasets=datasets,
         )
 
-    def _elastic(self, leakage: Record, stages: Stages, warnings: list[Advice]) -> Iterator[Record]:
+    def _elastic(
+        self, leakage: Record, stages: Stages, start: FilmFlow, warnings: list[Advice]
+    ) -> Iterator[Record]:
         """The leakage through the elastic contact, where a hardness was estimated and it matters."""
-        if stages.elastic is None or (flow := self._flow(stages.elastic)) is None:
+        if stages.elastic is None or (flow := self._flow(stages.elastic, start)) is None:
             return
         for each in elastic_record(leakage.quantity, flow.flow_rate, [leakage]):
             yield each
@@ -135,23 +181,27 @@ class Leak(Question):
             size = abs(each.value / leakage.value - 1) if leakage.value else math.inf
             warnings.append(Advice(True, "hardness from the yield stress", f"{short[7:]}.", short, size))
 
-    def _flow(self, contact: Contact, progress: Progress | None = None) -> FilmFlow | None:
-        """Flow of the film through the map; None without a film."""
+    def _flow(
+        self, contact: Contact, start: FilmFlow | None = None, progress: Progress | None = None
+    ) -> FilmFlow | None:
+        """Flow of the film through the map, from a similar flow; None without a film."""
         from asperity.contact.reynolds import film_flow
 
         if self.viscosity is None or self.pressure_difference is None:
             return None
-        return film_flow(contact, self.viscosity, self.pressure_difference, self.direction, progress)
+        given = contact, self.viscosity, self.pressure_difference, self.direction, progress
+        return film_flow(*given, start)
 
     def under_load(self, contact: Contact) -> dict[str, float]:
         """Constriction and leakage of a contact of a load curve, also on half of the nodes."""
         from asperity.engineering.continuum import solved_on_half
 
-        found, half = {}, solved_on_half(contact).contact
-        for name, each in (("", contact), ("_on_half", half)):
-            found[f"constriction{name}"] = self._constriction(each)
-            if (flow := self._flow(each)) is not None:
-                found[f"leakage{name}"] = flow.flow_rate
+        found, flow = dict[str, float](), None
+        for name, each in (("_on_half", solved_on_half(contact).contact), ("", contact)):
+            numbers = {f"constriction{name}": self._constriction(each)}
+            if (flow := self._flow(each, flow)) is not None:
+                numbers[f"leakage{name}"] = flow.flow_rate
+            found = numbers | found
         return found
 
     def _constriction(self, contact: Contact) -> float:
@@ -160,43 +210,43 @@ class Leak(Question):
 
         return percolation(contact).constriction["yx".index(self.direction)]
 
-    def sealing(
-        self, face: TreatedMap, case: Scene, curve: xr.Dataset, progress: Progress
-    ) -> tuple[float, float, dict[str, xr.Dataset]]:
-        """The mean pressure that seals the gap, by bisection between loads of a curve.
-
-        Returns
-        -------
-        load, on_half : float
-            The mean pressure, and that on half of the nodes; 0 if all loads of the curve seal, and infinite
-            if none does.
-        datasets : dict
-            ``constriction`` of a contact just below the load; empty if the load is not on the curve.
-        """
+    def _sealing(self, stages: Stages, progress: Progress) -> tuple[Record, Contact]:
+        """The mean pressure that seals the gap, from any load, and the contact just below it."""
+        from asperity.contact.gap import open_gap, spanned
         from asperity.contact.half_grid import solve_on_half
         from asperity.engineering.press import press
 
+        case, face, axis = stages.case, stages.face, "yx".index(self.direction)
+        given = None if case.hardness_is_estimated else case.hardness
+        most = math.inf if given is None else BELOW_HARDNESS * given
+        last = [stages.contact]  # from which the next contact is solved
+        known = {stages.contact.mean_pressure: stages.contact}
+
         def pressed(load: float) -> Contact:
-            return press(face, case.under(mean_pressure=load))
+            progress(min(len(known), SEALING_CONTACTS), SEALING_CONTACTS + 1)
+            if load not in known:
+                known[load] = press(face, case.under(mean_pressure=load), start=last.pop())
+            return known[load]
 
         def on_half(load: float) -> Contact:
             given = {"mean_pressure": load, "hardness": case.under(mean_pressure=load).hardness}
             return solve_on_half(face.height, case.solid, face.grid, face.boundary, **given)[0]
 
-        found: list[float] = []
-        for name, solved in (("", pressed), ("_on_half", on_half)):
-            opened = curve[f"constriction{name}"].values > 0
+        def is_open(solved: Callable[[float], Contact], load: float) -> bool:
+            contact = solved(load)
+            if solved is pressed:
+                last[:] = [contact]
+            return spanned(open_gap(contact) > 0, contact.edges_meet, diagonals=False)[axis]
 
-            def is_open(load: float, solved: Callable[[float], Contact] = solved) -> bool:
-                return self._constriction(solved(load)) > 0
-
-            found.append(_last_open_load(curve["mean_pressure"].values, opened, is_open))
-            progress(len(found), 2)
-        load, coarse = found
-        if not 0 < load < math.inf:
-            return load, coarse, {}
-        last_open = pressed(load * (1 - SEALING_ERROR))
-        return load, coarse, self._close_up(last_open, "just below the load that seals")
+        load, low = _sealing_load(partial(is_open, pressed), stages.contact.mean_pressure, 2.0, most)
+        record = Record(SEALING_LOAD, min(load, most), "Pa", TOPIC, bounds=POSITIVE, varies=True)
+        if load == math.inf:
+            words = f"above {shown_si(most, 'Pa', 3)}, {BELOW_HARDNESS:g} of the hardness"
+            return replace(record, words=words), stages.contact
+        coarse, _ = _sealing_load(partial(is_open, on_half), load, 1.1, most)
+        if coarse < math.inf:
+            record = record.with_error(DISCRETISATION, abs(load - coarse))
+        return record.with_error(SEARCH, SEALING_ERROR * load), known[low]
 
     def _close_up(self, contact: Contact, under: str) -> dict[str, xr.Dataset]:
         """The gap around the narrowest constriction along the leak; empty if the gap is sealed."""
@@ -259,18 +309,26 @@ def _fields(contact: Contact, flow: FilmFlow) -> xr.Dataset:
     )
 
 
-def _last_open_load(loads: Array, opened: Array, is_open: Callable[[float], bool]) -> float:
-    """Load above which a gap is closed, to `SEALING_ERROR`; 0 below all loads, and infinite above them."""
-    if opened.all():
-        return math.inf
-    first = int(opened.argmin())
-    if first == 0:
-        return 0.0
-    low, high = float(loads[first - 1]), float(loads[first])
-    while high / low > 1 + 2 * SEALING_ERROR:
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if is_open(middle) else (low, middle)
-    return math.sqrt(low * high)
+def _sealing_load(
+    is_open: Callable[[float], bool], start: float, factor: float, most: float
+) -> tuple[float, float]:
+    """Load above which a gap is closed, to `SEALING_ERROR`, and the largest load under which it is open.
+
+    The load is multiplied, or divided, by rising factors until it is between two known loads, then halved on
+    a logarithmic scale. It is infinite if the gap is open under the load `most`.
+    """
+    low, high, load = 0.0, math.inf, min(start, most)
+    for _ in range(MOST_CONTACTS):
+        low, high = (load, high) if is_open(load) else (low, load)
+        if low == most:
+            return math.inf, low
+        if low and high / low <= 1 + 2 * SEALING_ERROR:
+            break
+        if low and high < math.inf:
+            load = math.sqrt(low * high)
+        else:
+            load, factor = min(load * factor, most) if low else load / factor, 2 * factor
+    return math.sqrt(low * high), low
 
 
 def _gap(close: xr.Dataset, spacing: Sequence[float]) -> Any:

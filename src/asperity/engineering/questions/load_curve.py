@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,14 +12,16 @@ import numpy as np
 from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
 from asperity.contact import Contact
+from asperity.core.processes import side_by_side
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.face import processes_on
 from asperity.engineering.question import IN_FULL_CONTACT, Findings, Picture, Question, Stages, part_of
 from asperity.engineering.questions.conduction import resistivities
-from asperity.engineering.questions.leak import SEALING_ERROR, WIDE
-from asperity.engineering.records import DISCRETISATION, POSITIVE, SEARCH, Record, find, per_cent
+from asperity.engineering.questions.leak import SEALING_LOAD, WIDE
+from asperity.engineering.records import POSITIVE, SEARCH, Record, find, per_cent
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, optional, setting
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from asperity.engineering.face import RoughFace
+    from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "load curve"
 
@@ -52,30 +54,29 @@ COLUMNS = {
 }
 """Variable of a load curve → column of its table."""
 
-YIELD_LOAD, SEALING_LOAD = "mean pressure where yield begins", "mean pressure that seals"
-"""Quantities of loads on the curve."""
+YIELD_LOAD = "mean pressure where yield begins"
 
 YIELD_LOAD_ERROR = 0.005
 """Relative error of the load where yield begins; a third of the error costs one or two contacts more."""
 
-YIELD_CONTACTS, SEALING_CONTACTS = 4, 8
-"""Usual numbers of contacts to find the load where yield begins, and the load that seals."""
+YIELD_CONTACTS = 4
+"""Usual number of contacts to find the load where yield begins."""
 
 MAX_LOADS, RISING = 100, "a list of rising values"
 """Most loads of a load curve, and their description in messages."""
 
 CAPTION = (
-    "Load curve: contact area fraction, mean gap, maximum pressure, stiffness and maximum von Mises stress "
-    "against the mean pressure. A dotted line marks a load where yield begins, or that seals the gap."
+    "Load curve: numbers of the contact, maximum von Mises stress and, if it was asked for, leakage against "
+    "the mean pressure. A dotted line marks a load where yield begins, or that seals the gap."
 )
 
 PANELS = {
+    "leakage": ("m^3/s", "leakage_m3_s", "leakage_on_half_m3_s"),
     "contact area fraction": ("%", "contact_area_fraction"),
     "mean gap": ("m", "mean_gap_m"),
     "maximum pressure": ("Pa", "maximum_pressure_Pa"),
     "stiffness": ("Pa/m", "stiffness_Pa_m"),
     "von Mises stress": ("Pa", "maximum_von_mises_lower_Pa", "maximum_von_mises_upper_Pa"),
-    "leakage": ("m^3/s", "leakage_m3_s", "leakage_on_half_m3_s"),
     "electrical resistance": ("Ω", "electrical_resistance_ohm"),
 }
 """Label of a panel of the picture → its unit, and columns of the table."""
@@ -101,7 +102,7 @@ class LoadCurve(Question):
     """The contact under rising loads up to the load of the case; see `asperity.engineering.load_curve`."""
 
     ASKS = "How does it change with the load?"
-    TILES = (YIELD_LOAD, SEALING_LOAD)
+    TILES = (YIELD_LOAD,)
     FILES = ("curve",)
 
     loads: tuple[AnyLoad, ...] = setting(
@@ -152,17 +153,17 @@ class LoadCurve(Question):
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
         """Contact, stress and leakage under each load, and the searches."""
         leak, bodies = case.questions.get("leak"), case.different_bodies.values()
-        flow = 0.0 if leak is None else leak.cost(case, is_mirrored)[1]
+        flow = 0.0 if leak is None else leak.flow_cost
         yields = sum(body.yield_stress is not None for body in bodies)
         one, searches = 1.0 + 2.0 * len(bodies) + flow, 3.0 * YIELD_CONTACTS * yields
-        return 0.0, len(self.path(case)) * one + searches + (0.0 if leak is None else 10.0)
+        return 0.0, len(self.path(case)) * one + searches
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
-        """The load curve, and the loads where yield begins and where the gap is sealed."""
+        """The load curve, and the load where yield begins."""
         case, names = stages.asked, list(stages.asked.different_bodies)
-        leak, done = case.questions.get("leak"), len(self.path(case))
+        done = len(self.path(case))
         limits = {name: limit for name in names if (limit := case.bodies[name].yield_stress) is not None}
-        parts = done + YIELD_CONTACTS * len(limits) + (0 if leak is None else SEALING_CONTACTS)
+        parts = done + YIELD_CONTACTS * len(limits)
         curve = self._curve(stages, partial(part_of, progress, 0, done, parts))
         loads, shares = curve["mean_pressure"].values, curve["contact_area_fraction"].values
         first, last = (shown_si(float(load), "Pa", 3) for load in loads[[0, -1]])
@@ -179,54 +180,46 @@ class LoadCurve(Question):
                 search = partial(part_of, progress, done, done := done + YIELD_CONTACTS, parts)
                 begins = _yield_begins(stages, name, loads, stresses, limits[name], search)
                 table[f"yield_begins_{name}_Pa"] = begins
-                record = _on_curve(YIELD_LOAD, begins, loads, YIELD_LOAD_ERROR, name)
-                records.append(record)
+                records.append(_on_curve(YIELD_LOAD, begins, loads, YIELD_LOAD_ERROR, name))
                 of = f" of the {name} body" if len(case.bodies) > 1 else ""
                 verdict.append(f"yield{of} begins {_where(begins, loads)}")
-        datasets: Mapping[str, xr.Dataset] = {}
-        if leak is not None:
-            search = partial(part_of, progress, done, parts, parts)
-            load, on_half, datasets = leak.sealing(stages.face, case, curve, search)
-            record, coarse = (_on_curve(SEALING_LOAD, each, loads, SEALING_ERROR) for each in (load, on_half))
-            if not record.words:
-                verdict.append(f"the gap is sealed above a mean pressure of {shown_si(load, 'Pa', 3)}")
-                if coarse.words:
-                    record = replace(record, note=f"on half of the nodes {coarse.words}")
-                else:
-                    record = record.with_error(DISCRETISATION, abs(load - on_half))
-            records.append(record)
-        return Findings(
-            records=records, verdict="; ".join(verdict), tables={"curve": table}, datasets=datasets
-        )
+        return Findings(records=records, verdict="; ".join(verdict), tables={"curve": table})
 
     def _curve(self, stages: Stages, progress: Progress) -> xr.Dataset:
         """The result of `load_curve` for the case, with the normal approach, forces and leakages."""
-        from asperity.engineering.press import press
+        import xarray as xr
 
-        case, face, path = stages.asked, stages.face, self.path(stages.asked)
-        leak, constants = case.questions.get("leak"), resistivities(case)
-
-        def contacts() -> Iterator[Contact]:
-            for number, load in enumerate(path):
-                under = case.under(**{case.load.kind: load})
-                reported = partial(part_of, progress, number, number + 0.5, len(path))
-                yield stages.contact if load == path[-1] else press(face, under, reported)
-                progress(number + 1, len(path))
-
-        def more(contact: Contact) -> dict[str, float]:
-            found = {"force": contact.mean_pressure * face.grid.area}
-            if (current := constants.get("electrical_conductance")) is not None:
-                found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
-            return found if leak is None else found | leak.under_load(contact)
-
-        bodies = list(case.different_bodies)
-        curve = load_curve(contacts(), bodies, constants, case.loaded_body, more, **_sliding(case))
+        face, path = stages.face, self.path(stages.asked)
+        given = [(stages.asked, face, load, stages.contact if load == path[-1] else None) for load in path]
+        processes = processes_on([face], len(path), stages.cores)
+        rows = side_by_side(_at_load, given, processes, lambda parts: progress(sum(parts), len(parts)))
+        curve = xr.concat([*rows], "load")
         approach = curve["approach"] - float(stages.contact.height.min())
         return curve.assign(approach=approach).rename(approach="normal_approach")
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The numbers against the mean pressure."""
         yield Picture("curve", CAPTION, _drawn(answer.tables["curve"], answer.records))
+
+
+def _at_load(
+    case: Scene, face: TreatedMap, load: float, contact: Contact | None, progress: Progress
+) -> xr.Dataset:
+    """The result of `load_curve` for one load of a case, whose contact may be known."""
+    from asperity.engineering.press import press
+
+    leak, constants = case.questions.get("leak"), resistivities(case)
+    if contact is None:
+        contact = press(face, case.under(**{case.load.kind: load}), partial(part_of, progress, 0.0, 0.3, 1.0))
+
+    def more(contact: Contact) -> dict[str, float]:
+        found = {"force": contact.mean_pressure * face.grid.area}
+        if (current := constants.get("electrical_conductance")) is not None:
+            found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
+        return found if leak is None else found | leak.under_load(contact)
+
+    bodies = list(case.different_bodies)
+    return load_curve([contact], bodies, constants, case.loaded_body, more, **_sliding(case))
 
 
 def _sliding(case: Scene) -> dict[str, Any]:
@@ -394,8 +387,7 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
 
 def _drawn(table: pd.DataFrame, records: Sequence[Record]) -> Any:
     """Numbers of a load curve against the mean pressure, the electrical resistance against the force."""
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
-
+    from asperity.engineering.drawing import plain_logarithms
     from asperity.views.panels import canvas
 
     panels = {
@@ -416,21 +408,17 @@ def _drawn(table: pd.DataFrame, records: Sequence[Record]) -> Any:
             per, of = scaled_unit(along, against[1])
             for column, marker in zip(values.T, "os", strict=False):
                 axis.plot(along / per, column / factor, f"-{marker}", ms=3)
-            axis.set(xscale="log", xlim=(along[0] / per / margin, along[-1] / per * margin))
-            plain: list[Any] = [axis.xaxis]
-            axis.set_xlabel(f"{against[0]} ({of})")
-            axis.set_ylabel(f"{label} ({symbol})")
+            plain_logarithms(axis.xaxis)
+            axis.set(xlim=(along[0] / per / margin, along[-1] / per * margin))
+            axis.set(xlabel=f"{against[0]} ({of})", ylabel=f"{label} ({symbol})")
             finite = values[np.isfinite(values)] / factor  # the stiffness is infinite in full contact
             lowest, highest = finite.min(initial=np.inf), finite.max(initial=0)
-            if highest > WIDE * lowest > 0:
+            if WIDE**3 * lowest > highest > WIDE * lowest > 0:
+                plain_logarithms(axis.yaxis)
+            elif highest > WIDE * lowest > 0:
                 axis.set_yscale("log")
-                plain += [axis.yaxis] if highest < WIDE**3 * lowest else []
             elif highest > 0:
                 axis.set_ylim(0, 1.1 * highest)
-            for each in plain:
-                each.set_major_locator(LogLocator(subs=(1, 2, 5)))
-                each.set_major_formatter(StrMethodFormatter("{x:g}"))
-                each.set_minor_formatter(NullFormatter())
             # Dotted lines at the loads where yield begins, and that seal.
             marked: Iterable[Record] = ()
             if label == "leakage":

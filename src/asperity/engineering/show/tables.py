@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.records import Record
+from asperity.engineering.records import FRACTION, MODEL, POSITIVE, UNBOUNDED, Record
 from asperity.results.tables import units
 
 SHOWN_ROWS = 40
@@ -27,6 +29,8 @@ def tables(answer: AnswerData) -> dict[str, pd.DataFrame]:
 def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
     """Heading of a table of an answer, and rows of it as texts with units."""
     heading = name.replace("_", " ")
+    if name == "sweep":
+        return heading, _of_sweep(table)
     rows, unit_of = np.arange(len(table)), units(f"answer_{name}", table)
     if name in FALLING and len(table) > FIRST_ROWS:
         rows, heading = rows[:FIRST_ROWS], f"{heading}, the first {FIRST_ROWS} of {len(table)}"
@@ -42,6 +46,24 @@ def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
         ]
         shown[str(column).removesuffix(end).replace("_", " ")] = numbers
     return heading, pd.DataFrame(shown)
+
+
+def _of_sweep(table: pd.DataFrame) -> pd.DataFrame:
+    """The shown numbers of a sweep: a row for each value, a column for each number."""
+    found: dict[str, dict[str, str]] = {}
+    shown = table[table["is_shown"]]
+    several = len({*shown["body"]} - {""}) > 1
+    for row in shown.to_dict("records"):
+        bounds = {each.reason: each for each in (FRACTION, POSITIVE)}.get(row["bound"], UNBOUNDED)
+        number = Record("", row["value"], row["unit"], extrapolated=row["extrapolated"], bounds=bounds)
+        # Words in place of a number, such as none, begin its text.
+        words = row["text"].partition(";")[0] if row["text"][:1].isalpha() else ""
+        name = f"{row['quantity']}, {row['body']} body" if several and row["body"] else row["quantity"]
+        at = re.sub(r"[\w.]+\.(?=\w+ = )", "", row["case"]).replace("_", " ")
+        found.setdefault(at, {"sweep": at})[name] = (
+            words or number.with_error(MODEL, row["error"]).best_text()
+        )
+    return pd.DataFrame(found.values()).fillna("")
 
 
 def _is_number(value: object) -> bool:

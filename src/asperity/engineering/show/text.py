@@ -5,6 +5,7 @@ from __future__ import annotations
 from textwrap import fill
 
 from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
+from asperity.engineering.show.tables import for_reader
 
 WIDEST = 100
 """Most characters of a line of words."""
@@ -19,6 +20,9 @@ def text(answer: AnswerData) -> str:
     shown = without_repeats(answer.records)
     for heading, records in by_topic(answer.case, shown):
         lines += ["", heading, *(f"  {each.quantity:<{width}}  {each.text()}" for each in records)]
+    if "sweep" in answer.tables:
+        _, rows = for_reader("sweep", answer.tables["sweep"])
+        lines += ["", rows.set_index("sweep").T.to_string(line_width=WIDEST)]
     lines += ["", ONE_POSITION]
     lines += ["", REPEATS] if len(shown) < len(answer.records) else []
     lines += ["", "what was done to the map", *(f"  {step}" for step in answer.face.done)]

@@ -1,0 +1,155 @@
+"""A sweep of settings: its rows, the value at the limit, refusals, and a killed sweep that continues."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+from project import ROOT
+from samples import refuses
+
+import asperity as asp
+from asperity.app import form
+from asperity.cli.main import main
+from asperity.engineering.case_file import load_case
+from asperity.engineering.face import read_face
+from asperity.engineering.press import press
+from asperity.engineering.stages import answer_of, work_of
+
+EDGE = 64e-6
+HEIGHT = asp.self_affine((64, 64), 0.8, 32e-6, 4e-6, rms_height=1e-7, seed=2, length=EDGE)
+MAP = asp.HeightMap(HEIGHT, (EDGE, EDGE), periodic=True, unit="m", name="coated")
+COATING = {"thickness": 2e-6, "young": 400e9, "poisson": 0.25}
+STEEL = {"young": 210e9, "poisson": 0.3, "yield_stress": 2e9, "layers": [COATING]}
+THICKNESS = "body.layers.0.thickness"
+CASE = {"map": MAP, "body": STEEL, "load": {"mean_pressure": 2e8}}
+
+
+def test_rows_are_the_records_of_single_runs():
+    """To ten times the tolerance of the contact, 1e-6, of the largest number in the unit."""
+    answer = asp.run(MAP, STEEL, mean_pressure=2e8, sweep={THICKNESS: [1e-6, 2e-6, "3 um"]})
+    table = answer.tables["sweep"]
+    for thickness in (1e-6, 2e-6, 3e-6):
+        rows = table[table[f"at_{THICKNESS}"] == thickness]
+        alone = asp.run(MAP, STEEL | {"layers": [COATING | {"thickness": thickness}]}, mean_pressure=2e8)
+        assert rows["quantity"].tolist() == [each.quantity for each in alone.records]
+        table_alone, scale = alone.frame(), rows.groupby("unit")["value"].transform("max").to_numpy()
+        for column in ("value", "error"):
+            difference = np.nan_to_num(rows[column].to_numpy() - table_alone[column].to_numpy())
+            assert (np.abs(difference) <= 1e-5 * scale).all()
+            assert (rows[column].isna().to_numpy() == table_alone[column].isna().to_numpy()).all()
+    assert {each.name for each in answer.case.sweep.pictures(answer)} == {"sweep"}
+    assert "thickness = 3 µm" in str(answer)
+
+
+def test_warm_start_has_the_solution_of_a_cold_one():
+    """To the tolerance of the pressure, 1e-6 of its norm, of each of the two."""
+    case, other = asp.Case(**CASE), asp.Case(**CASE | {"load": {"mean_pressure": 1.8e8}})
+    face = read_face(case.map).face
+    cold, warm = press(face, case), press(face, case, start=press(face, other))
+    assert np.linalg.norm(warm.pressure - cold.pressure) < 2e-6 * np.linalg.norm(cold.pressure)
+
+
+@pytest.mark.parametrize("other", [{}, {"body.poisson": [0.2, 0.3]}])
+def test_value_at_the_limit_is_that_of_hertz(other):
+    """p₀³ = 6 F E*² / (π³ R²) (K. L. Johnson, Contact Mechanics, 1985, Eq. 4.24), inverted."""
+    smooth = asp.HeightMap(np.zeros((96, 96)), (96e-6, 96e-6), unit="m", name="ball")
+    ball = {"file": smooth, "radius": "1 mm", "periodic": "none"}
+    sweep = {
+        "load.force": {"from": 0.5, "to": 2.0, "steps": 4},
+        **other,
+        "number": "maximum pressure",
+        "limit": "2 GPa",
+    }
+    answer = asp.run(ball, {"young": 210e9, "poisson": 0.3}, force=1.0, sweep=sweep)
+    found = [each for each in answer.records if each.quantity.startswith("value at the limit")]
+    assert len(found) == max(len(each) for each in [[1], *other.values()])
+    for record, ratio in zip(found, *other.values() or [[0.3]], strict=True):
+        force = 2e9**3 * np.pi**3 * 1e-6 / (6 * (210e9 / (1 - ratio**2)) ** 2)
+        assert record.value == pytest.approx(force, rel=0.03)
+        assert record.note.endswith("its error is not known")  # with a free boundary
+        assert record.unit == "N"
+    assert "meets its limit, 2 GPa, at a force of" in answer.verdict[0]
+
+
+def sweeps(**given):
+    return lambda: asp.Case(**CASE, sweep=given)
+
+
+test_wrong_sweep_is_refused_in_one_line = refuses(
+    (sweeps(**{"body.yong": [1e9]}), "sweep.body.yong: unknown key; did you mean young?"),
+    (sweeps(**{"body.base": ["bonded"]}), "sweep.body.base = 'bonded': a setting that is a number is needed"),
+    (sweeps(**{"body.layers.4.thickness": [1e-6]}), "sweep.body.layers.4.thickness: the case has no group"),
+    (sweeps(**{"film.share": [0.5]}), "sweep.film.share: the case has no group film"),
+    (sweeps(**{THICKNESS: ["-1 um"]}), f"sweep.{THICKNESS} = '-1 um': a length > 0"),
+    (sweeps(**{"load.mean_pressure": [1e20]}), "sweep.load.mean_pressure = 100000000 TPa: load"),
+    (sweeps(**{"body.poisson": [0], "body.young": [1], THICKNESS: [1]}), r"sweep\.values = .*: one or two"),
+    (sweeps(**{"body.poisson": {"from": 0.1, "to": 0.2, "steps": 1}}), r"sweep\.body\.poisson = .*, with 2"),
+    (sweeps(**{"body.poisson": [0.1] * 60, "body.young": [1e9, 2e9]}), "sweep: at most 100 values"),
+    (sweeps(**{"body.young": [1e9], "limit": "7 bananas"}), "sweep.limit = 7 bananas"),
+)  # fmt: skip
+
+
+def test_file_form_and_cost_have_the_sweep(tmp_path):
+    """Keys of a file may stand beside other settings or in groups; the form has them in one field."""
+    short = "map: a.npy\nbody: {young: 1 GPa, poisson: 0.3}\nload: {force: 1 N}\n"
+    for text in (
+        "body.poisson: [0.1, 0.2]",
+        "body: {poisson: [0.1, 0.2]}",
+        "values: {body.poisson: [0.1, 0.2]}",
+    ):
+        (tmp_path / "case.yaml").write_text(f"{short}sweep: {{{text}}}")
+        content = load_case(tmp_path / "case.yaml")
+        assert content["sweep"] == {"values": {"body.poisson": [0.1, 0.2]}}
+        again = form.content_of(form.values_of(content))
+        case = asp.Case.read(again)
+        assert case.sweep.path(case, "body.poisson") == [0.1, 0.2]
+    work = work_of(case)
+    assert work["cases of sweep"] == pytest.approx(2 * sum(work_of(case.replaced(sweep=None)).values()))
+    written = asp.Case(**CASE, sweep={THICKNESS: [1e-6]}).written()["sweep"]
+    assert written == {"values": {THICKNESS: ["1 µm"]}}
+
+
+def test_killed_sweep_continues(tmp_path, monkeypatch):
+    """Rows that were finished are kept, and only with --resume."""
+    monkeypatch.chdir(tmp_path)
+    np.save("ground.npy", 1e6 * HEIGHT)
+    words = ["run", "ground.npy", "--unit", "um", "--physical-size", "64 um", "64 um", "--young", "210 GPa"]
+    words += ["--poisson", "0.3", "--mean-pressure", "50 MPa", "--out", "out"]
+    words += ["--set", "sweep.body.poisson=[0.1, 0.2, 0.25, 0.35, 0.4, 0.45]"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "asperity", *words], env=environment, stderr=subprocess.DEVNULL
+    )
+    rows = tmp_path / "out/.rows"
+    while not (found := [*rows.glob("*.json")]) and process.poll() is None:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert found, "killed before it ended"
+    kept = json.loads(found[0].read_text())
+    kept[0]["value"] = 123.0
+    found[0].write_text(json.dumps(kept))
+    assert main([*words, "--resume"]) == 0
+    assert (pd.read_csv("out/sweep.csv")["value"] == 123.0).sum() == 1
+    assert not rows.exists()
+    rows.mkdir()
+    (rows / found[0].name).write_text(json.dumps(kept))
+    assert main(words) == 0
+    assert not (pd.read_csv("out/sweep.csv")["value"] == 123.0).any()
+
+
+def test_cases_side_by_side_have_the_rows_of_one_process():
+    case = asp.Case(
+        map=asp.HeightMap(np.tile(HEIGHT, (4, 4)), (4 * EDGE, 4 * EDGE), periodic=True, unit="m", name="a"),
+        body={"young": 210e9, "poisson": 0.3},
+        load={"mean_pressure": 5e7},
+        sweep={"body.young": [1e11, 3e11]},
+    )
+    one, two = (answer_of(case, cores=cores).tables["sweep"] for cores in (1, 2))
+    pd.testing.assert_frame_equal(one, two)
