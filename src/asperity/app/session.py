@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import yaml
-from jinja2 import Environment, PackageLoader
+from jinja2 import ChoiceLoader, Environment, PackageLoader
 
 from asperity.app import form
 from asperity.app.pictures import AnswerPictures, Ends, MapPictures, Units
@@ -23,6 +23,7 @@ from asperity.core.errors import DatasetError, InputError
 from asperity.core.units import shown_si, to_si
 from asperity.engineering.case_file import MAP_FILES, at, load_case
 from asperity.engineering.folder import COMPLETE, MANIFEST, UNFINISHED, names_in
+from asperity.engineering.show.tables import tiles_of, unknown_of
 from asperity.results.atomic import locked
 
 LONGEST_TEXT = 100_000
@@ -48,9 +49,13 @@ NEEDED = {
 KILLED = "was killed, perhaps for lack of memory. Inputs are kept."
 
 TEMPLATES = Environment(
-    loader=PackageLoader("asperity.app", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    loader=ChoiceLoader([PackageLoader("asperity.app", ""), PackageLoader("asperity.engineering.show", "")]),
+    autoescape=True,
+    trim_blocks=True,
+    lstrip_blocks=True,
 )
 TEMPLATES.filters["si"] = partial(shown_si, digits=3)
+TEMPLATES.globals |= {"tiles_of": tiles_of, "unknown_of": unknown_of}
 
 
 @dataclass(eq=False)
