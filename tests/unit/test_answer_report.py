@@ -2,6 +2,7 @@
 
 import html
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -119,6 +120,17 @@ def test_tables_have_their_columns(coated):
             assert len(shown) <= max(len(table), 1)
     _, spots = for_reader("contact_spots", coated.tables["contact_spots"])
     assert spots["load"].iloc[0].endswith("N")
+
+
+def test_titles_of_a_long_name_do_not_overlap(coated):
+    named = replace(coated, face=replace(coated.face, name="a measured map with a name as long as a line"))
+    for each in (each for each in pictures(named) if each.name in ("height", "pressure", "plane")):
+        png_of(each.figure)  # places the titles
+        first, second = (axis.get_title("left") for axis in each.figure.axes[:2])
+        lines = [text.splitlines() for text in (first, second)]
+        assert lines[0][0].startswith("a measured map")
+        assert not lines[1][0].strip()  # beside the name
+        assert len(lines[0]) == len(lines[1]) == 2
 
 
 def test_compared_pictures_have_one_scale():
