@@ -59,7 +59,7 @@ def find_spikes(height: Array, threshold: float) -> Array:
     -------
     spikes : (ny, nx) array of bool
     """
-    key = sha256(np.ascontiguousarray(height)).digest(), threshold
+    key = sha256(np.ascontiguousarray(height).data).digest(), threshold
     if key not in _FOUND:
         while len(_FOUND) >= MOST_KNOWN:
             del _FOUND[next(iter(_FOUND))]
