@@ -152,13 +152,10 @@ class Comparison:
     @cached_property
     def decisive(self) -> list[Record]:
         """Numbers of the first item that say which is the best, which all items have and not all as 0."""
-        first, *others = self.records.values()
-        found = []
-        for each in decisive(next(iter(self.items.values())).case, first.values()):
-            known = [each, *(other[key_of(each)] for other in others if key_of(each) in other)]
-            if len(known) == len(self.items) and any(one.best for one in known):
-                found.append(each)
-        return found
+        first, *_ = self.records.values()
+        every = ((each, [of.get(key_of(each)) for of in self.records.values()]) for each in first.values())
+        comparable = [each for each, known in every if all(known) and any(one.best for one in known if one)]
+        return decisive(next(iter(self.items.values())).case, comparable)
 
     @cached_property
     def verdict(self) -> str:
@@ -174,7 +171,7 @@ class Comparison:
         """Sentence about the best of the items, which are in falling order."""
         best, second, *_ = order
         found = self.difference(key, best, second)
-        counts = {name: len(self._maps_of(name)) for name in order}
+        counts = {name: len(getattr(self.items[name], "names", [name])) for name in order}
         maps = {name: "1 map" if count == 1 else f"{count} maps" for name, count in counts.items()}
         first, *others = (f"{self.records[name][key].best_text()} of {name} ({maps[name]})" for name in order)
         numbers = f"{found.first.quantity} {first}, against {' and '.join(others)}"
@@ -190,10 +187,6 @@ class Comparison:
         judged = f"{best} is better" if chance < SIGNIFICANT else "No significant difference"
         wider = max(found.first, found.second, key=lambda each: each.error)
         return f"{judged}: {numbers}; p = {chance:.2g}; most of the interval comes from {cause_of(wider)}."
-
-    def _maps_of(self, name: str) -> Sequence[str]:
-        item = self.items[name]
-        return item.names if isinstance(item, SampleData) else [name]
 
     def frame(self) -> pd.DataFrame:
         """All numbers, and differences to the first; the columns are described in ``docs/tables.md``."""

@@ -136,7 +136,7 @@ def _numbers(sample: SampleData) -> dict[str, pd.DataFrame]:
         rows = []
         for each in records:
             factor, _ = each.scale()
-            values = (f"{float(f'{value / factor:.4g}'):.15g}" for value in sample.values(each))
+            values = (f"{float(f'{value / factor:.3g}'):.15g}" for value in sample.values(each))
             rows.append([label_of(each), each.best_text(), *values])
         found[heading] = pd.DataFrame(rows, columns=["", "mean", *sample.names])
     return found
