@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.records import Record
+from asperity.engineering.records import POSITIONS, Record
 from asperity.results.tables import units
 
 SHOWN_ROWS = 40
@@ -42,15 +43,15 @@ def tiles_of(records: Sequence[Record], units: Any = None) -> list[Tile]:
     tiles = []
     for each in records[:TILES]:
         number, _, rest = each.number(units).partition(": ")
-        errors = each.error_texts(units)[: len(each.errors)]
+        errors = replace(each, varies=False).error_texts(units)  # `unknown_of` says it once
         name = f"{each.quantity}, {each.body} body" if several and each.body else each.quantity
         tiles.append(Tile(name, number, [*filter(None, [rest, each.place(units)]), *errors]))
     return tiles
 
 
 def unknown_of(records: Sequence[Record]) -> str:
-    """What the errors at the top of a page leave out, as a sentence; empty if they are whole."""
-    if not any(each.unknown for each in records[:TILES]):
+    """That the errors at the top of a page leave out positions, as a sentence; empty if they do not."""
+    if not any(POSITIONS in each.unknown for each in records[:TILES]):
         return ""
     return "No ± includes how much other positions of the surface differ: one map does not show it."
 
