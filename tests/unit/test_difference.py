@@ -12,7 +12,9 @@ from test_sample import STEEL, a_map
 
 import asperity as asp
 from asperity.core.errors import DatasetError
+from asperity.core.units import shown_si
 from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
+from asperity.engineering.sample import key_of
 from asperity.engineering.show.comparison import _of_errors, _of_samples, compared
 
 
@@ -60,8 +62,8 @@ def test_errors_of_two_maps_are_normal():
 def test_single_maps_say_that_positions_are_not_known():
     """Each pair of one map of a surface, with errors by discretisation alone."""
     found = compared({"soft": answer_of(1), "hard": answer_of(1, hardness=4e9)})
-    unknown = "not known to be better; one map each: differences between positions are not known."
-    assert found.verdict.endswith(unknown)
+    assert found.verdict.startswith("Not known whether hard is better: ")
+    assert found.verdict.endswith("; one map each: differences between positions are not known.")
     assert "p = " not in found.text()
     assert found.frame()["chance_hard"].isna().all()
     mixed = compared({"several": sample_of(1, 2, 3), "one": answer_of(4)})
@@ -75,9 +77,11 @@ def test_samples_are_judged_by_the_volume_above_yield():
     values = [sample.values(sample[key[2]]) for sample in found.items.values()]
     assert difference.chance == pytest.approx(stats.ttest_ind(*values, equal_var=False).pvalue, rel=0.3)
     best = min(found.items, key=lambda name: found.items[name][key[2]].best)
-    assert found.verdict.startswith(f"{best}: volume above yield per area ")
-    judged = "better" if difference.chance < 0.05 else "no significant difference"
-    assert f"; {judged}, p = {difference.chance:.2g}." in found.verdict
+    judged = f"{best} is better" if difference.chance < 0.05 else "No significant difference"
+    text = found.records[best][key].best_text()
+    assert found.verdict.startswith(f"{judged}: volume above yield per area {text} of {best} (3 maps), ")
+    cause = "; most of the interval comes from differences between measurement positions."
+    assert f"; p = {difference.chance:.2g}{cause}" in found.verdict
 
 
 def test_fractions_above_yield_refer_to_one_depth():
@@ -90,6 +94,7 @@ def test_fractions_above_yield_refer_to_one_depth():
             for name in ("volume above yield per area", "volume fraction above yield")
         )
         assert fraction.best == pytest.approx(volume.best / max(depths))
+    assert f"volume fraction above yield, down to {shown_si(max(depths), 'm', 3)}" in str(found)
 
 
 def test_three_answers_and_their_files(tmp_path):
@@ -106,7 +111,8 @@ def test_three_answers_and_their_files(tmp_path):
         "comparison.json",
     ]
     page = (tmp_path / "comparison.html").read_text(encoding="utf-8")
-    assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>Numbers</h2>")
+    assert page.index(found.records["map 1"][key_of(found.decisive[0])].best_text()) < page.index("<img ")
+    assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>All numbers</h2>")
     assert "<script" not in page
     assert all(name in json.dumps(page) for name in names)
     with pytest.raises(ValueError, match="answers: at least two"):

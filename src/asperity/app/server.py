@@ -209,9 +209,10 @@ class _Download(_OfSession, RequestHandler):
 
 def _pack(files: Mapping[str, Path], packed: IO[bytes]) -> None:
     """Write a zip into a file, and go to the start of the file."""
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(packed, "w", compresslevel=1) as archive:
         for name, path in files.items():
-            archive.write(path, name)
+            is_packed = path.suffix in (".nc", ".png", ".xlsx")  # by the formats themselves
+            archive.write(path, name, zipfile.ZIP_STORED if is_packed else zipfile.ZIP_DEFLATED)
     packed.seek(0)
 
 

@@ -12,9 +12,10 @@ from asperity.contact import Contact
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
+from asperity.engineering.answer_data import at_the_top
 from asperity.engineering.numbers import EXTREMES, LIMITS, limit_of
 from asperity.engineering.question import RESOLUTION_CHANGE, Stages
-from asperity.engineering.records import Advice, Record, per_cent
+from asperity.engineering.records import DISCRETISATION, PLANES, Advice, Record, per_cent
 from asperity.settings.body import HARDNESS_OVER_YIELD, OfMaterial
 from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
@@ -240,7 +241,13 @@ def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
         waves = f" The shortest wave, {shown_si(wave, 'm', 3)}, has {wave / pixel:.2g} pixels; "
         waves += f"{FEW_PIXELS_PER_WAVE} resolve it."
     settled = size <= RESOLUTION_CHANGE
-    found = {"pixel": pixel, "changes": changed, "waves": waves, "size": size}
+    error = f"those twice as large change numbers by up to {per_cent(size)}"
+    top = [each for each in at_the_top(stages.asked, records) if each.best]
+    for each in top:
+        of_pixels = [each.errors.get(cause, 0.0) for cause in (DISCRETISATION, PLANES)]
+        if (relative := math.hypot(*of_pixels) / abs(each.best)) > size:
+            size, error = relative, f"the {each.quantity} errs by up to {per_cent(relative)}"
+    found = {"pixel": pixel, "changes": changed, "waves": waves, "size": size, "error": error}
     yield not settled, "resolved" if settled else "unresolved", found
 
 

@@ -299,8 +299,12 @@ def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list
 
 
 def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
-    """The answer to each question in a sentence, then a sentence about interfaces and the contact."""
-    texts = [each.verdict for each in found.values()]
+    """A sentence for each question, those that are asked for first, then about interfaces and the contact.
+
+    The force of friction, which decides nothing, is last.
+    """
+    asked = sorted(found, key=lambda name: name not in stages.asked.model_fields_set)
+    texts = [found[name].verdict for name in asked if name != "sliding"]
     for name in stages.asked.different_bodies:
         body = stages.bodies[name]
         for face, stresses in zip(body.body.interfaces, body.interfaces, strict=True):
@@ -314,6 +318,7 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
     pressure = shown_si(stages.numbers.maximum_pressure, "Pa", 3)
     contact = f"the bodies touch on {per_cent(stages.numbers.contact_area_fraction)} of the area"
     texts.append(f"{contact}, under a pressure of up to {pressure}")
+    texts += [each.verdict for name, each in found.items() if name == "sliding"]
     return [f"{text[0].upper()}{text[1:]}." for text in texts if text]
 
 

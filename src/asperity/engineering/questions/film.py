@@ -125,7 +125,7 @@ class Film(Question):
             size = high / low - 1 if low else math.inf
             text = f"by the published correlations {', '.join(SHARES_OF_ASPERITIES)} the asperities carry "
             text += f"{per_cent(low)} to {per_cent(high)} of the load at Λ = {self.lambda_ratio:g}; give "
-            text += "film.load_fraction where it is known better."
+            text += "the load fraction of the film where it is known better (film.load_fraction)."
             short = f"film: asperities carry {per_cent(low)} to {per_cent(high)} of the load by correlations"
             is_small = size < SAME_SHARE
             warnings = [] if is_small else [Advice(size > 1, "load fraction of the film", text, short, size)]

@@ -99,8 +99,8 @@ class Sliding(Question):
     def _warnings(self, stages: Stages) -> Iterator[Advice]:
         """Direction that was not given; change of the displacement by the neglected friction."""
         if self._chosen:
-            along = f"sliding.direction is not given: the faces slide along {self.direction}"
-            text = f"{along}, as {self._chosen}. The stress depends on the direction."
+            along = f"no direction is given: the faces slide along {self.direction}, as {self._chosen}"
+            text = f"{along}. The stress depends on the direction (sliding.direction)."
             yield Advice(False, "direction of sliding", text)
         import numpy as np
 

@@ -13,6 +13,7 @@ import numpy as np
 from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.answer_data import ALIKE
 from asperity.engineering.places import Blocks
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
@@ -129,6 +130,8 @@ class Yielding(Question):
                     volume = found.exceedance.volume * stages.face.grid.area
                     attributes[body] = {"yield_stress": constants.yield_stress, "volume_above_yield": volume}
         materials = [*_materials(stages, records)]
+        if len(materials) == 2 and materials[0].equals(materials[1]):
+            materials = [materials[0]._replace(words="the material of both bodies")]
         return Findings(
             records=records,
             verdict="; ".join(each.verdict() for each in materials),
@@ -190,6 +193,11 @@ class _Material(NamedTuple):
     volume: Record | None
     depth: Record | None
 
+    def equals(self, other: _Material) -> bool:
+        """True for materials of two bodies without coatings whose yield stress and stress are equal."""
+        same = abs(self.stress.value - other.stress.value) <= ALIKE * self.stress.value
+        return not (self.name or other.name) and self.limit == other.limit and same
+
     @property
     def is_elastic(self) -> bool:
         """True if the whole interval of the stress, or its value where none is known, is below yield."""
@@ -227,11 +235,12 @@ class _Material(NamedTuple):
             affected = (
                 f". The answer is elastic: real material flows there{affected}. The pressure stays below "
             )
-            affected += (
-                f"the hardness, about {hardness}, and the contact area grows; body.hardness limits the "
-            )
-            affected += "pressure"
-        return Advice(True, "stress beyond yield", f"{text}{affected}.")
+            affected += f"the hardness, about {hardness}, and the contact area grows; a hardness limits the "
+            affected += "pressure (body.hardness)"
+        size = 1 - self.limit / self.stress.best
+        times = f"{self.stress.best / self.limit:.3g} times the yield stress"
+        short = f"model: the stress is elastic, up to {times}{of}" if size > 0 else ""
+        return Advice(True, "stress beyond yield", f"{text}{affected}.", short, size)
 
 
 def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]:

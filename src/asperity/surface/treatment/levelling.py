@@ -1,5 +1,6 @@
 """Operations on the heights of a map: scan lines, spikes, missing points, trends, filters, windows."""
 
+from hashlib import sha256
 from typing import get_args
 
 import numpy as np
@@ -28,6 +29,12 @@ OWN_SHARPNESS = 8.0
 
 _MAX_DESPIKE_ITERATIONS = 10
 
+MOST_KNOWN = 4
+"""Maps whose spikes are kept: description, doubts and treatment of a map ask for the same ones."""
+
+_FOUND: dict[tuple[bytes, float], Array] = {}
+"""Hash of the heights and threshold → spikes."""
+
 
 def find_spikes(height: Array, threshold: float) -> Array:
     """Points of a map that differ from their surroundings and are too sharp for its waves.
@@ -52,6 +59,15 @@ def find_spikes(height: Array, threshold: float) -> Array:
     -------
     spikes : (ny, nx) array of bool
     """
+    key = sha256(np.ascontiguousarray(height).data).digest(), threshold
+    if key not in _FOUND:
+        while len(_FOUND) >= MOST_KNOWN:
+            del _FOUND[next(iter(_FOUND))]
+        _FOUND[key] = _find_spikes(height, threshold)
+    return _FOUND[key].copy()
+
+
+def _find_spikes(height: Array, threshold: float) -> Array:
     from scipy.ndimage import distance_transform_edt
 
     missing = ~np.isfinite(height)
