@@ -46,6 +46,9 @@ CASE_FILE = "case.yaml"
 DATA = "answer.json"
 """Name of the file with the records of an answer."""
 
+KINDS = {DATA: "an answer", SAMPLE_DATA: "a sample", COMPARISON_DATA: "a comparison"}
+"""Name of the file that only one kind of folder has → the kind."""
+
 STEMS = (
     *(
         "case",
@@ -97,6 +100,10 @@ def folder_problem(
     if not existing.is_dir():
         return "a file, the name of a folder is needed" if existing == folder else f"{existing} is a file"
     own, names = names_in(folder), set(names)
+    kinds = {DATA} if stems else KINDS.keys() & names
+    for other in KINDS.keys() & own if kinds else ():
+        if other not in kinds:
+            return f"holds {KINDS[other]}; another folder is needed"
     for path in sorted(there):
         is_like = path.suffix in SUFFIXES and path.stem.startswith(stems or ("\0",))
         if not (path.name in names or is_like) or path.is_dir():
