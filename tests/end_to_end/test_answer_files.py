@@ -102,6 +102,9 @@ def test_files_of_a_killed_process_are_removed(pool):
         shutil.move(pool / name, pool / ".complete" / name)
     assert status("run", pool / "case.yaml", "--out", pool) == status("verify", pool) == 0
     assert not [*pool.rglob(".unfinished-*"), *pool.rglob(".complete")]
+    (pool / "a/.unfinished-y").mkdir()
+    assert status("run", pool / "case.yaml", "--out", pool, "--resume") == 0
+    assert not [*pool.rglob(".unfinished-*")]
 
 
 def lost_answer(pool):

@@ -32,8 +32,7 @@ from asperity.app.session import TEMPLATES, Session
 from asperity.app.worker import Worker
 from asperity.core.errors import DatasetError, shown
 from asperity.core.system import has_ended, process_name
-from asperity.engineering.folder import MANIFEST, UNFINISHED, names_in
-from asperity.results.atomic import locked
+from asperity.engineering.folder import MANIFEST, names_in, remove_unfinished
 from asperity.settings.materials import table
 
 LOOPBACK = "127.0.0.1"
@@ -346,11 +345,7 @@ def _remove_abandoned(out: str | None) -> None:
         found = re.fullmatch(rf"{TEMPORARY}([\w-]+\.\d+\.\d+)-\w+", folder.name)
         if found and has_ended(found[1]):
             shutil.rmtree(folder, ignore_errors=True)
-    for answer in Path(out).glob("answer_*") if out else ():
-        with suppress(DatasetError, OSError):
-            for folder in (*filter(Path.is_dir, answer.iterdir()), answer):
-                with locked(folder):  # not by a running process
-                    for unfinished in folder.glob(f"{UNFINISHED}*"):
-                        shutil.rmtree(unfinished, ignore_errors=True)
-                if not any(folder.iterdir()):
-                    folder.rmdir()
+    for folder in sorted(Path(out).glob("answer_*/**"), reverse=True) if out else ():
+        with suppress(DatasetError, OSError):  # of a running process, or not empty
+            remove_unfinished(folder)
+            folder.rmdir()

@@ -121,8 +121,8 @@ class AnswerData:
         """All parts of the answer, those of an opened one read from its folder."""
         for name in self.__dict__.get("_later", {}):
             getattr(self, name)
-        kept = {name: part for name, part in self.__dict__.items() if name != "_later"}
-        return {name: dict(part) if isinstance(part, Mapping) else part for name, part in kept.items()}
+        parts = {name: part for name, part in self.__dict__.items() if name != "_later"}
+        return parts | {name: dict(parts[name]) for name in ("stress", "tables", "datasets")}
 
     def __getitem__(self, quantity: str) -> Record:
         return self.record(quantity)

@@ -31,7 +31,14 @@ from asperity.engineering.case_file import (
     names_of_maps,
 )
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.folder import COMPARISON, SAMPLE, folder_problem, locked, stems_of
+from asperity.engineering.folder import (
+    COMPARISON,
+    SAMPLE,
+    folder_problem,
+    locked,
+    remove_unfinished,
+    stems_of,
+)
 from asperity.engineering.sample import check_alike
 from asperity.engineering.stages import problems_on_map
 from asperity.settings.map import CounterMap, Map
@@ -271,6 +278,7 @@ def computed(
         made = _one_by_one(left, progress) if processes == 1 else _in_parallel(left, progress, processes)
         for job in arrangement.jobs:
             if job.name in kept:
+                remove_unfinished(job.folder)
                 yield replace(job, is_kept=True), read_data(job.folder, Answer)
             else:
                 yield job, next(made)

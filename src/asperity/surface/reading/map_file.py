@@ -526,12 +526,10 @@ def _logical(form: Format, reader: Any, file: Any) -> set[str]:
     """Names of arrays that hold true and false."""
     if form.name == "h5":
         return {info.name for info in reader.channels if reader._h5[info.name].dtype.kind == "b"}
-    if form.name == "mat" and not reader._hdf5:
-        from scipy.io import whosmat
-
-        file.seek(0)
-        return {name for name, _, kind in whosmat(file) if kind == "logical"}
-    return set()
+    if form.name != "mat" or reader._hdf5:
+        return set()
+    file.seek(0)
+    return {name for name, _, kind in import_module("scipy.io").whosmat(file) if kind == "logical"}
 
 
 def _first_line(error: Exception) -> str:
