@@ -259,6 +259,13 @@ def test_maps_named_like_files_of_answers_are_refused(tmp_path, name):
     assert status("run", *maps, *STEEL, "--pooled", "--out", out, "--check") == 2
 
 
+def test_folder_in_a_loop_of_links_is_one_line(tmp_path, capsys):
+    write_map(tmp_path / "map.txt", 0)
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    assert status("run", tmp_path / "map.txt", *STEEL, "--out", tmp_path / "loop") == 1
+    assert "loop: cannot be written" in capsys.readouterr().err
+
+
 def test_folder_that_is_not_utf_8_is_refused(tmp_path, monkeypatch, capsys):
     """Before anything is computed, also where the working folder has such a name."""
     file, folder = write_map(tmp_path / "a.txt", 1), tmp_path / os.fsdecode(b"d\xe4")

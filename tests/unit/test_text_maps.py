@@ -427,6 +427,12 @@ def test_a_list_of_points_is_recognised(tmp_path, heading, more, edges):
     assert_map(read_map(tmp_path / "points.txt", **edges), 1, 1)
 
 
+def test_one_row_is_no_map(tmp_path):
+    (tmp_path / "row.txt").write_text("1 2 4 " * 40)
+    with pytest.raises(MapError, match="a rectangular map is needed, not a line scan of 120 points"):
+        read_map(tmp_path / "row.txt")
+
+
 def test_a_list_of_points_without_a_heading_is_no_map_of_four_columns(tmp_path):
     points = [(0.5 * x, 0.5 * y, LARGE[y, x], y % 3) for y in range(30) for x in range(40)]
     np.savetxt(tmp_path / "points.txt", points)

@@ -203,7 +203,9 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
             found.append(Problem("", str(error)))
     if problem := folder_problem(folder, stems=() if case is None else stems_of(case)):
         found.append(Problem("out", f" = {folder}: {problem}"))
-    elif not missing and folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
+    elif not missing and os.path.realpath(folder) in [
+        os.path.dirname(os.path.realpath(each)) for each in files.values()
+    ]:
         found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
     return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *changed, *missing]),))
 

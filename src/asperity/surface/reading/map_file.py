@@ -6,6 +6,7 @@ SurfaceTopography.
 
 import gzip
 import io
+import logging
 import math
 import os
 import re
@@ -67,6 +68,8 @@ LINE_SCAN = "a rectangular map is needed, not a line scan"
 DECLARED = "set format to profile to take it as a map with the same heights for all y"
 
 UNREADABLE = "not a height map that can be read"
+
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # of damaged files, which are refused
 
 
 @own_errors

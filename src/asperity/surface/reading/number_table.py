@@ -239,7 +239,7 @@ class NumberTable:
             heights = heights[:, 1:]
         for name, values in (("row", heights), ("column", heights.T)):
             ends = [("first", values[:, corner:]) for corner in (0, 1)] + [("last", values[::-1])]
-            if side := next((end for end, lines in ends if _are_positions(lines)), None):
+            if side := next((end for end, lines in ends if len(lines) > 1 and _are_positions(lines)), None):
                 raise ValueError(
                     f"its {side} {name}{self._how_read} holds numbers or positions of points; delete it"
                 )
