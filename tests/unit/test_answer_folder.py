@@ -5,6 +5,8 @@ Every template and every case of the documentation is answered on maps of 32 × 
 
 import json
 import math
+import pickle
+import re
 import shutil
 from dataclasses import fields, replace
 from pathlib import Path
@@ -165,6 +167,37 @@ def test_heights_of_an_array_are_kept(written):
     is_same(answer, asp.open_answer(folder))
     again = asp.run(asp.Case.read(asp.open_answer(folder).case.written()))
     assert again["contact area fraction"] == answer["contact area fraction"]
+
+
+def test_an_opened_answer_needs_no_working_folder(written, monkeypatch):
+    answer, folder = written
+    monkeypatch.chdir(folder.parent)
+    opened = asp.open_answer(folder.name)
+    monkeypatch.chdir(folder.parent.parent)
+    again = pickle.loads(pickle.dumps(opened))
+    is_same(answer, opened)
+    assert str(again) == str(answer)
+    np.testing.assert_array_equal(again.contact.pressure, answer.contact.pressure)
+    assert all(again.tables[name].equals(table) for name, table in answer.tables.items())
+
+
+def test_a_folder_keeps_its_kind(written, tmp_path):
+    """What can be opened is never replaced by another kind, and what cannot be opened is not written."""
+    answer, folder = written
+    sample, comparison = asp.pool({"answer": answer}), answer.compare(answer)
+    (tmp_path / "comparison").mkdir()
+    comparison.write(tmp_path / "comparison")
+    sample.write(tmp_path)
+    both = f"{tmp_path}: holds a sample", f"{folder}: holds an answer"
+    for item, wrong in ((answer, tmp_path), (comparison, tmp_path), (comparison, folder)):
+        with pytest.raises(ValueError, match="|".join(map(re.escape, both))):
+            item.write(wrong)
+    assert str(asp.open_answer(tmp_path)) == str(sample)
+    assert str(asp.open_answer(tmp_path / "comparison")) == str(comparison)
+    answer.__dict__["folder"] = None
+    for item in (sample, answer.compare(answer)):
+        with pytest.raises(ValueError, match=r"the answer of .* is needed .*; write it first"):
+            item.write(tmp_path / "new")
 
 
 def rewritten(folder, content):

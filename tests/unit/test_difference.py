@@ -11,7 +11,6 @@ from scipy import stats
 from test_sample import STEEL, a_map
 
 import asperity as asp
-from asperity.core.errors import DatasetError
 from asperity.core.units import shown_si
 from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
 from asperity.engineering.sample import key_of
@@ -105,20 +104,16 @@ def test_three_answers_and_their_files(tmp_path):
     row = table.set_index("quantity").loc["maximum pressure"]
     assert row["value_map 1"] == sample_of(1, 2)["maximum pressure"].best
     assert row["difference_map 1"] == row["value_map 1"] - row["value_patch 1 1"]
-    assert [path.name for path in found.write(tmp_path)] == [
-        "comparison.csv",
-        "comparison.html",
-        "comparison.json",
-    ]
-    page = (tmp_path / "comparison.html").read_text(encoding="utf-8")
+    with pytest.raises(ValueError, match="the answer of patch 1 is needed in a folder; write it first"):
+        found.write(tmp_path / "new")  # which could not be opened
+    assert not (tmp_path / "new").exists()
+    page = found.page(tmp_path)
     assert page.index(found.records["map 1"][key_of(found.decisive[0])].best_text()) < page.index("<img ")
     assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>All numbers</h2>")
     assert "<script" not in page
     assert all(name in json.dumps(page) for name in names)
     with pytest.raises(ValueError, match="answers: at least two"):
         compared([answer_of(1)])
-    with pytest.raises(DatasetError, match="the answer of patch 1 1 was not written"):
-        asp.open_answer(tmp_path)
 
 
 def test_comparison_is_opened_and_moved_with_its_answers(tmp_path):

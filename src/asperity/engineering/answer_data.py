@@ -116,6 +116,13 @@ class AnswerData:
         object.__setattr__(self, name, later[name]())
         return self.__dict__[name]
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All parts of the answer, those of an opened one read from its folder."""
+        for name in self.__dict__.get("_later", {}):
+            getattr(self, name)
+        parts = {name: part for name, part in self.__dict__.items() if name != "_later"}
+        return parts | {name: dict(parts[name]) for name in ("stress", "tables", "datasets")}
+
     def __getitem__(self, quantity: str) -> Record:
         return self.record(quantity)
 

@@ -290,10 +290,11 @@ def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list
     bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
     completed = []
     for each in records:
-        made = replace(each, bounds=bounds.get(each.quantity, each.bounds))
+        if (limit := bounds.get(each.quantity)) is not None:  # which the solver exceeds by its tolerance
+            each = replace(each, bounds=limit, value=min(each.value, limit.high))
         if (error := relative.get((each.quantity, each.body))) is not None:
-            made = made.with_error(INPUTS, error * abs(each.value))
-        completed.append(made)
+            each = each.with_error(INPUTS, error * abs(each.value))
+        completed.append(each)
     topics = list(dict.fromkeys((each.topic, each.body) for each in completed))
     return sorted(completed, key=lambda each: topics.index((each.topic, each.body)))
 

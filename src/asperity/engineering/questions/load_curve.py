@@ -172,7 +172,7 @@ class LoadCurve(Question):
         stiffness = float(curve["stiffness"][-1])
         words = IN_FULL_CONTACT if np.isposinf(stiffness) else ""
         records = [Record("stiffness", stiffness, "Pa/m", TOPIC, words=words, note="at the last load")]
-        table = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS)
+        table = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS).rename_axis(None)
         for name in names:
             stresses = curve["maximum_von_mises_stress"].sel(body=name).values
             table[f"maximum_von_mises_{name}_Pa"] = stresses

@@ -73,6 +73,10 @@ class Sliding(Question):
         found._chosen = at if has_lay else "the map has no strong lay"
         return found
 
+    def along(self, first: Sliding) -> Sliding:
+        """The direction of the first of several maps, unless one was given."""
+        return self.replaced(direction=first.direction) if self._chosen else self
+
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():

@@ -260,7 +260,13 @@ class Comparison:
         return next(iter(item.answers.values())) if isinstance(item, SampleData) else item
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write the table and the page into a folder, and the names of the folders of the answers."""
+        """Write the table and the page into a folder, and the names of the folders of the answers.
+
+        Raises
+        ------
+        ValueError
+            If an answer has not been written, or the folder holds an answer or a sample.
+        """
         folder = Path(folder)
         kept = {
             name: {own: _folder_of(each, folder) for own, each in item.answers.items()}
@@ -275,9 +281,11 @@ class Comparison:
         return [folder / name for name in COMPARISON]
 
 
-def _folder_of(answer: AnswerData, folder: Path) -> str | None:
-    """Name of the folder of an answer, relative to another one; None if it was not written."""
-    return Path(os.path.relpath(answer.folder, folder)).as_posix() if answer.folder else None
+def _folder_of(answer: AnswerData, folder: Path) -> str:
+    """Name of the folder of an answer, relative to another one."""
+    if answer.folder is None:
+        raise ValueError(f"{folder}: the answer of {answer.face.name} is needed in a folder; write it first")
+    return Path(os.path.relpath(answer.folder, folder)).as_posix()
 
 
 def _of_errors(first: Record, second: Record) -> Difference:

@@ -79,7 +79,8 @@ def preview(sample: SampleData) -> str:
 def write_sample(sample: SampleData, folder: Path) -> list[Path]:
     """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
     found = tables(sample)
-    if missing := [name for name in sample.names if not (folder / name / MANIFEST).is_file()]:
+    unwritten = (name for name, each in sample.answers.items() if each.folder is None)
+    if missing := [name for name in sample.names if not (folder / name / MANIFEST).is_file()] or [*unwritten]:
         raise ValueError(f"{folder / missing[0]}: the answer of each map is needed there; write it first")
     with locked(folder), replacing(folder, kept=set()) as unfinished:
         for name, each in found.items():
