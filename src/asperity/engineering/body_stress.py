@@ -13,14 +13,14 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import HalfGrid, continuum_on_grids
 from asperity.engineering.scene import Scene
 from asperity.settings.body import Body
 from asperity.stress.analysis import SOUGHT, analyse_stress
-from asperity.stress.extremes import Extreme, Extremes, largest_of
+from asperity.stress.extremes import DIRECTION, Extreme, Extremes, largest_of
 from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -178,9 +178,21 @@ def body_stress(
     )
     parts = extremes.refined(on_nodes, STRESS_TOLERANCE, **sliding)
     values = {field: each.value for field, each in largest_of(parts).items()}
+    stress["peak_value"].values = _within(stress, values)
     main = stress.sel(quantity=list(ESTIMATED))
     limits = continuum_on_grids(contact, coarse, main, name, on_half, values)
     return BodyStress(case.bodies[name], layer, stress, limits, parts, interface.found, observed)
+
+
+def _within(stress: xr.Dataset, extremes: Mapping[str, float]) -> Array:
+    """Values of the peaks, none of which is beyond the extreme value of its field: both are interpolated."""
+    values, quantities = stress["peak_value"].values.copy(), stress["peak_quantity"].values
+    for name, value in extremes.items():
+        ends = {1: (-np.inf, value), -1: (value, np.inf)}.get(
+            DIRECTION.get(name, 0), (-abs(value), abs(value))
+        )
+        values[quantities == name] = np.clip(values[quantities == name], *ends)
+    return values
 
 
 class _AtInterface:

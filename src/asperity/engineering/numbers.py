@@ -31,7 +31,7 @@ from asperity.engineering.scene import Scene
 from asperity.settings.body import HARDNESS_OVER_YIELD
 from asperity.settings.load import Hertz
 from asperity.stress.extremes import DIRECTION
-from asperity.stress.peaks.selection import has_percentile, select_peaks
+from asperity.stress.peaks.selection import has_percentile, in_cell, select_peaks
 
 EXTREMES = {
     "von_mises": "maximum von Mises stress",
@@ -198,10 +198,10 @@ def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) ->
             yield record("energy of the residual stress of the coating", energy, "J/m^2", note=note)
         if coating is not None and coating.yield_stress is not None:
             yield record("yield stress of the coating", coating.yield_stress)
-    peaks = select_peaks(stress.stress, "von_mises", selection="under_contact")["peak_value"].values
+    peaks, maps = in_cell(select_peaks(stress.stress, "von_mises", selection="under_contact"))
     for percent in PERCENTS:
-        if has_percentile(peaks.size, percent / 100):
-            value = float(np.percentile(np.abs(peaks), percent))
+        if has_percentile(peaks.sizes["peak"] / maps, percent / 100):
+            value = float(np.percentile(peaks["peak_value"].values, percent))
             yield record(f"{percent}th percentile of the peaks", value, bounds=POSITIVE)
 
 

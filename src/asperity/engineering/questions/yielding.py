@@ -26,7 +26,7 @@ from asperity.engineering.records import (
 )
 from asperity.engineering.scene import Scene
 from asperity.settings.body import HARDNESS_OVER_YIELD
-from asperity.stress.peaks.selection import select_peaks
+from asperity.stress.peaks.selection import in_cell, select_peaks
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -121,9 +121,9 @@ def _records(stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
     of: dict[str, Any] = {"topic": "stress", "body": body}
     worse: dict[str, Any] = of | {"varies": True, "better": "less"}
     limit = part.body.yield_stress or np.inf
-    peaks = select_peaks(part.stress, "von_mises")
+    peaks, maps = in_cell(select_peaks(part.stress, "von_mises"))
     is_above = peaks["peak_value"].values > limit
-    error = above.error(part.limits, int(is_above.sum()))
+    error = above.error(part.limits, np.count_nonzero(is_above) / maps)
     positions = found.error_of_positions(stages.blocks)
     yield Record("yield stress", limit, "Pa", **of)
     per_area = Record("volume above yield per area", above.volume, "m", bounds=POSITIVE, **worse)
@@ -146,7 +146,7 @@ def _records(stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
         note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
         yield Record("maximum depth above yield", last, "m", note=note, bounds=POSITIVE, **worse)
     below = peaks["peak_depth"].values > (part.layer.interface or -1.0)
-    density = int((is_above & below).sum()) / stages.numbers.nominal_area
+    density = np.count_nonzero(is_above & below) / maps / stages.numbers.nominal_area
     yield Record("peaks above yield", density, "1/m^2", bounds=POSITIVE, **worse)
 
 
