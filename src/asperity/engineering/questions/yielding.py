@@ -15,6 +15,7 @@ from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.places import Blocks
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
+    DISCRETISATION,
     PLANES,
     POSITIONS,
     POSITIVE,
@@ -128,7 +129,7 @@ def _records(stages: Stages, body: str, found: Yielded) -> Iterator[Record]:
     yield Record("yield stress", limit, "Pa", **of)
     per_area = Record("volume above yield per area", above.volume, "m", bounds=POSITIVE, **worse)
     if above.depths is None:
-        none = "none: everything stays elastic"
+        none = "none: everything stays elastic" if error == 0 else "none on these pixels"
         yield Record("volume above yield", 0.0, "m^3", words=none, **worse)
         extrapolated = 0.0 if error == 0 else np.nan  # far below yield: it is known to be zero
         yield replace(per_area, extrapolated=extrapolated).with_error(PLANES, error)
@@ -174,6 +175,7 @@ class _Material(NamedTuple):
         text = f"{self.words} yields"
         if self.is_elastic:
             text = f"{self.words} stays elastic"
+            text += " on these pixels (discretisation error not known)" if DISCRETISATION in self.stress.lacks else ""
         elif low <= self.limit:
             text = f"{self.words} may yield"
         text += f": maximum von Mises stress {shown}, {ratio}"
