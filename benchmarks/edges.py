@@ -21,6 +21,7 @@ import random_cases
 import asperity as asp
 from asperity.core.types import Array
 from asperity.stress.peaks.selection import in_cell
+from asperity.surface.treatment import levelling
 
 NODES, CUTS = 512, 4
 MAP = NODES // CUTS
@@ -84,7 +85,7 @@ def compared(case: Case) -> list[random_cases.Row]:
     height = asp.self_affine((NODES, NODES), hurst, *waves, rms_height=1e-3, seed=seed)
     height = asp.surface.johnson(height, skew, 1.5) if skew else np.asarray(height)
     whole = asp.solve_contact(height, LAYER, contact_area_fraction=0.1)
-    edge, found = MAP / NODES, dict[str, list[tuple[Peaks, float]]]()
+    edge, found = MAP / NODES, dict[str, list[tuple[Peaks, float, float]]]()
     mirrored = asp.Grid((MAP, MAP), edge, mirrored=True)
     y, x = np.mgrid[:MAP, :MAP].reshape(2, -1) / MAP - 0.5
     plane = np.stack([np.ones(MAP**2), y, x], 1)
@@ -92,34 +93,37 @@ def compared(case: Case) -> list[random_cases.Row]:
         part = tuple(slice(MAP * at, MAP * at + MAP) for at in (row, column))
         own, load = height[part].ravel(), float(whole.pressure[part].mean())
         level = (own - plane @ np.linalg.lstsq(plane, own, rcond=None)[0]).reshape(MAP, MAP)
-        found.setdefault("whole", []).append((peaks_of(whole, row, column), 0.0))
+        found.setdefault("whole", []).append((peaks_of(whole, row, column), 0.0, 0.0))
         for name, heights, grid, boundary in (
             ("mirrored", level, mirrored, "periodic"),
+            ("mirrored, without slope at the edges", levelling.level_edges(level)[0], mirrored, "periodic"),
             ("odd, over a shortest wave", odd_continued(level, short), 2 * edge, "periodic"),
             ("odd, over half of the map", odd_continued(level, MAP / 2), 2 * edge, "periodic"),
             ("free boundary", level, edge, "free"),
         ):
             begin = time.perf_counter()
             contact = asp.solve_contact(heights, LAYER, grid, mean_pressure=load, boundary=boundary)
-            peaks = peaks_of(contact)
-            found.setdefault(name, []).append((peaks, time.perf_counter() - begin))
+            area = contact.contact_area_fraction / np.count_nonzero(whole.pressure[part]) * MAP**2 - 1
+            found.setdefault(name, []).append((peaks_of(contact), area, time.perf_counter() - begin))
     for name, width in (("mirrored, without a strip", short / 2), ("mirrored, without a wide strip", short)):
         found[name] = [
-            (Peaks(peaks.value[peaks.distance >= width], peaks.distance[peaks.distance >= width]), seconds)
-            for peaks, seconds in found["mirrored"]
+            (Peaks(*(each[peaks.distance >= width] for each in peaks)), *others)
+            for peaks, *others in found["mirrored"]
         ]
     rows = []
     exact = found.pop("whole")
-    every = np.concatenate([peaks.value for peaks, _ in exact])
+    every = np.concatenate([peaks.value for peaks, *_ in exact])
     for name, maps in {"whole": exact, **found}.items():
-        values, distances = (np.concatenate(each) for each in zip(*(peaks for peaks, _ in maps), strict=True))
+        values, distances = (
+            np.concatenate(each) for each in zip(*(peaks for peaks, *_ in maps), strict=True)
+        )
         high = values >= np.quantile(values, 0.95)
         shared = {
             f"{level}th percentile": np.percentile(values, level) / np.percentile(every, level) - 1
             for level in LEVELS
         } | {"high_near": (distances[high] < short / 2).mean()}
-        for (peaks, seconds), (truth, _) in zip(maps, exact, strict=True):
-            own = {"kind": kind, "continuation": name, "seconds": seconds}
+        for (peaks, area, seconds), (truth, *_) in zip(maps, exact, strict=True):
+            own = {"kind": kind, "continuation": name, "seconds": seconds, "area": area}
             own["maximum"] = peaks.value.max(initial=0.0) / truth.value.max() - 1
             own["maximum_near"] = float(peaks.distance[peaks.value.argmax()] < short / 2)
             rows.append(own | shared)
@@ -136,7 +140,7 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
     """Relative errors in per cent, and shares of maps and peaks, by kind and continuation."""
     groups = pd.concat([rows.assign(kind="all"), rows]).groupby(["kind", "continuation"], sort=False)
     found = {"maps": groups.size()}
-    for name in (*(f"{level}th percentile" for level in LEVELS), "maximum"):
+    for name in ("area", *(f"{level}th percentile" for level in LEVELS), "maximum"):
         found[f"{name}, mean"] = 100 * groups[name].mean()
         found[f"{name}, rms"] = 100 * groups[name].agg(lambda each: np.sqrt((each**2).mean()))
     found["maximum 10 % too high"] = 100 * groups["maximum"].agg(lambda each: (each > 0.1).mean())

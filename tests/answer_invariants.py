@@ -8,8 +8,8 @@ import numpy as np
 
 from asperity.engineering.records import DISCRETISATION, FRACTION, PLANES
 
-ROUNDING, SOLVER = 1e-9, 1e-3
-"""Relative room for rounding, and for the tolerances of the contact and of the planes of the stress."""
+ROUNDED, MONOTONE = 1e-5, 1e-3
+"""Relative room for the tolerance of the contact, and for that of a search, between numbers of an answer."""
 
 ALIKE = (
     ("contact area fraction", "contact area"),
@@ -51,17 +51,21 @@ def _relative(record):
 def _of_record(answer, record):
     """Bounds, position and printed text of a number."""
     name, (low, high, _) = f"{record.quantity} {record.body}".strip(), record.bounds
-    room = SOLVER * max(abs(record.value), 1e-300)
+    room = ROUNDED * max(abs(record.value), 1e-300)
     if not low - room <= record.value <= high + room:
-        yield f"{name} = {record.value:g} is outside {low:g} to {high:g}"
+        yield f"{name} = {record.value:.9g} is outside {low:g} to {high:.9g}"
     if "fraction" in record.quantity and record.bounds != FRACTION:
         yield f"{name} has not the bounds of a fraction"
+    if record.position.depth < 0:
+        yield f"{name} lies above the surface"
     first, last = record.interval
     if math.isfinite(record.error) and not (low <= first <= record.best + room and first <= last <= high):
         yield f"{name}: the interval {first:g} to {last:g} does not hold {record.best:g} or its bounds"
     for axis, place, edge in zip("yx", record.position[1:], answer.face.grid.length, strict=True):
-        if math.isfinite(place) and not 0 <= place < edge:
+        if math.isfinite(place) and not 0 <= place <= edge:
             yield f"{name} lies at {axis} = {place:g} of a map of {edge:g}"
+    if not low - room <= record.best <= high + room:
+        yield f"{name} = {record.best:g} at zero pixel size is outside {low:g} to {high:g}"
     for value, error in re.findall(r"([\d.]+) ± ([\d.]+)", record.text()):
         digits = error.replace(".", "").strip("0")
         if len(digits) > 2 or len(value.partition(".")[2]) != len(error.partition(".")[2]):
@@ -73,7 +77,7 @@ def _of_stress(numbers):
     names = "maximum von Mises stress", "maximum shear stress (Tresca)"
     if all(name in numbers for name in names):
         von_mises, shear = (numbers[name].value for name in names)
-        if not von_mises * (1 - SOLVER) <= 2 * shear <= 2 / math.sqrt(3) * von_mises * (1 + SOLVER):
+        if not von_mises * (1 - ROUNDED) <= 2 * shear <= 2 / math.sqrt(3) * von_mises * (1 + ROUNDED):
             yield f"von Mises {von_mises:g}, Tresca {shear:g}: not from √3 to 2"
         ratio = _relative(numbers[names[0]]) / max(_relative(numbers[names[1]]), 1e-300)
         if numbers[names[0]].errors and not 0.5 < ratio < 2:
@@ -81,7 +85,7 @@ def _of_stress(numbers):
     order = [numbers[f"{level}th percentile of the peaks"].value for level in (50, 90, 99)
              if f"{level}th percentile of the peaks" in numbers]  # fmt: skip
     order += [numbers[names[0]].value] if names[0] in numbers else []
-    if any(one > other * (1 + SOLVER) for one, other in pairwise(order)):
+    if any(one > other * (1 + ROUNDED) for one, other in pairwise(order)):
         yield f"percentiles and the maximum of the von Mises stress do not rise: {order}"
     limit = numbers["yield stress"].value if "maximum depth above yield" in numbers else -math.inf
     if names[0] in numbers and not numbers[names[0]].value > limit:
@@ -93,7 +97,7 @@ def _of_contact(answer, numbers):
     names, case = ("mean pressure", "mean contact pressure", "maximum pressure"), answer.case
     if all(name in numbers for name in names):
         pressures = [numbers[name].value for name in names]
-        if any(one > other * (1 + SOLVER) for one, other in pairwise(pressures)):
+        if any(one > other * (1 + ROUNDED) for one, other in pairwise(pressures)):
             yield f"mean, mean contact and maximum pressure do not rise: {pressures}"
     running_in = case.questions.get("running_in")
     hardness = case.hardness if running_in is None or running_in.hardness is None else running_in.hardness
@@ -101,7 +105,7 @@ def _of_contact(answer, numbers):
         film = numbers["mean pressure of the film"].value if "mean pressure of the film" in numbers else 0.0
         pressure = numbers["maximum pressure"]
         highest = np.nanmax([pressure.value, pressure.best, pressure.interval[1]])
-        if film + highest > hardness * (1 + SOLVER):
+        if film + highest > hardness * (1 + ROUNDED):
             yield f"the pressure {film:g} + {highest:g} exceeds the hardness {hardness:g}"
 
 
@@ -110,12 +114,12 @@ def _of_tables(answer):
     for name in ("peaks", "contact_spots"):
         for axis, edge in zip("yx", answer.face.grid.length, strict=True):
             places = answer.tables[name][f"{axis}_m"]
-            if not places.between(0, edge * (1 - ROUNDING)).all():
+            if not places.between(0, edge).all():
                 yield f"{name} at {axis} = {places.min():g} to {places.max():g} of {edge:g}"
     curve = answer.tables.get("curve")
     for column, sign in RISES.items() if curve is not None else ():
         steps = sign * np.diff(curve[column])
-        if not (steps >= -SOLVER * np.abs(curve[column]).max()).all():
+        if not (steps >= -MONOTONE * np.abs(curve[column]).max()).all():
             yield f"{column} is not monotone: {curve[column].tolist()}"
 
 

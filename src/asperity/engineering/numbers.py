@@ -60,6 +60,9 @@ PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
 
 
+ON_IMAGE, AT_LINE = "on a mirror image of the map", "at the edge of the map, where its mirror image begins"
+"""Notes on the positions of numbers."""
+
 PARTS = ("mean pressure", "mean contact pressure", "maximum pressure", "force")
 """Quantities of which a film carries a part."""
 
@@ -94,7 +97,10 @@ def contact_records(
         elif each.name == "contact_area":
             record = replace(record, bounds=Bounds(0.0, numbers.nominal_area, "the nominal area"))
         elif each.name == "maximum_pressure":
-            record = replace(record, bounds=most, varies=True, better="less")
+            row, column = np.unravel_index(contact.pressure.argmax(), contact.pressure.shape)
+            place = row * contact.grid.spacing[0], column * contact.grid.spacing[1]
+            note = AT_LINE if contact.grid.at_mirror_line(*place) else ""
+            record = replace(record, bounds=most, note=note, varies=True, better="less")
         elif each.name == "patches":
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":
@@ -103,7 +109,8 @@ def contact_records(
         if each.name in ("contact_area_fraction", "contact_area"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
         if carried < 1 and quantity in PARTS:
-            record = replace(record, note="the part of the asperities")
+            note = ", ".join(filter(None, [record.note, "the part of the asperities"]))
+            record = replace(record, note=note)
         yield record
 
 
@@ -159,9 +166,9 @@ def elastic_record(name: str, elastic: float, records: Iterable[Record]) -> Iter
         yield Record(f"{name}, elastic", elastic, own.unit, own.topic, bounds=bounds, note=note)
 
 
-def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) -> Iterator[Record]:
-    """Numbers of the stress in a body under a contact of some hardness, infinite if it is elastic."""
-    coating, limits = stress.body.coating, stress.limits
+def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -> Iterator[Record]:
+    """Numbers of the stress in a body under a contact."""
+    coating, limits, hardness = stress.body.coating, stress.limits, contact.hardness
 
     def record(quantity: str, value: float, unit: str = "Pa", **more: Any) -> Record:
         return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, quantity)
@@ -179,7 +186,8 @@ def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) ->
             # The hydrostatic stress is harmonic, and −2 (1 + ν) p / 3 at the surface.
             most = 2 * (1 + stress.layer.poisson) / 3 * hardness
             bounds = Bounds(0.0, most, "2 (1 + ν) / 3 of the hardness")
-        note = "on a mirror image of the map" if found.on_image else ""
+        notes = {ON_IMAGE: found.on_image, AT_LINE: contact.grid.at_mirror_line(found.y, found.x)}
+        note = ", ".join(text for text, holds in notes.items() if holds)
         yield record(quantity, value, position=position, bounds=bounds, note=note, **worse)
     if stress.interface is not None:
         for material, part in stress.materials.items():

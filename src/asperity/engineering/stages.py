@@ -219,7 +219,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
         found += elastic_record("contact area fraction", elastic.contact_area_fraction, found)
         found += elastic_record("maximum pressure", elastic.maximum_pressure, found)
     for name in pressed.asked.different_bodies:
-        found += body_records(pressed.asked, name, bodies[name], contact.hardness)
+        found += body_records(pressed.asked, name, bodies[name], contact)
     return found
 
 

@@ -159,7 +159,7 @@ class LoadCurve(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The load curve, and the loads where yield begins and where the gap is sealed."""
-        case, names = stages.asked, list(stages.asked.different_bodies)
+        case, names = stages.case, list(stages.asked.different_bodies)
         leak, done = case.questions.get("leak"), len(self.path(case))
         limits = {name: limit for name in names if (limit := case.bodies[name].yield_stress) is not None}
         parts = done + YIELD_CONTACTS * len(limits) + (0 if leak is None else SEALING_CONTACTS)
@@ -203,7 +203,7 @@ class LoadCurve(Question):
         """The result of `load_curve` for the case, with the normal approach, forces and leakages."""
         from asperity.engineering.press import press
 
-        case, face, path = stages.asked, stages.face, self.path(stages.asked)
+        case, face, path = stages.case, stages.face, self.path(stages.asked)
         leak, constants = case.questions.get("leak"), resistivities(case)
 
         def contacts() -> Iterator[Contact]:
@@ -239,7 +239,7 @@ def _yield_begins(
     """Mean pressure at which a body begins to yield, as of `yield_load`."""
     from asperity.engineering.press import press
 
-    case, steps = stages.asked, iter(range(YIELD_CONTACTS))
+    case, steps = stages.case, iter(range(YIELD_CONTACTS))
 
     def stress_under(load: float) -> float:
         progress(next(steps, YIELD_CONTACTS), YIELD_CONTACTS)
