@@ -1,6 +1,6 @@
 """Stress of maps cut from larger surfaces, by what continues a map at its edges.
 
-    python benchmarks/edges.py    # writes docs/edges.csv and prints it, in a quarter of an hour
+    python benchmarks/edges.py    # writes docs/edges.csv and prints it, in five minutes
 
 Each periodic surface of 512² nodes is pressed as a whole and cut into 16 maps of 128². A map is levelled,
 continued and pressed alone under the load that it carries in the whole; its maximum von Mises stress and the

@@ -26,9 +26,9 @@ with eight points on the shortest wave and a kurtosis of 5 to 11 have up to 1.7.
 OWN_SHARPNESS = 8.0
 """Ratio of `SHARPEST_PEAK` relative to its median over the map; peaks of such surfaces have up to 5."""
 
-EDGE_WIDTH, LARGEST_WIDTH = 0.75, 0.1
+EDGE_WIDTH, LARGEST_WIDTH = 1.0, 0.1
 """Width over which the slope across an edge is removed from a mirrored map, over the rms slope divided by the
-rms curvature across it, and its largest part of the map. It is about a quarter of the shortest wave
+rms curvature across it, and its largest part of the map. It is about a third of the shortest wave
 (`benchmarks/edges.py`)."""
 
 _MAX_DESPIKE_ITERATIONS = 10
