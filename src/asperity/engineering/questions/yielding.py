@@ -175,7 +175,8 @@ class _Material(NamedTuple):
         text = f"{self.words} yields"
         if self.is_elastic:
             text = f"{self.words} stays elastic"
-            text += " on these pixels (discretisation error not known)" if DISCRETISATION in self.stress.lacks else ""
+            if DISCRETISATION in self.stress.lacks:
+                text += " on these pixels (discretisation error not known)"
         elif low <= self.limit:
             text = f"{self.words} may yield"
         text += f": maximum von Mises stress {shown}, {ratio}"
