@@ -353,7 +353,7 @@ class SampleData:
                 part = peaks[peaks["quantity"] == quantity].reset_index()
                 part = part[part["body"] == part.loc[part["value_Pa"].idxmax(), "body"]]
             if body == "lower" or quantity not in common:
-                yield body, quantity, [part["value_Pa"][part["map"] == name].to_numpy() for name in each_map]
+                yield body, quantity, [_counted(part[part["map"] == name]) for name in each_map]
 
     def peaks_per_area(self) -> pd.DataFrame:
         """Peaks above a stress per nominal area, as means over the maps; columns as in ``docs/tables.md``."""
@@ -427,6 +427,13 @@ class SampleData:
 
     def __repr__(self) -> str:
         return f"<Sample of {self.title}>"
+
+
+def _counted(peaks: pd.DataFrame) -> Array:
+    """Values of as many peaks of a map as they count for, the highest and then equally spaced ones."""
+    falling = peaks.sort_values("value_Pa", ascending=False)
+    number = np.ceil(falling["counts_for"].cumsum() - 1e-9)
+    return falling["value_Pa"][number.diff().fillna(1) > 0].to_numpy()
 
 
 def cause_of(record: Record) -> str:

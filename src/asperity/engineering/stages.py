@@ -61,7 +61,15 @@ STRESS = 2.0
 GAP_FRACTIONS = np.linspace(0, 1, 101)
 """Cumulative area fractions for which the gap is listed."""
 
-PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
+PEAK_COLUMNS = {
+    "value": "value_Pa",
+    "depth": "depth_m",
+    "y": "y_m",
+    "x": "x_m",
+    "interior": "in_solid",
+    "under_contact": "under_contact",
+    "weight": "counts_for",
+}
 """Name of a property of peaks → its column in the table of peaks."""
 
 PACKAGES = ("numpy", "numba", "xarray", "SurfaceTopography")
@@ -280,7 +288,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
         found += elastic_record("contact area fraction", elastic.contact_area_fraction, found)
         found += elastic_record("maximum pressure", elastic.maximum_pressure, found)
     for name in pressed.asked.different_bodies:
-        found += body_records(pressed.asked, name, bodies[name], contact.hardness)
+        found += body_records(pressed.asked, name, bodies[name], contact)
     return found
 
 
@@ -354,11 +362,11 @@ def _peaks(stages: Stages, found: Mapping[str, Findings]) -> pd.DataFrame:
         table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
         table = table.rename(columns=PEAK_COLUMNS).assign(body=body)
         tables.insert(0, table[table["quantity"].isin(("pressure", *stages.asked.fields))])
-    peaks = pd.concat(tables, ignore_index=True)
-    peaks = peaks.assign(size=peaks["value_Pa"].abs())
+    columns = ["body", "quantity", *PEAK_COLUMNS.values()]
+    peaks = pd.concat(tables, ignore_index=True).reindex(columns=columns)
+    peaks = peaks.assign(size=peaks["value_Pa"].abs(), counts_for=peaks["counts_for"].fillna(1.0))
     order = {"body": True, "quantity": False, "size": False}
-    peaks = peaks.sort_values([*order], ascending=[*order.values()], ignore_index=True)
-    return peaks[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
+    return peaks.sort_values([*order], ascending=[*order.values()], ignore_index=True)[columns]
 
 
 def _datasets(stages: Stages, found: Mapping[str, Findings]) -> dict[str, xr.Dataset]:

@@ -242,6 +242,13 @@ class Grid:
             found.append(position)
         return found[0], found[1]
 
+    def at_mirror_line(self, y: float, x: float) -> bool:
+        """True for a position on a mirrored map within a spacing of its mirror lines."""
+        places = zip((y, x), self.length, self.spacing, strict=True)
+        return self.mirrored and any(
+            min(place + step / 2, edge - step / 2 - place) < step for place, edge, step in places
+        )
+
     def first_node(self, finest: Grid) -> tuple[float, float]:
         """Position y, x of the first node, relative to the first node of `finest`, a grid of the same cell.
 

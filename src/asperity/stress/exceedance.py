@@ -89,7 +89,7 @@ class Exceedance:
         """Depths of the uppermost and the lowest point above the limit; None without any."""
         return (float(self._depths[0]), float(self._depths[1])) if self.volume else None
 
-    def error(self, estimates: xr.Dataset, peaks: int) -> float:
+    def error(self, estimates: xr.Dataset, peaks: float) -> float:
         """Error of the volume over the area, by pixels and planes; NaN where the stress has no estimate.
 
         If no peak is above the limit, the error is above 0 where the largest stress and its error reach it.
@@ -99,8 +99,8 @@ class Exceedance:
         estimates : dataset
             Result of `asperity.continuum_limit` for one Poisson's ratio. Its attribute ``reason`` or
             ``reason_of_stress`` says why there is no estimate.
-        peaks : int
-            Number of peaks above the limit, whose errors differ in part.
+        peaks : float
+            Number of peaks of the map above the limit, whose errors differ in part.
         """
         relative = extreme_error(estimates, "von_mises")
         if peaks:

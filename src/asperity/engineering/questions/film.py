@@ -104,6 +104,9 @@ class Film(Question):
             for name, body in case.groups_of_bodies.items()
             if body.hardness is not None and case.hardness is not None
         }
+        if (running_in := case.questions.get("running_in")) is not None and running_in.hardness is not None:
+            lower = running_in.hardness - self.share * nominal
+            softer["running_in"] = running_in.replaced(hardness=lower)
         return case.replaced(load=part, sensitivity=None, **softer), rough, None
 
     def loaded(self, loaded: LoadedSolid, contact: Contact, tractions: xr.Dataset | None) -> LoadedSolid:

@@ -17,6 +17,7 @@ from asperity.engineering.answer_data import ALIKE
 from asperity.engineering.places import Blocks
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
+    DISCRETISATION,
     PLANES,
     POSITIONS,
     POSITIVE,
@@ -28,7 +29,7 @@ from asperity.engineering.records import (
 )
 from asperity.engineering.scene import Scene
 from asperity.settings.body import HARDNESS_OVER_YIELD, Body
-from asperity.stress.peaks.selection import select_peaks
+from asperity.stress.peaks.selection import in_cell, select_peaks
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -148,15 +149,15 @@ def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[R
     constants, (top, bottom) = part.materials[name][0], found.between
     within = "" if constants is part.body else f" in {name}"
     limit = constants.yield_stress or np.inf
-    peaks = select_peaks(part.stress, "von_mises")
+    peaks, maps = in_cell(select_peaks(part.stress, "von_mises"))
     depths = peaks["peak_depth"].values
     is_above = (peaks["peak_value"].values > limit) & (depths > top) & (depths <= bottom)
-    error = above.error(part.limits, int(is_above.sum()))
+    error = above.error(part.limits, np.count_nonzero(is_above) / maps)
     positions = found.error_of_positions(stages.blocks)
     yield Record(f"yield stress{within.replace(' in ', ' of ')}", limit, "Pa", **of)
     per_area = Record(f"volume above yield per area{within}", above.volume, "m", bounds=POSITIVE, **worse)
     if above.depths is None:
-        none = "none: everything stays elastic"
+        none = "none: everything stays elastic" if error == 0 else "none on these pixels"
         yield Record(f"volume above yield{within}", 0.0, "m^3", words=none, **worse)
         extrapolated = 0.0 if error == 0 else np.nan  # far below yield: it is known to be zero
         yield replace(per_area, extrapolated=extrapolated).with_error(PLANES, error)
@@ -179,7 +180,7 @@ def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[R
         note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
         deepest = Record(f"maximum depth above yield{within}", last, "m", note=note, bounds=POSITIVE, **worse)
         yield deepest.with_error(PLANES, math.nan)
-    density = int(is_above.sum()) / stages.numbers.nominal_area
+    density = np.count_nonzero(is_above) / maps / stages.numbers.nominal_area
     yield Record(f"peaks above yield{within}", density, "1/m^2", bounds=POSITIVE, **worse)
 
 
@@ -212,6 +213,8 @@ class _Material(NamedTuple):
         text = f"{self.words} yields"
         if self.is_elastic:
             text = f"{self.words} stays elastic"
+            if DISCRETISATION in self.stress.lacks:
+                text += " on these pixels (discretisation error not known)"
         elif low <= self.limit:
             text = f"{self.words} may yield"
         text += f": maximum von Mises stress {shown}, {ratio}"

@@ -74,6 +74,9 @@ MAX_RATIOS = 1000
 MAX_DEPTH = 1e30
 """Largest depth over the longer period. Modes vanish below a depth of 120; nothing overflows."""
 
+ROUNDED_SHEAR = 1e-12
+"""Shear stress of a background over its largest stress up to which it is a rounding error."""
+
 ON_LINE = 1e-6
 """Distance from a mirror line, over the spacing, up to which a place is on the line."""
 
@@ -206,9 +209,10 @@ class PlaneStream:
         self.solid = LoadedSolid.of(contact)
         self._traction = shear_traction(friction, sliding_direction, self.solid.layer)
         self.depths = _checked_depths(depths, self.solid)
-        background = self.solid.background
-        has_shear = background is not None and any(np.any(background(depth)[3:]) for depth in self.depths)
-        self.map_grid = self.solid.grid
+        has_shear, self.map_grid = False, self.solid.grid
+        if (background := self.solid.background) is not None:
+            sizes = np.abs([background(depth) for depth in self.depths])
+            has_shear = bool(sizes[:, 3:].max() > ROUNDED_SHEAR * sizes.max())
         if any(self._traction) or has_shear:
             self.solid = self.solid.with_mirror_images()
         self.ratios = checked_ratios(poisson, self.solid.layer)

@@ -150,7 +150,9 @@ def missing_options(found: MapFile, options: MapOptions, needs_unit: bool = True
     return problems + [text for text in _missing(found.map, options) if text not in problems]
 
 
-def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
+def treat_map(
+    surface: HeightMap, options: MapOptions | None = None, *, joins: bool = False, **given: Any
+) -> TreatedMap:
     """The lower face of an indenter made from a measured map.
 
     Parameters
@@ -158,6 +160,8 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     surface : HeightMap
     options : MapOptions, optional
         Options on the content of a file are not used.
+    joins : bool
+        True if the slope across the edges of a mirrored map is removed, so that its images join smoothly.
     **given
         Fields of `MapOptions`, which override `options`.
 
@@ -184,7 +188,14 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if levelled.is_flat and radii is None:
         raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
     level, filtered, words = _filtered(levelled.height, surface, options, grid)
-    step, altered = levelling.edge_step(level), 0.0
+    step, altered, edges = levelling.edge_step(level), 0.0, ""
+    if joins and options.periodic == "mirrored":
+        level, widths = levelling.level_edges(level)
+        if max(widths) > 0.5:
+            within = surface.shown_length(
+                *(size * step for size, step in zip(widths, grid.spacing, strict=True))
+            )
+            edges = f", with the slope across the edges removed within {within} of them"
     if options.periodic == "windowed":
         window = levelling.tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
@@ -198,7 +209,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     ways = {
         None: f"taken as one period, as the file states: {stepped}",
         "declared": f"taken as one period, as declared: {stepped}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}{edges}",
         "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
         "none": "not made periodic: for a free boundary",
     }
