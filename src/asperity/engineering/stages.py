@@ -89,7 +89,7 @@ def answer_of(
     asked = case.on_face(rough)
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
-    parts = _Parts(progress, work_of(asked, rough.face.grid.mirrored), on_stage)
+    parts = _Parts(progress, work_of(asked, bool(rough.face.grid.mirrored)), on_stage)
     pressed = _pressed(asked, rough, parts)
     bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
     # Two equal bodies share one result.

@@ -528,7 +528,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     tail = power * (np.hypot(y, x) > TAIL)
     parts = [grid.sum_over_modes(tail * part) for part in (1, y**2 - x**2, 2 * x * y, y**2 + x**2)]
     directed = np.hypot(parts[1], 0 if grid.mirrored else parts[2]) / max(parts[3], 1e-300)
-    bends = [_second_differences(height, axis, grid.mirrored) for axis in (0, 1)]
+    bends = [_second_differences(height, axis, bool(grid.mirrored)) for axis in (0, 1)]
     peaked = max(np.mean(each**4) / max(np.mean(each**2) ** 2, 1e-300) for each in bends)
     beyond_band = grid.sum_over_modes(power * (np.hypot(y, x) > 1 + 1e-9))
     if parts[0] > LEAST_TAIL and directed > DIRECTED and peaked > PEAKED:  # parallel creases
