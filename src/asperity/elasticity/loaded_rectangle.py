@@ -45,10 +45,13 @@ _FAR = 200.0
 _IMAGES, _ROWS_BETWEEN, _DIFFERENCES = 12, 20, 5
 
 # Length of a rectangle that stands for an infinite strip, over the distances along and across it.
-_STRIP = 1e6
+_STRIP = 1e11
 
 FREE = True, True
 """The map ends along both axes."""
+
+Influence = Callable[[Array, Array, tuple[float, float]], Array]
+"""(y, x, edges) → influence, (ny, nx), of a rectangle at distances y and x from its middle."""
 
 # Columns at the end of the padded rows, so that the same elements of several rows do not compete for the same
 # lines of the processor's cache.
@@ -115,69 +118,80 @@ def rectangle_moments(y: ArrayLike, x: ArrayLike, edges: tuple[float, float]) ->
     return out
 
 
-def repeated(
-    influence: Callable[[Array, float], Array], y: Array, edge: float, period: float, far: float
+def with_images(
+    influence: Influence,
+    y: Array,
+    x: Array,
+    grid: Grid,
+    free: tuple[bool, bool],
+    at_reference: tuple[float, float] = (0.0, 0.0),
+    far: float = 0.0,
 ) -> Array:
-    """Sum of the influences of a loaded rectangle and of its images at all multiples of a period along y.
+    """Influence, (ny, nx), of the rectangle of a node and of its images along the axis that repeats.
 
-    The sum over images beyond the Mth is that of boxes of the length of the period, each a series of even
-    central differences of such boxes (the formula of Euler and Maclaurin in differences): with t = δ/2 and
-    w = edge/period, a rectangle is sinh(w asinh t)/t times the box.
+    The images beyond the Mth are written as boxes of the length of the period, each a series of even central
+    differences of such boxes (the formula of Euler and Maclaurin in differences): with t = δ/2 and w the edge
+    over the period, a rectangle is sinh(w asinh t)/t times the box. The sum of the boxes is an infinite strip
+    less a long rectangle.
 
     Parameters
     ----------
     influence : callable
-        (y, edge) → influence, (rows, ...), at distances y from the middle of a rectangle of an edge along y.
-        It may grow by a constant with the logarithm of the edge.
-    y : (rows,) array
-        Within a period from the middle of the rectangle.
-    edge, period : float
+        (y, x, edges) → influence, (ny, nx), of a rectangle at distances from its middle.
+    y, x : (ny,), (nx,) arrays
+        Along the axis within a period.
+    grid : Grid
+    free : (bool, bool)
+        The map ends along one axis.
+    at_reference : (float, float)
+        a and b, if a line of length H has the influence a ln(H/c) + b where it is measured from, at a
+        distance of the edge c of the map.
     far : float
-        Largest distance across.
+        Another distance, as `y` and `x`.
     """
-    out = influence(y, edge) + influence(y - period, edge) + influence(y + period, edge)
+    if free[0]:
+        turned = Grid(grid.shape[::-1], grid.length[::-1])
+
+        def exchanged(y: Array, x: Array, edges: tuple[float, float]) -> Array:
+            return influence(x, y, edges[::-1]).T
+
+        return with_images(exchanged, x, y, turned, free[::-1], at_reference, far).T
+    (edge, across), (period, width) = grid.spacing, grid.length
     middle, half = 0.5 * (y.max() + y.min()), 0.5 * (y.max() - y.min()) or 0.1 * period
     nodes = np.cos(np.pi * (np.arange(_ROWS_BETWEEN) + 0.5) / _ROWS_BETWEEN)
     rows, share = middle + half * nodes, edge / period
-    rest = share * influence(rows, strip_length(period, far))
+    strip = _STRIP * max(_IMAGES * period, np.abs(x).max(), far)
+    a, b = at_reference
+    rest = share * (influence(rows, x, (strip, across)) - across * (a * math.log(strip / width) + b))
     for image in range(2, _IMAGES + 1):
-        rest = rest + influence(rows - image * period, edge) + influence(rows + image * period, edge)
-    factors = np.zeros(2 * _DIFFERENCES + 1)
-    factor = 1.0
+        for place in (rows - image * period, rows + image * period):
+            rest += influence(place, x, (edge, across))
+    factors, factor = np.zeros(2 * _DIFFERENCES + 1), share
     for k in range(_DIFFERENCES + 1):
-        for step in range(-k, k + 1):
-            factors[_DIFFERENCES + step] += factor * (-1) ** (k + step) * math.comb(2 * k, k + step)
+        binomials = [(-1) ** (k + step) * math.comb(2 * k, k + step) for step in range(-k, k + 1)]
+        factors[_DIFFERENCES - k : _DIFFERENCES + k + 1] += factor * np.array(binomials)
         factor *= (share**2 - (2 * k + 1) ** 2) / (4 * (2 * k + 2) * (2 * k + 3))
-    for step, factor in zip(range(-_DIFFERENCES, _DIFFERENCES + 1), factors.tolist(), strict=True):
-        rest = rest - share * factor * influence(rows, (2 * (_IMAGES + step) + 1) * period)
+    for step, factor in enumerate(factors.tolist(), -_DIFFERENCES):
+        rest -= factor * influence(rows, x, ((2 * (_IMAGES + step) + 1) * period, across))
     chebyshev = np.polynomial.chebyshev.chebvander
-    series = np.linalg.solve(chebyshev(nodes, _ROWS_BETWEEN - 1), rest.reshape(nodes.size, -1))
-    between = chebyshev((y - middle) / half, _ROWS_BETWEEN - 1) @ series
-    return out + between.reshape(out.shape)
-
-
-def strip_length(period: float, far: float) -> float:
-    """Length of a rectangle that stands for an infinite strip."""
-    return _STRIP * max(_IMAGES * period, far)
+    series = np.linalg.solve(chebyshev(nodes, _ROWS_BETWEEN - 1), rest)
+    out = chebyshev((y - middle) / half, _ROWS_BETWEEN - 1) @ series
+    for place in (y - period, y, y + period):
+        out += influence(place, x, (edge, across))
+    return out
 
 
 def surface_influence(
     y: Array, x: Array, grid: Grid, effective_modulus: float, free: tuple[bool, bool] = FREE
 ) -> Array:
     """`rectangle_compliance` of a node of a grid at distances y and x, (ny, nx), with its images."""
-    dy, dx = grid.spacing
+
+    def influence(y: Array, x: Array, edges: tuple[float, float]) -> Array:
+        return rectangle_compliance(y[:, None], x, edges, effective_modulus)
+
     if all(free):
-        return rectangle_compliance(y[:, None], x, grid.spacing, effective_modulus)
-    if free[0]:
-        turned = Grid(grid.shape[::-1], grid.length[::-1])
-        return surface_influence(x, y, turned, effective_modulus, free[::-1]).T
-
-    def influence(rows: Array, edge: float) -> Array:
-        return rectangle_compliance(rows[:, None], x, (edge, dx), effective_modulus)
-
-    (period, width), far = grid.length, float(np.abs(x).max())
-    mean = 2 * dx * math.log(strip_length(period, far) / width) / (np.pi * effective_modulus)
-    return repeated(influence, y, dy, period, far) - mean * dy / period
+        return influence(y, x, grid.spacing)
+    return with_images(influence, y, x, grid, free, (2 / (np.pi * effective_modulus), 0.0))
 
 
 @compiled
@@ -222,7 +236,8 @@ def _fill_moments(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> Non
         y1, y2, x1, x2 = y[i] - half_y, y[i] + half_y, x[i] - half_x, x[i] + half_x
         out[0, i] = _part(x2, y1, y2) - _part(x1, y1, y2)
         out[1, i] = _part(y2, x1, x2) - _part(y1, x1, x2)
-        out[2, i] = np.hypot(y1, x2) + np.hypot(y2, x1) - np.hypot(y1, x1) - np.hypot(y2, x2)
+        near, far = np.hypot(y1, x1) + np.hypot(y1, x2), np.hypot(y2, x1) + np.hypot(y2, x2)
+        out[2, i] = (x2 - x1) * (x2 + x1) * (1 / near - 1 / far)
 
 
 @compiled
@@ -310,10 +325,10 @@ def slope_modes(grid: Grid, effective_modulus: float, free: tuple[bool, bool] = 
     """Factors that turn the padded coefficients of a pressure into coefficients of ∂u/∂y and ∂u/∂x."""
 
     def slope_x(y: Array, x: Array, edges: tuple[float, float]) -> Array:
-        return rectangle_slope_x(y, x, edges, effective_modulus)
+        return rectangle_slope_x(y[:, None], x, edges, effective_modulus)
 
     def slope_y(y: Array, x: Array, edges: tuple[float, float]) -> Array:
-        return rectangle_slope_x(x, y, edges[::-1], effective_modulus)
+        return rectangle_slope_x(x, y[:, None], edges[::-1], effective_modulus)
 
     return _kernel_modes(slope_y, grid, free), _kernel_modes(slope_x, grid, free)
 
@@ -352,37 +367,18 @@ def shear_modes(
 
 
 def _moment(number: int, y: Array, x: Array, edges: tuple[float, float]) -> Array:
-    return rectangle_moments(y, x, edges)[number]
+    return rectangle_moments(y[:, None], x, edges)[number]
 
 
 def _kernel_modes(
-    influence: Callable[[Array, Array, tuple[float, float]], Array],
-    grid: Grid,
-    free: tuple[bool, bool],
-    at_reference: tuple[float, float] = (0.0, 0.0),
+    influence: Influence, grid: Grid, free: tuple[bool, bool], at_reference: tuple[float, float] = (0.0, 0.0)
 ) -> Array:
-    """Factors on the padded grid of a convolution with the influence (y, x, edges) of a rectangle.
-
-    The influence of a line of length H is subtracted where it is measured from, at a distance of the edge c
-    of the map: a ln(H/c) + b, given a and b.
-    """
+    """Factors on the padded grid of a convolution with the influence of a rectangle, as of `with_images`."""
     padded = padded_grid(grid, free)
     y, x = (np.fft.fftfreq(n, 1 / n) * step for n, step in zip(padded.shape, grid.spacing, strict=True))
     if all(free):
-        return _modes(influence(y[:, None], x, grid.spacing), padded)
-    axis = free.index(False)  # along which the map repeats
-    along, across = (y, x) if axis == 0 else (x, y)
-
-    def of_edge(rows: Array, edge: float) -> Array:
-        place, edges = (rows[:, None], across), (edge, grid.spacing[1 - axis])
-        return influence(*place, edges) if axis == 0 else influence(*place[::-1], edges[::-1])
-
-    (period, width), far = (grid.length[axis], grid.length[1 - axis]), float(np.abs(across).max())
-    kernel = repeated(of_edge, along, grid.spacing[axis], period, far)
-    a, b = at_reference
-    line = a * math.log(strip_length(period, far) / width) + b
-    kernel -= line * grid.spacing[axis] * grid.spacing[1 - axis] / period
-    return _modes(kernel if axis == 0 else kernel.T, padded)
+        return _modes(influence(y, x, grid.spacing), padded)
+    return _modes(with_images(influence, y, x, grid, free, at_reference), padded)
 
 
 def _modes(kernel: Array, padded: Grid) -> Array:

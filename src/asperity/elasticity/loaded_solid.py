@@ -16,7 +16,7 @@ from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
-from asperity.fourier.grid import Boundary, Grid, boundary_on, grid_of, with_mirror_images
+from asperity.fourier.grid import Grid, boundary_on, grid_of, with_mirror_images
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,7 +87,7 @@ class LoadedSolid:
     pressure: Array
     grid: Grid
     layer: Solid
-    boundary: Boundary = "periodic"
+    boundary: str = "periodic"
     hardness: float = np.inf
     background: Callable[[float], Array] | None = None
     sticking_pressure: Array | None = None

@@ -46,7 +46,7 @@ class Yielded:
     def __init__(self, limit: float, pressed: Pressed, loaded: LoadedSolid) -> None:
         from asperity.stress.exceedance import Exceedance
 
-        self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary == "periodic")
+        self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary)
         self._limit, self._face, self._blocks = limit, pressed.face, pressed.blocks
         self._poisson, self._below = loaded.layer.poisson, loaded.layer.interface or -1.0
         self._last: tuple[float, Array] | None = None
