@@ -236,6 +236,6 @@ def test_volume_above_a_limit_is_that_of_the_cell_of_four():
 test_wrong_argument_is_refused = refuses(
     (
         lambda: asp.LoadedSolid(np.ones((4, 4)), Grid((4, 4), mirrored=True), SOLIDS["half-space"], "free"),
-        "boundary = 'free': a grid that is not mirrored is needed",
+        "boundary = 'free': a grid without mirror images is needed",
     )
 )

@@ -78,7 +78,7 @@ def rectangle_compliance(
     """
     y, x = np.broadcast_arrays(np.abs(np.asarray(y, float)), np.abs(np.asarray(x, float)))
     out = np.empty(y.shape)
-    _fill_compliance(y.ravel(), x.ravel(), 0.5 * edges[0], 0.5 * edges[1], out.reshape(-1))
+    _fill_compliance(y.flatten(), x.flatten(), 0.5 * edges[0], 0.5 * edges[1], out.reshape(-1))
     out /= np.pi * effective_modulus
     return out
 

@@ -109,7 +109,7 @@ def continuum_limit(
 def solved_on_half(contact: Contact) -> HalfGrid:
     """The contact on half of the nodes, under the same load."""
     reason = "the boundary is free, and the estimate is made for periodic cells"
-    if contact.boundary != "free":
+    if contact.boundary == "periodic":
         reason = reason_against(contact.pressure, contact.height, mirrored=bool(contact.grid.mirrored))
     hardness = contact.hardness if math.isfinite(contact.hardness) else None
     given = contact.height, contact.solid, contact.grid, contact.boundary

@@ -67,6 +67,17 @@ class Scene(Settings):
         return Body.or_rigid(value, made)
 
     @property
+    def pressed_map(self) -> Map:
+        """The map, with the default of `ends`: across a cylinder, on half-spaces without film."""
+        own = self.map
+        is_roller = own.radius is not None and own.form == "cylinder" and own.ends is None
+        if not is_roller or own.periodic in ("windowed", "none"):
+            return own
+        if self.layers_and_coatings or "film" in self.questions:
+            return own
+        return own.replaced(ends="x" if own.cylinder_axis == "y" else "y")
+
+    @property
     def questions(self) -> Mapping[str, Any]:
         """The questions that are asked, by the names of their groups; a scene alone has none."""
         return {}
@@ -84,13 +95,20 @@ class Scene(Settings):
         if self.map.periodic == "none":
             refused = ": not accepted with map.periodic = none, a free boundary"
             yield from ((key, refused) for key in self.layers_and_coatings)
+        if self.map.ends in ("y", "x"):
+            refused = f": not accepted with map.ends = {self.map.ends}, a free boundary"
+            yield from ((key, refused) for key in self.layers_and_coatings)
+            if self.map.periodic in ("windowed", "none"):
+                yield "map.ends", f" = {self.map.ends}: needs map.periodic: mirrored or declared"
         load = self.load
         if isinstance(load, Hertz):
             needed = ": half-spaces are needed in a Hertz contact"
             yield from ((key, needed) for key in self.layers_and_coatings)
+            needed = "a periodic map is needed in a Hertz contact, of which it is a part"
             if self.map.periodic == "none":
-                needed = "a periodic map is needed in a Hertz contact, of which it is a part"
                 yield "map.periodic", f" = none: {needed}"
+            if self.map.ends in ("y", "x"):
+                yield "map.ends", f" = {self.map.ends}: {needed}"
             if self.map.radius is not None:
                 yield "map.radius", ": not accepted in a Hertz contact, whose radii stand in the load"
         if load.kind in ("mean_pressure", "hertz_pressure") or isinstance(load, Hertz):

@@ -85,7 +85,7 @@ def answer_of(
     SettingsError, MapError, ConvergenceError
         As for `asperity.run`.
     """
-    rough = rough or read_face(case.map, case.counter_map)
+    rough = rough or read_face(case.pressed_map, case.counter_map)
     asked = case.on_face(rough)
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
@@ -158,7 +158,7 @@ def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
     contact area is imposed: the numbers then do not follow the load on a block.
     """
     imposed = case.load.kind in ("normal_approach", "contact_area_fraction")
-    if imposed or case.map.radius is not None or face.boundary == "free":
+    if imposed or case.map.radius is not None or face.boundary != "periodic":
         return None
     return blocks_of(face, contact.pressure)
 

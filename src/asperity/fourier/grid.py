@@ -151,6 +151,11 @@ class Grid:
         return self.shape[0] * self.shape[1]
 
     @property
+    def of_heights(self) -> Grid:
+        """Grid on which heights are transformed: mirrored along both axes if along one."""
+        return replace(self, mirrored=True) if self.mirrored else self
+
+    @property
     def map(self) -> tuple[slice, slice]:
         """The map in a field on its `whole_cell`."""
         return slice(self.shape[0]), slice(self.shape[1])

@@ -84,6 +84,8 @@ class Film(Question):
             yield "load_curve", ": not accepted with film"
         if case.map.periodic == "none":
             yield "map.periodic", " = none: not accepted with film"
+        if case.map.ends in ("y", "x"):
+            yield "map.ends", f" = {case.map.ends}: not accepted with film"
         yield from ((key, ": half-spaces are needed with film") for key in case.layers_and_coatings)
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, None]:

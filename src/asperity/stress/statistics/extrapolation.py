@@ -515,7 +515,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     """
     if results.height is None:
         return {"departure": 0.0, "unresolved": 0.0, "beyond_band": 0.0}
-    grid, height = results.grid, results.height / max(np.ptp(results.height), 1e-300)
+    grid, height = results.grid.of_heights, results.height / max(np.ptp(results.height), 1e-300)
     # On a mirrored map, as many modes as half of the nodes of the whole cell hold.
     halves = [max((n + 1) // 2, 2) if grid.mirrored else max(n // 2, 4) for n in grid.shape]
     fourier, half = Fourier(grid), Grid((halves[0], halves[1]), grid.length, grid.mirrored)
