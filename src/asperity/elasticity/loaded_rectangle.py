@@ -151,11 +151,8 @@ def with_images(
     """
     if free[0]:
         turned = Grid(grid.shape[::-1], grid.length[::-1])
-
-        def exchanged(y: Array, x: Array, edges: tuple[float, float]) -> Array:
-            return influence(x, y, edges[::-1]).T
-
-        return with_images(exchanged, x, y, turned, free[::-1], at_reference, far).T
+        kernel: Influence = lambda y, x, edges: influence(x, y, edges[::-1]).T  # noqa: E731
+        return with_images(kernel, x, y, turned, free[::-1], at_reference, far).T
     (edge, across), (period, width) = grid.spacing, grid.length
     middle, half = 0.5 * (y.max() + y.min()), 0.5 * (y.max() - y.min()) or 0.1 * period
     nodes = np.cos(np.pi * (np.arange(_ROWS_BETWEEN) + 0.5) / _ROWS_BETWEEN)
@@ -323,14 +320,11 @@ def compliance_modes(grid: Grid, effective_modulus: float, free: tuple[bool, boo
 
 def slope_modes(grid: Grid, effective_modulus: float, free: tuple[bool, bool] = FREE) -> tuple[Array, Array]:
     """Factors that turn the padded coefficients of a pressure into coefficients of ∂u/∂y and ∂u/∂x."""
-
-    def slope_x(y: Array, x: Array, edges: tuple[float, float]) -> Array:
-        return rectangle_slope_x(y[:, None], x, edges, effective_modulus)
-
-    def slope_y(y: Array, x: Array, edges: tuple[float, float]) -> Array:
-        return rectangle_slope_x(x, y[:, None], edges[::-1], effective_modulus)
-
-    return _kernel_modes(slope_y, grid, free), _kernel_modes(slope_x, grid, free)
+    modulus = effective_modulus
+    return (
+        _kernel_modes(lambda y, x, edges: rectangle_slope_x(x, y[:, None], edges[::-1], modulus), grid, free),
+        _kernel_modes(lambda y, x, edges: rectangle_slope_x(y[:, None], x, edges, modulus), grid, free),
+    )
 
 
 def shear_modes(

@@ -222,6 +222,13 @@ class Map(MapOptions):
     )
     """Position (y, x) of the middle of the part that is used, from the first point of the map."""
 
+    @property
+    def free_edges(self) -> tuple[str, str] | None:
+        """Setting by which the map ends at edges, and its value."""
+        if self.periodic == "none":
+            return "map.periodic", "none"
+        return None if self.ends in (None, "none") else ("map.ends", str(self.ends))
+
     def contradictions(self) -> Iterator[tuple[str, str]]:
         """A place without a part."""
         if self.crop_at is not None and self.crop is None:

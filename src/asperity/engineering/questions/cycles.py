@@ -147,8 +147,7 @@ class Cycles(Question):
             return
         refused = {
             "slide_to_roll without a Hertz contact": self.slide_to_roll and case.hertz_contact is None,
-            "map.periodic = none": case.map.periodic == "none",
-            f"map.ends = {case.map.ends}": case.map.ends in ("y", "x"),
+            " = ".join(case.map.free_edges or ()): case.map.free_edges,
             "a radius of the map": case.map.radius is not None,
             "a load curve": "load_curve" in case.questions,
             "a coating": any(body.coating is not None for body in bodies.values()),
