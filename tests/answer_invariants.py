@@ -102,7 +102,9 @@ def _of_contact(answer, numbers):
     running_in = case.questions.get("running_in")
     hardness = case.hardness if running_in is None or running_in.hardness is None else running_in.hardness
     imposed = running_in is not None and case.load.kind in ("contact_area_fraction", "normal_approach")
-    left_out = running_in is None and not math.isfinite(answer.contact.hardness)  # estimated, and below the load
+    left_out = running_in is None and not math.isfinite(
+        answer.contact.hardness
+    )  # estimated, and below the load
     if hardness is not None and math.isfinite(hardness) and not imposed and not left_out:
         film = numbers["mean pressure of the film"].value if "mean pressure of the film" in numbers else 0.0
         pressure = numbers["maximum pressure"]

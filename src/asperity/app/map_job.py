@@ -178,7 +178,7 @@ def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     for job in jobs:
         assert job.rough is not None
         face = job.rough.face
-        work = sum(work_of(job.case, face.grid.mirrored).values())
+        work = sum(work_of(job.case, bool(face.grid.mirrored)).values())
         costs.append(answer_cost(work, face.height.size, face.boundary))
     seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
     return minutes(seconds), max(cost.memory for cost in costs)

@@ -267,7 +267,7 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
         yield True, "large_contact", {"area": 100 * numbers.contact_area_fraction, "limit": 100 * LARGE_AREA}
     if face.boundary == "periodic" and record.edge_step > EDGE_STEP:
         yield True, "edges", {}
-    if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
+    if face.boundary != "periodic" and numbers.load_on_edges > EDGE_LOAD:
         yield True, "contact_at_edge", {"size": numbers.load_on_edges}
     if (plain := compared.unfiltered) is not None:
         values = {"height": record.filtered_height, "gradient": record.filtered_gradient}
@@ -285,11 +285,11 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
 
 def _on_neighbours(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on the periodic images of a ball or cylinder, which press on the same body."""
+    if stages.asked.map.form == "cylinder" and stages.face.boundary != "free":
+        yield False, "line_contact", {"axis": stages.asked.map.cylinder_axis}
     if compared.neighbours is None:
         return
     span, alone = compared.neighbours
-    if stages.asked.map.form == "cylinder":
-        yield False, "line_contact", {"axis": stages.asked.map.cylinder_axis}
     for part in stages.bodies.values():
         ratio, stress = part.body.poisson, part.von_mises.value
         lateral = ratio / (1 - ratio) * stages.numbers.nominal_pressure

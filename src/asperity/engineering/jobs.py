@@ -176,7 +176,7 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
         for keys, each in files.items()
         if not os.path.exists(each)
     ]
-    surface: Map | None = None if case is None else case.map
+    surface: Map | None = None if case is None else case.pressed_map
     counter: CounterMap | None = None if case is None else case.counter_map
     if case is None:  # problems of map and case are reported together
         with suppress(SettingsError):

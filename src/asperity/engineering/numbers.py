@@ -29,6 +29,7 @@ from asperity.engineering.records import (
     fraction,
 )
 from asperity.engineering.scene import Scene
+from asperity.fourier.grid import BOUNDARIES
 from asperity.settings.body import HARDNESS_OVER_YIELD, Body, Layer
 from asperity.settings.load import Hertz
 from asperity.stress.extremes import DIRECTION, OF_MATERIALS, Extreme
@@ -87,7 +88,7 @@ def contact_records(
     is_elastic = math.isinf(contact.hardness)
     most = POSITIVE if is_elastic else Bounds(0.0, contact.hardness, "the hardness")
     for each in fields(ContactNumbers):
-        if not each.metadata:
+        if not each.metadata or math.isnan(getattr(numbers, each.name)):
             continue
         quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
         record = Record(quantity, value, each.metadata["unit"])
@@ -104,6 +105,9 @@ def contact_records(
             note = AT_LINE if contact.grid.at_mirror_line(*place) else ""
             bounds = record.bounds if may_pull else most
             record = replace(record, bounds=bounds, note=note, varies=True, better="less")
+        elif each.name == "normal_approach" and (free := BOUNDARIES[contact.boundary]).count(True) == 1:
+            distance = shown_si(contact.grid.length[free.index(True)], "m")
+            record = replace(record, note=f"from the surface {distance} beside a line of load")
         elif each.name == "patches":
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":

@@ -110,11 +110,11 @@ def answer_of(
     SettingsError, MapError, ConvergenceError
         As for `asperity.run`.
     """
-    rough = rough or read_face(case.map, case.counter_map)
+    rough = rough or read_face(case.pressed_map, case.counter_map)
     asked = case.on_face(rough)
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
-    parts = _Parts(progress, work_of(asked, rough.face.grid.mirrored), on_stage)
+    parts = _Parts(progress, work_of(asked, bool(rough.face.grid.mirrored)), on_stage)
     pressed = _pressed(asked, rough, parts, start, cores)
     bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
     # Two equal bodies share one result.
@@ -235,7 +235,7 @@ def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
     approach or contact area is imposed: the numbers then do not follow the load on a block.
     """
     imposed = case.load.kind in ("normal_approach", "contact_area_fraction")
-    if imposed or case.adhesion is not None or case.map.radius is not None or face.boundary == "free":
+    if imposed or case.adhesion is not None or case.map.radius is not None or face.boundary != "periodic":
         return None
     return blocks_of(face, contact.pressure)
 

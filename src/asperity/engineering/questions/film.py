@@ -82,8 +82,8 @@ class Film(Question):
             yield f"load.{case.load.kind}", f": {needed}"
         if "load_curve" in case.questions:
             yield "load_curve", ": not accepted with film"
-        if case.map.periodic == "none":
-            yield "map.periodic", " = none: not accepted with film"
+        if free := case.map.free_edges:
+            yield free[0], f" = {free[1]}: not accepted with film"
         yield from ((key, ": half-spaces are needed with film") for key in case.layers_and_coatings)
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, None]:

@@ -53,7 +53,7 @@ class Yielded:
     ) -> None:
         from asperity.stress.exceedance import Exceedance
 
-        self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary == "periodic")
+        self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary)
         self._limit, self._face, self._blocks = limit, pressed.face, pressed.blocks
         self._poisson, self.between = loaded.layer.poisson, between
         self._last: tuple[float, Array] | None = None

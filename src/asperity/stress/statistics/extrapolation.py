@@ -530,7 +530,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     """
     if results.height is None:
         return {"departure": 0.0, "unresolved": 0.0, "beyond_band": 0.0}
-    grid, height = results.grid, results.height / max(np.ptp(results.height), 1e-300)
+    grid, height = results.grid.of_heights, results.height / max(np.ptp(results.height), 1e-300)
     # On a mirrored map, as many modes as half of the nodes of the whole cell hold.
     halves = [max((n + 1) // 2, 2) if grid.mirrored else max(n // 2, 4) for n in grid.shape]
     fourier, half = Fourier(grid), Grid((halves[0], halves[1]), grid.length, grid.mirrored)
@@ -545,7 +545,7 @@ def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     parts = [grid.sum_over_modes(tail * part) for part in products]
     directed = np.hypot(parts[1], 0 if grid.mirrored else parts[2]) / max(parts[3], 1e-300)
     on_axes = parts[4] / max(parts[3], 1e-300)
-    bends = [_second_differences(height, axis, grid.mirrored) for axis in (0, 1)]
+    bends = [_second_differences(height, axis, bool(grid.mirrored)) for axis in (0, 1)]
     peaked = max(np.mean(each**4) / max(np.mean(each**2) ** 2, 1e-300) for each in bends)
     beyond_band = grid.sum_over_modes(power * (np.hypot(y, x) > 1 + 1e-9))
     has_creases = (directed > DIRECTED and peaked > PEAKED) or (on_axes > ON_AXES and peaked > GAUSSIAN)
