@@ -115,7 +115,7 @@ def contact_records(
         elif each.name == "mean_pressure":  # the load over the area
             area = limit_of(limits, "contact area fraction")
             estimate = value * area["on_grid"] / area["estimate"] if area["estimate"] else math.nan
-            record = replace(record, bounds=most, extrapolated=estimate)
+            record = replace(record, bounds=record.bounds if may_pull else most, extrapolated=estimate)
             record = record.with_error(DISCRETISATION, area["error"] * estimate)
         record = _extrapolated(record, limits, quantity)
         if each.name in ("contact_area_fraction", "contact_area", "mean_pressure"):

@@ -272,9 +272,10 @@ class Grid:
 
     def at_mirror_line(self, y: float, x: float) -> bool:
         """True for a position on a mirrored map within a spacing of its mirror lines."""
-        places = zip((y, x), self.length, self.spacing, strict=True)
-        return self.mirrored and any(
-            min(place + step / 2, edge - step / 2 - place) < step for place, edge, step in places
+        places = zip((y, x), self.length, self.spacing, self.images, strict=True)
+        return any(
+            images == 2 and min(place + step / 2, edge - step / 2 - place) < step
+            for place, edge, step, images in places
         )
 
     def first_node(self, finest: Grid) -> tuple[float, float]:

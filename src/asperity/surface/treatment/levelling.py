@@ -1,5 +1,6 @@
 """Operations on the heights of a map: scan lines, spikes, missing points, trends, filters, windows."""
 
+from collections.abc import Sequence
 from hashlib import sha256
 from typing import get_args
 
@@ -240,21 +241,21 @@ def edge_step(height: Array) -> float:
     return float(np.sqrt(np.mean(across**2) / inside)) if inside > 0 else 0.0
 
 
-def level_edges(height: Array) -> tuple[Array, tuple[float, float]]:
+def level_edges(height: Array, axes: Sequence[int] = (0, 1)) -> tuple[Array, tuple[float, float]]:
     """A map without slope across its edges, and the widths along y and x, in points, that this changes.
 
     Mirror images of a slope are a crease: asperities at the edges would be sharper than others. With the
     slope s towards the edge, s (w − d)²/(2 w) is added at distances d up to the width w.
     """
-    widths = []
-    for axis in (0, 1):
+    widths = [0.0, 0.0]
+    for axis in axes:
         nodes, steps = height.shape[axis], np.diff(height, axis=axis)
         slope, curvature = (float(np.linalg.norm(each)) for each in (steps, np.diff(steps, axis=axis)))
-        widths.append(min(EDGE_WIDTH * slope / max(curvature, 1e-300), LARGEST_WIDTH * nodes))
-        if widths[-1] <= 0.5:  # no point is as near to the edge
+        widths[axis] = width = min(EDGE_WIDTH * slope / max(curvature, 1e-300), LARGEST_WIDTH * nodes)
+        if width <= 0.5:  # no point is as near to the edge
             continue
         height, steps = np.moveaxis(height, axis, 0), np.moveaxis(steps, axis, 0)
-        shape = np.maximum(widths[-1] - (np.arange(nodes) + 0.5), 0)[:, None] ** 2 / (2 * widths[-1])
+        shape = np.maximum(width - (np.arange(nodes) + 0.5), 0)[:, None] ** 2 / (2 * width)
         first, last = 2 * steps[0] - steps[1], steps[-2] - 2 * steps[-1]
         height = np.moveaxis(height + shape * first + shape[::-1] * last, 0, axis)
     return height, (widths[0], widths[1])

@@ -190,7 +190,9 @@ def treat_map(
     level, filtered, words = _filtered(levelled.height, surface, options, grid)
     step, altered, edges = levelling.edge_step(level), 0.0, ""
     if joins and options.periodic == "mirrored":
-        level, widths = levelling.level_edges(level)
+        level, widths = levelling.level_edges(
+            level, [axis for axis, name in enumerate("yx") if options.ends != name]
+        )
         if max(widths) > 0.5:
             within = surface.shown_length(
                 *(size * step for size, step in zip(widths, grid.spacing, strict=True))
