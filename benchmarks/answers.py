@@ -94,7 +94,7 @@ def height_of(case: Case, nodes: int) -> Array:
 
 def measured(contact: asp.Contact, limits: Array) -> tuple[xr.Dataset, list[Exceedance], dict[str, float]]:
     """Estimates, volumes above limits, and number → value of a contact."""
-    found, volumes = Extremes(LAYER), [Exceedance(limit, periodic=True) for limit in limits]
+    found, volumes = Extremes(LAYER), [Exceedance(limit) for limit in limits]
 
     def observe(plane) -> None:
         found.add(plane)

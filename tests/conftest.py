@@ -68,6 +68,25 @@ def chosen_engine(request):
         yield request.param
 
 
+@pytest.fixture(scope="session", autouse=True)
+def checked_answers():
+    """Every answer that tests compute is checked for what holds in all answers (`answer_invariants`)."""
+    from answer_invariants import violations
+
+    import asperity.engineering.stages as stages
+
+    made = stages.AnswerData
+
+    def checked(*arguments):
+        answer = made(*arguments)
+        assert not (found := list(violations(answer))), found
+        return answer
+
+    stages.AnswerData = checked
+    yield
+    stages.AnswerData = made
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Let one process run the tests of a module that share a fixture, unless they have a group already."""

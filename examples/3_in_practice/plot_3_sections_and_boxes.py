@@ -20,11 +20,12 @@ height = asp.self_affine((128, 128), 0.8, 0.05e-3, 12.5e-6, rms_height=0.2e-6, s
 contact = asp.solve_contact(height, solid, 0.2e-3, mean_pressure=50e6)
 
 # %%
-# A section through the largest pressure: by hand from the dataset, or with ``plot_section``.
+# A section through the largest pressure: as a dataset, and with ``plot_section``.
 section = asp.stress_section(contact, along="x", depths=np.linspace(0, 20e-6, 41), fields=("von_mises", "xz"))
+print(f"largest shear stress in it: {1e-6 * float(abs(section['xz']).max()):.0f} MPa")
 figure, axes = plt.subplots(2, 1, figsize=(8, 5), layout="compressed")
-section["xz"].isel(poisson=0).plot(ax=axes[0], yincrease=False)
-asp.views.plot_section(contact, depth=20e-6, axes=axes[1], unit_system="SI")
+for axis, field in zip(axes, ("xz", "von_mises"), strict=True):
+    asp.views.plot_section(contact, depth=20e-6, field=field, axes=axis, unit_system="SI")
 plt.show()
 
 # %%

@@ -42,7 +42,7 @@ for title, moving in {"along the lay": along, "through the contact": through}.it
         cycles[f"{title}, {body} face"] = found
         print(
             f"{title}, {body} face: {value:.2f} ± {found.attrs['few_shifts_error'] * value:.2f} of the limit "
-            f"at depth {depth * 1e6:.2f}, x = {x * 1e6:.0f}, y = {y * 1e6:.0f} µm"
+            f"at depth {depth * 1e6:.2f} µm, x = {x * 1e6:.0f} µm, y = {y * 1e6:.0f} µm"
         )
 
 # %%

@@ -32,9 +32,9 @@ from scipy.linalg import cho_factor, cho_solve
 
 from asperity.contact import Contact, solve_contact, verify_contact
 from asperity.core.types import Array
-from asperity.elasticity.loaded_rectangle import rectangle_compliance
+from asperity.elasticity.loaded_rectangle import surface_influence
 from asperity.elasticity.two_bodies import Solids
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import BOUNDARIES, Grid
 from asperity.reference.pivoting import PivotingError, pivot
 
 ALLOWED = 10.0
@@ -167,7 +167,7 @@ def energy_error(
             contact.solid, contact.grid, mean_pressure is not None
         )
     elif contact.grid.size <= FREE_NODES:
-        response = _FreeResponse(contact.solid, contact.grid)
+        response = _FreeResponse(contact.solid, contact.grid, contact.boundary)
     else:
         return math.nan, 0.0
     energy = response.energy(pressure)
@@ -219,10 +219,10 @@ class _PeriodicResponse:
 
 
 class _FreeResponse:
-    """Energies of a free map, by the inverse of its dense compliance."""
+    """Energies of a map that ends along one axis or both, by the inverse of its dense compliance."""
 
-    def __init__(self, solid: Solids, grid: Grid) -> None:
-        self._matrix, self._factor, trace = free_compliance(grid.shape, grid.spacing)
+    def __init__(self, solid: Solids, grid: Grid, boundary: str) -> None:
+        self._matrix, self._factor, trace = free_compliance(grid, boundary)
         self._modulus = solid.effective_modulus
         self.stiffness_trace = trace * self._modulus
 
@@ -241,11 +241,10 @@ class _FreeResponse:
 
 
 @lru_cache(maxsize=16)
-def free_compliance(shape: tuple[int, int], spacing: tuple[float, float]) -> tuple[Array, Any, float]:
-    """Compliance of the nodes of a free map for E* = 1, its Cholesky factor, and the trace of its inverse."""
-    y, x = (np.arange(n) * step for n, step in zip(shape, spacing, strict=True))
-    kernel = rectangle_compliance(y[:, None], x, spacing, 1.0)
-    row, column = (index.ravel() for index in np.indices(shape))
+def free_compliance(grid: Grid, boundary: str) -> tuple[Array, Any, float]:
+    """Compliance of the nodes of a map for E* = 1, its Cholesky factor, and the trace of its inverse."""
+    kernel = surface_influence(*grid.coordinates(), grid, 1.0, BOUNDARIES[boundary])
+    row, column = (index.ravel() for index in np.indices(grid.shape))
     matrix = kernel[abs(row[:, None] - row), abs(column[:, None] - column)]
     factor = cho_factor(matrix)
     return matrix, factor, float(np.trace(cho_solve(factor, np.eye(row.size))))

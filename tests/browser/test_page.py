@@ -402,10 +402,10 @@ def test_download_and_open_later(page):
         assert {"report.html", "contact.nc", "case.yaml", ".asperity-run.json"} <= set(archive.namelist())
         archive.extractall(folder)
     number = page.answers() + 1
-    tiles = page.run("return document.querySelector('.tiles').innerText")
+    tiles = page.run("return document.querySelector('.headline').innerText")
     page.run("act('open', arguments[0])", str(folder))
     page.until(f"document.querySelectorAll('[data-do=show] option').length === {number}")
-    assert page.run("return document.querySelector('.tiles').innerText") == tiles
+    assert page.run("return document.querySelector('.headline').innerText") == tiles
     names = page.run(
         "return [...document.querySelectorAll('[data-do=show] option')].map((each) => each.text)"
     )
@@ -444,7 +444,7 @@ def test_a_sample_is_shown_before_its_maps(example, app):
     article = example.run("return document.querySelector('article.answer').innerText")
     assert sample.verdict[0] in article
     assert sample.tiles[0].number() in article
-    assert "not known" not in example.run("return document.querySelector('.tiles').innerText")
+    assert "not known" not in example.run("return document.querySelector('.headline').innerText")
     example.run(
         "document.querySelectorAll('article.answer > details').forEach((each) => { each.open = true; })"
     )

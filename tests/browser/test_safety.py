@@ -202,10 +202,13 @@ def test_what_a_killed_server_left_is_removed_at_the_next_start(tmp_path):
     app.process.kill()
     app.process.wait(20)
     app.process.stdout.close()
-    (tmp_path / "asperity-app-of-someone").mkdir()
+    for name in ("asperity-app-of-someone", "answer_1/.unfinished-x", "answer_2/a/.unfinished-y", "answer_3"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "answer_3/report.html").touch()
     (left,) = [path.parents[2] for path in tmp_path.rglob("a.npy")]
-    other = App(tmp_path, TMPDIR=str(tmp_path))
+    other = App(tmp_path, "--out", tmp_path, TMPDIR=str(tmp_path))
     assert not left.exists()
+    assert [path.name for path in tmp_path.glob("answer_*")] == ["answer_3"]
     assert (tmp_path / "asperity-app-of-someone").exists()
     other.close()
     assert [path.name for path in tmp_path.glob("asperity-app-*")] == ["asperity-app-of-someone"]

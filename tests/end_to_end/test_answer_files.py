@@ -102,6 +102,9 @@ def test_files_of_a_killed_process_are_removed(pool):
         shutil.move(pool / name, pool / ".complete" / name)
     assert status("run", pool / "case.yaml", "--out", pool) == status("verify", pool) == 0
     assert not [*pool.rglob(".unfinished-*"), *pool.rglob(".complete")]
+    (pool / "a/.unfinished-y").mkdir()
+    assert status("run", pool / "case.yaml", "--out", pool, "--resume") == 0
+    assert not [*pool.rglob(".unfinished-*")]
 
 
 def lost_answer(pool):
@@ -254,6 +257,13 @@ def test_maps_named_like_files_of_answers_are_refused(tmp_path, name):
     maps = [write_map(tmp_path / f"{stem}.txt", seed) for seed, stem in enumerate(("a", name))]
     out = tmp_path / "answers/pool"
     assert status("run", *maps, *STEEL, "--pooled", "--out", out, "--check") == 2
+
+
+def test_folder_in_a_loop_of_links_is_one_line(tmp_path, capsys):
+    write_map(tmp_path / "map.txt", 0)
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    assert status("run", tmp_path / "map.txt", *STEEL, "--out", tmp_path / "loop") == 1
+    assert "loop: cannot be written" in capsys.readouterr().err
 
 
 def test_folder_that_is_not_utf_8_is_refused(tmp_path, monkeypatch, capsys):

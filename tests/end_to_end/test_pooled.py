@@ -28,8 +28,7 @@ def without_pictures():
     """They take most of the time, and `test_run_command` draws them."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
-        patch.setattr("asperity.engineering.show.sample.compared_pictures", lambda _: [])
-        patch.setattr("asperity.engineering.show.comparison.compared_pictures", lambda _: [])
+        patch.setattr("asperity.engineering.show.report.compared_pictures", lambda _: [])
         yield
 
 
@@ -60,12 +59,12 @@ def test_the_folder_holds_means_of_all_maps(folder):
     assert maximum["value_Pa"]["pressure"] == pytest.approx(6e9)  # is the hardness
     assert (maximum["low_Pa"] <= maximum["value_Pa"]).all()
     page = (folder / "sample.html").read_text(encoding="utf-8")
-    assert page.index("±") < page.index("<h2>Numbers</h2>")
+    assert page.index("±") < page.index("<h2>All numbers</h2>")
     assert "95 % between" in page
     assert "<script" not in page
     shown = (folder / "ring_1/report.html").read_text(encoding="utf-8")
     assert shown.count("maximum shear stress (Tresca)") == 1  # of two bodies of the same material
-    assert "upper body: of the same material" in page.lower()
+    assert "upper body: its numbers are listed where" in shown.lower()
     assert "stress beyond yield</b>: 3 of 3 maps; ring_1: " in page.replace("Stress", "stress")
 
 

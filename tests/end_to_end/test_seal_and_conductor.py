@@ -260,7 +260,7 @@ def test_questions_are_answered_in_a_sentence():
     assert answer.tiles[1].quantity == "mean pressure that seals"
     metal = {"young": "100 GPa", "poisson": 0.3, "resistivity": 2e-8}
     whole = asp.run(HEIGHT, metal, metal, length=EDGES, force="1 mN", sliding={"friction": 0.2})
-    slid, resisted, *_ = whole.verdict
+    resisted, *_, slid = whole.verdict
     assert "against a friction force of 200 µN on the map" in slid
     assert resisted.startswith("The contact spots resist the current with ")
     assert resisted.endswith("(Holm); films, oxides and the gap are left out.")

@@ -64,7 +64,7 @@ def count(low, high):
 
 shapes = st.tuples(st.integers(1, 24), st.integers(1, 24))
 lengths = st.just(1.0) | number(1e-6, 1e6) | st.tuples(st.floats(0.1, 10), st.floats(0.1, 10))
-boundaries = choice("periodic", "free")
+boundaries = choice("periodic", "free", "free along y", "free along x")
 
 
 class Height(NamedTuple):
@@ -162,6 +162,6 @@ def loaded_solid(case):
     values = made(case["pressure"])
     if values.dtype == float:
         values = np.maximum(values, 0.0)
-    mirrored = case["mirrored"] and case["boundary"] != "free"
+    mirrored = case["mirrored"] and case["boundary"] != "free"  # along the axis that repeats
     grid = asp.Grid(values.shape, case["length"], mirrored)
     return asp.LoadedSolid(values, grid, solid_of(case["layer"]), case["boundary"])

@@ -103,7 +103,7 @@ def test_energy_bound_of_a_free_map_holds(hardness, size):
     """Against a bounded quadratic program on a dense matrix, by scipy, at the same approach."""
     case = FamilyCase("rough", (12, 12), imposed=("load", 1e-1), hardness=hardness, **FREE, **TIGHT)
     contact, _ = solved(case)
-    matrix, _, _ = free_compliance(contact.grid.shape, contact.grid.spacing)
+    matrix, _, _ = free_compliance(contact.grid, contact.boundary)
     matrix = matrix / contact.solid.effective_modulus
     root = np.linalg.cholesky(matrix).T
     target = np.linalg.solve(root.T, contact.approach - contact.height.ravel())

@@ -2,6 +2,7 @@
 
 import html
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,8 +11,8 @@ from test_sample import STEEL, a_map
 
 import asperity as asp
 from asperity.engineering.show.pictures import compared_pictures, lead_of, pictures, png_of
-from asperity.engineering.show.report import TILES, constants_of_table, preview, report
-from asperity.engineering.show.tables import for_reader, tables
+from asperity.engineering.show.report import constants_of_table, preview, report
+from asperity.engineering.show.tables import TILES, for_reader, tables
 from asperity.engineering.show.text import text
 from asperity.results.tables import check_columns
 
@@ -57,14 +58,19 @@ def test_first_screen(coated):
     assert positions == sorted(positions)
     assert max(positions) < first.index('class="headline"') < first.index("<img ")
     assert 1 < first.count("<dt>") <= TILES
-    assert first.count("<li>") == len(coated.uncertainties) <= 3
+    assert first.count("<li>") == len(coated.uncertainties) == 3
+    assert any(each.short.startswith("model: ") for each in coated.uncertainties)
     assert first.count("<img ") == 1
-    assert first.count('class="warning"') == sum(each.warns for each in coated.warnings)
+    shown = {each.subject for each in coated.uncertainties}
+    others = {each.subject for each in coated.warnings if each.warns} - shown
+    assert first.count('class="warning"') == len(others)
+    assert first.count("one map does not show it") == 1
     assert not re.search("<script|http", page)
     for each in coated.records:
         assert html.escape(each.text()) in folded or each.words in folded
     for each in coated.warnings:
-        assert html.escape(each.text) in (first if each.warns else folded)
+        part = first if each.warns or each.subject in shown else folded
+        assert html.escape(each.text[0].upper() + each.text[1:]) in part or html.escape(each.text) in part
 
 
 def test_lead_picture_is_that_of_the_question_asked(coated):
@@ -114,6 +120,17 @@ def test_tables_have_their_columns(coated):
             assert len(shown) <= max(len(table), 1)
     _, spots = for_reader("contact_spots", coated.tables["contact_spots"])
     assert spots["load"].iloc[0].endswith("N")
+
+
+def test_titles_of_a_long_name_do_not_overlap(coated):
+    named = replace(coated, face=replace(coated.face, name="a measured map with a name as long as a line"))
+    for each in (each for each in pictures(named) if each.name in ("height", "pressure", "plane")):
+        png_of(each.figure)  # places the titles
+        first, second = (axis.get_title("left") for axis in each.figure.axes[:2])
+        lines = [text.splitlines() for text in (first, second)]
+        assert lines[0][0].startswith("a measured map")
+        assert not lines[1][0].strip()  # beside the name
+        assert len(lines[0]) == len(lines[1]) == 2
 
 
 def test_compared_pictures_have_one_scale():

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from asperity.app import form
+from asperity.app.session import _words
 from asperity.cli.commands.run import FLAGS
 from asperity.engineering.case import Case
 from asperity.engineering.templates import template, templates
@@ -80,3 +81,15 @@ def test_the_command_line_is_quoted_for_a_shell():
 def test_a_group_of_a_case_file_that_is_none_is_named():
     with pytest.raises(SettingsError, match=r"load = 5: a group with one of .*\n.*leak = \[1\]"):
         form.values_of({"map": {"file": "a.x3p"}, "load": 5, "leak": [1]})
+
+
+@pytest.mark.parametrize(
+    ("message", "shown"),
+    [
+        ("body.layers.0.young: missing", "body, layer, young: missing"),
+        ("partial_slip: needs sliding.friction, above 0", "partial slip: needs sliding, friction, above 0"),
+        ("map.file = my_map.x3p: no such file", "map, file = my_map.x3p: no such file"),
+    ],
+)
+def test_messages_have_words_in_place_of_keys(message, shown):
+    assert _words(message) == shown

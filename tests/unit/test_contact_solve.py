@@ -238,7 +238,10 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(solid=3), "solid = 3"),
     (lambda: pressed(np.zeros(16)), ".*two-dimensional"),
     (lambda: pressed(np.diag([np.nan] + 15 * [0.0])), ".*1 of 256 nodes are not finite"),
-    (lambda: pressed(boundary="open"), "boundary = 'open': one of periodic, free is needed"),
+    (
+        lambda: pressed(boundary="open"),
+        "boundary = 'open': one of periodic, free, free along y, free along x is needed",
+    ),
     (lambda: pressed(FLAT, SLAB, boundary="free"), "boundary = 'free': half-spaces are .* of height 1"),
     (  # in units of the heights it would be another number
         lambda: asp.solve_contact(

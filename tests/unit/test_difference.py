@@ -11,8 +11,9 @@ from scipy import stats
 from test_sample import STEEL, a_map
 
 import asperity as asp
-from asperity.core.errors import DatasetError
+from asperity.core.units import shown_si
 from asperity.engineering.records import DISCRETISATION, POSITIONS, Record
+from asperity.engineering.sample import key_of
 from asperity.engineering.show.comparison import _of_errors, _of_samples, compared
 
 
@@ -60,8 +61,8 @@ def test_errors_of_two_maps_are_normal():
 def test_single_maps_say_that_positions_are_not_known():
     """Each pair of one map of a surface, with errors by discretisation alone."""
     found = compared({"soft": answer_of(1), "hard": answer_of(1, hardness=4e9)})
-    unknown = "not known to be better; one map each: differences between positions are not known."
-    assert found.verdict.endswith(unknown)
+    assert found.verdict.startswith("Not known whether hard is better: ")
+    assert found.verdict.endswith("; one map each: differences between positions are not known.")
     assert "p = " not in found.text()
     assert found.frame()["chance_hard"].isna().all()
     mixed = compared({"several": sample_of(1, 2, 3), "one": answer_of(4)})
@@ -75,9 +76,11 @@ def test_samples_are_judged_by_the_volume_above_yield():
     values = [sample.values(sample[key[2]]) for sample in found.items.values()]
     assert difference.chance == pytest.approx(stats.ttest_ind(*values, equal_var=False).pvalue, rel=0.3)
     best = min(found.items, key=lambda name: found.items[name][key[2]].best)
-    assert found.verdict.startswith(f"{best}: volume above yield per area ")
-    judged = "better" if difference.chance < 0.05 else "no significant difference"
-    assert f"; {judged}, p = {difference.chance:.2g}." in found.verdict
+    judged = f"{best} is better" if difference.chance < 0.05 else "No significant difference"
+    text = found.records[best][key].best_text()
+    assert found.verdict.startswith(f"{judged}: volume above yield per area {text} of {best} (3 maps), ")
+    cause = "; most of the interval comes from differences between measurement positions."
+    assert f"; p = {difference.chance:.2g}{cause}" in found.verdict
 
 
 def test_fractions_above_yield_refer_to_one_depth():
@@ -90,6 +93,7 @@ def test_fractions_above_yield_refer_to_one_depth():
             for name in ("volume above yield per area", "volume fraction above yield")
         )
         assert fraction.best == pytest.approx(volume.best / max(depths))
+    assert f"volume fraction above yield, down to {shown_si(max(depths), 'm', 3)}" in str(found)
 
 
 def test_three_answers_and_their_files(tmp_path):
@@ -100,19 +104,16 @@ def test_three_answers_and_their_files(tmp_path):
     row = table.set_index("quantity").loc["maximum pressure"]
     assert row["value_map 1"] == sample_of(1, 2)["maximum pressure"].best
     assert row["difference_map 1"] == row["value_map 1"] - row["value_patch 1 1"]
-    assert [path.name for path in found.write(tmp_path)] == [
-        "comparison.csv",
-        "comparison.html",
-        "comparison.json",
-    ]
-    page = (tmp_path / "comparison.html").read_text(encoding="utf-8")
-    assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>Numbers</h2>")
+    with pytest.raises(ValueError, match="the answer of patch 1 is needed in a folder; write it first"):
+        found.write(tmp_path / "new")  # which could not be opened
+    assert not (tmp_path / "new").exists()
+    page = found.page(tmp_path)
+    assert page.index(found.records["map 1"][key_of(found.decisive[0])].best_text()) < page.index("<img ")
+    assert page.index(found.verdict.split(";")[0]) < page.index("<img ") < page.index("<h2>All numbers</h2>")
     assert "<script" not in page
     assert all(name in json.dumps(page) for name in names)
     with pytest.raises(ValueError, match="answers: at least two"):
         compared([answer_of(1)])
-    with pytest.raises(DatasetError, match="the answer of patch 1 1 was not written"):
-        asp.open_answer(tmp_path)
 
 
 def test_comparison_is_opened_and_moved_with_its_answers(tmp_path):

@@ -63,6 +63,8 @@ def patches(shape):
         ("periodic", COATED, (300, 256), (1.0, 1.0)),
         ("free", HALF_SPACE, (257, 512), (1.0, 1.7)),
         ("free", PAIR, (256, 256), (1.0, 1.0)),
+        ("free along y", HALF_SPACE, (257, 512), (1.0, 1.7)),
+        ("free along x", HALF_SPACE, (257, 263), (1.0, 1.0)),
     ],
 )
 @pytest.mark.parametrize(("division", "error"), [(dilute.DIVISION, 1e-3), (dilute.INNER_DIVISION, 1e-2)])
@@ -70,7 +72,7 @@ def test_displacement_of_candidates_is_that_of_the_whole_grid(
     boundary, solid, shape, length, division, error
 ):
     grid = asp.Grid(shape, length, mirrored=boundary == "mirrored")
-    boundary = "free" if boundary == "free" else "periodic"
+    boundary = "periodic" if boundary == "mirrored" else boundary
     response = response_on(boundary, solid, grid, omits_mean=boundary == "periodic")
     nodes, pressure = patches(shape)
     field = np.zeros(shape)
@@ -88,6 +90,7 @@ def test_displacement_of_candidates_is_that_of_the_whole_grid(
         *((HALF_SPACE, {}, seed) for seed in range(3)),
         (HALF_SPACE, {"boundary": "free"}, 0),
         (HALF_SPACE, {"boundary": "free"}, 1),
+        (HALF_SPACE, {"boundary": "free along x"}, 2),
         (HALF_SPACE, {"hardness": 0.04}, 2),
         (HALF_SPACE, {"dtype": "float32", "rtol": 1e-4}, 1),
         (LAYER, {}, 0),

@@ -12,7 +12,7 @@ from asperity.stress.exceedance import Exceedance
 
 
 def filled(planes, limit, largest=np.inf):
-    found = Exceedance(limit, periodic=True)
+    found = Exceedance(limit)
     for plane in planes:
         found.add(*plane)
     found.finish(largest)

@@ -196,7 +196,7 @@ def test_stress_on_a_crease_grows_with_every_refinement():
 def extremes_on(nodes, **load):
     """Contact, extreme values and estimates on a number of nodes, and the volume above a stress."""
     contact, limit = contact_on(nodes, **load), 0.02
-    found, volume = Extremes(LAYER), Exceedance(limit, periodic=True)
+    found, volume = Extremes(LAYER), Exceedance(limit)
 
     def observe(plane):
         found.add(plane)
@@ -230,7 +230,7 @@ def test_volume_without_peaks_has_an_error_where_the_stress_may_reach_the_limit(
     error, depths = extreme_error(found, "von_mises"), asp.stress.depth_grid(contact.grid, 0.5)
     planes = list(asp.stress_planes(contact, depths))
     for over, may_yield in ((1.01, True), (1 + 0.8 * error, True), (1.05 + error, False)):
-        each = Exceedance(over * largest, periodic=True)
+        each = Exceedance(over * largest)
         for plane in planes:
             each.add(plane.depth, plane.grid, plane.fields["von_mises"][0])
         each.finish(largest)

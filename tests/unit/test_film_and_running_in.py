@@ -81,6 +81,7 @@ def test_running_in_ends_at_the_hardness(ground):
         plastic.contact.contact_area_fraction, rel=5e-3
     )
     assert answer["maximum pressure"].value == pytest.approx(hardness, rel=1e-4)  # tolerance of the contact
+    assert answer["maximum pressure"].value <= hardness
     depth = answer["maximum flattening of the first load"].value
     assert depth == pytest.approx(float(plastic.contact.plastic_depth.max()), rel=1e-6)
     assert answer["flattening by another load"].value < 1e-3 * depth

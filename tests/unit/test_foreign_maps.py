@@ -268,6 +268,10 @@ def test_void_pixels_are_points_without_data(tmp_path):
     foreign_files.write_spip(tmp_path / "map.asc", RAW, void)
     assert_read(tmp_path / "map.asc", np.where(void, np.nan, RAW))
     text = (tmp_path / "map.asc").read_text("ascii")
+    rows = text.splitlines()
+    rows[-8:] = (row.replace("0", "0.0").replace("1", "1.0") for row in rows[-8:])
+    (tmp_path / "decimals.asc").write_text("\n".join(rows), encoding="ascii")
+    assert_read(tmp_path / "decimals.asc", np.where(void, np.nan, RAW))
     (tmp_path / "map.asc").write_text(text.replace("voidpixels", "offset"), encoding="ascii")
     with pytest.raises(MapError, match="rows") as caught:
         read_map(tmp_path / "map.asc")
@@ -336,6 +340,25 @@ def test_an_array_of_objects_beside_heights_is_left_out(tmp_path):
     np.savez(tmp_path / "map.npz", meta=meta)
     with pytest.raises(MapError, match="it holds no array of real numbers with two dimensions"):
         read_map(tmp_path / "map.npz", **BARE)
+
+
+@pytest.mark.parametrize("write", ["mat", "h5"])
+def test_arrays_of_other_kinds_are_no_heights(tmp_path, write):
+    h5py, path = pytest.importorskip("h5py"), tmp_path / f"map.{write}"
+    kinds = {"logical": HEIGHT > 0, "complex": HEIGHT + 1j, "words": np.full((8, 6), b"1")}
+    for name, values in kinds.items():
+        for beside in ({}, {"b": HEIGHT}):
+            arrays = {"a": values, **beside}
+            if write == "mat":
+                pytest.importorskip("scipy.io").savemat(path, arrays)
+            else:
+                with h5py.File(path, "w") as file:
+                    file.update(arrays)
+            if beside:
+                np.testing.assert_array_equal(read_map(path, **BARE).height, 1e-6 * HEIGHT, err_msg=name)
+            else:
+                with pytest.raises(MapError, match=r"none of 0 \(a\) holds heights|not a height map"):
+                    read_map(path, **BARE)
 
 
 def test_masked_points_are_without_data():

@@ -140,7 +140,7 @@ def test_yield_stress_is_a_hardness_and_the_elastic_numbers_stand_beside():
     for name in ("contact area fraction", "maximum pressure"):
         assert answer[f"{name}, elastic"].value == pytest.approx(elastic[name].value)
         assert f"{name}, elastic" not in {each.quantity for each in (*elastic.records, *hard.records)}
-    assert any(text.startswith("model: an elastic contact") for text in answer.uncertainties)
+    assert any(each.short.startswith("model: an elastic contact") for each in answer.uncertainties)
     assert "3 times the yield stress" in answer["hardness"].note
     for limit in (100e9, 30e6):  # far above all pressures, and below a third of the mean pressure
         contact = answer_of(yield_stress=limit).contact

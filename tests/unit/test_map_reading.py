@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from asperity import Solid, solve_contact
 from asperity.cli.main import main
 from asperity.settings.model import SettingsError
 from asperity.surface.description import describe_map, map_warnings, prepare_map, spectrum_summary
@@ -85,6 +86,9 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
     xr.load_dataset(tmp_path / "s.nc").isel(y=slice(4, 12)).to_netcdf(tmp_path / "part.nc")
     with pytest.raises(MapError, match="y: the nodes of a whole cell are needed"):
         read_map(tmp_path / "part.nc")
+    solve_contact(height, Solid(1e9, 0.3), contact_area_fraction=0.1).to_netcdf(tmp_path / "c.nc")
+    with pytest.raises(MapError, match="a result of asperity without heights"):
+        read_map(tmp_path / "c.nc")
 
 
 @pytest.mark.parametrize(

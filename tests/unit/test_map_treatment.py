@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
-from samples import refuses
+from samples import HALF_SPACE, refuses
 
+from asperity.contact.solve import solve_contact
 from asperity.engineering.face import read_face
 from asperity.fourier.grid import Fourier, Grid, with_mirror_images
 from asperity.results.dataset import grid_of, read, write
 from asperity.settings.map import CounterMap, Map
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.planes.planes import depth_grid, stress_planes
 from asperity.study.stages.surface import read_surface
+from asperity.surface.heights import johnson
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.reading.map_file import read_map
 from asperity.surface.self_affine import self_affine
@@ -245,6 +249,43 @@ def test_a_mirrored_map_has_the_grid_of_the_map():
     smooth = HeightMap(waves((24, 32)), (24.0, 32.0))
     inside = make_periodic(smooth, detrend="none", periodic="mirrored").height
     np.testing.assert_allclose(inside, (waves((24, 32)).mean() - waves((24, 32))) / 64, atol=1e-14)
+
+
+def test_mirror_images_join_without_a_crease():
+    """The slope across the edges falls; summits on the edges, and heights elsewhere, stay as they are."""
+    y, x = (np.arange(nodes) + 0.5 for nodes in (48, 64))
+    summit = -((y[:, None] - 24) ** 2) / 100 - x**2 / 400
+    treated = treat_map(HeightMap(summit, (48.0, 64.0)), periodic="mirrored", detrend="none", joins=True)
+    found, exact = treated.height[24, 0] - treated.height, summit - summit[24, 0]
+    np.testing.assert_allclose(found[5:-5, :32], exact[5:-5, :32], atol=1e-9)
+    height = steel()
+    joined, widths = levelling.level_edges(height)
+    assert 1 < min(widths) < max(widths) < 4
+    inside = (slice(4, -4),) * 2
+    np.testing.assert_array_equal(joined[inside], height[inside])
+    for axis in (0, 1):
+        slopes = [np.diff(each, axis=axis).take([0, -1], axis) for each in (joined, height)]
+        assert np.linalg.norm(slopes[0]) < 0.9 * np.linalg.norm(slopes[1])
+
+
+def test_asperities_at_the_edges_of_a_cut_map_are_not_sharper():
+    """Maximum von Mises stress of cut maps under the load that they carry in the periodic surface."""
+    height = johnson(self_affine((192, 192), 0.8, 1 / 6, 1 / 24, 1e-3, seed=1), 0.8, 1.5)
+    whole, solid = solve_contact(height, HALF_SPACE, contact_area_fraction=0.1), HALF_SPACE
+    planes = list(stress_planes(whole, depth_grid(whole.grid, 0.05)))
+    errors = []
+    for row, column in np.ndindex(3, 3):
+        part = tuple(slice(64 * at, 64 * at + 64) for at in (row, column))
+        truth = max(plane.fields["von_mises"][0][part].max() for plane in planes if plane.grid == whole.grid)
+        load, grid = whole.pressure[part].mean(), Grid((64, 64), 1 / 3, mirrored=True)
+        for made in (height[part], levelling.level_edges(height[part])[0]):
+            contact = solve_contact(made, solid, grid, mean_pressure=load)
+            stress = analyse_stress(contact, quantities=("von_mises",))
+            errors.append(float(stress["maximum_von_mises"].max()) / truth - 1)
+    as_it_is, joined = np.reshape(errors, (-1, 2)).T
+    assert joined.max() < 0.1
+    assert as_it_is.max() > 0.2
+    assert np.linalg.norm(joined) < 0.6 * np.linalg.norm(as_it_is)
 
 
 @pytest.mark.parametrize("points", [None, 40, 90])

@@ -91,7 +91,7 @@ def test_hardness_cuts_the_interval():
     )
     alone = Record("maximum pressure", 2.9e9, "Pa", bounds=bounds, errors={DISCRETISATION: 0.3e9})
     assert alone.interval == (pytest.approx(2.6e9), 3e9)
-    assert alone.best_text() == "2.9 (2.6 to 3) GPa, limited by the hardness"
+    assert alone.best_text() == "2.9 (2.6 to 3) GPa"
 
 
 def test_fractions_stay_between_0_and_1():

@@ -325,6 +325,7 @@ def test_other_formats_are_named_in_a_line(tmp_path, name, write, line):
         *(("Z [um]", "um"), ("Height map (nm)", "nm"), ("# Höhe [µm]", "µm"), ("height data in nm", "nm")),
         *(("Value units: um", "um"), ("X [mm]\nHeight [um]", "um"), ("\\Exported image units: nm", "nm")),
         *(("Wavelength [nm] 632.8", None), ("Wavelength [nm]", None), ("Z range [um] 5.2", None)),
+        *(("Breite: 3 µm\nWerte in nm", "nm"), ("Pixel size: 0.5 um\nZ-unit: nm", "nm")),
         *(("Step [um]", None), ("Scan size [mm]", None), ("Height [um]\nData [nm]", None)),
         *(("Width[mm] Height[mm]\n1.5 2.5", None), ("Sample height [mm]", None)),
     ],
@@ -349,16 +350,18 @@ PLACES = {
 
 
 @pytest.mark.parametrize("name", PLACES)
-@pytest.mark.parametrize("axis", ["row", "column", "both"])
+@pytest.mark.parametrize("axis", ["row", "column", "both", "last column"])
 def test_positions_beside_heights_are_refused(tmp_path, name, axis):
     heights = LARGE
-    if axis != "row":
+    if axis in ("column", "both"):
         heights = np.c_[PLACES[name](30), heights]
-    if axis != "column":
+    if axis == "last column":
+        heights = np.c_[heights, PLACES[name](30)]
+    elif axis != "column":
         heights = np.vstack([[0.0] * (axis == "both") + [*PLACES[name](40)], heights])
     np.savetxt(tmp_path / "map.txt", heights, fmt="%.4g")
-    line = "column" if axis == "column" else "row"
-    with pytest.raises(MapError, match=f"its first {line} holds numbers or positions of points; delete it"):
+    line = {"column": "first column", "last column": "last column"}.get(axis, "first row")
+    with pytest.raises(MapError, match=f"its {line} holds numbers or positions of points; delete it"):
         read_map(tmp_path / "map.txt", physical_size=(1, 1), unit="um", orientation="peaks up")
 
 
@@ -384,7 +387,8 @@ def test_lines_of_smooth_surfaces_are_no_positions(tmp_path, waves):
     "word",
     [
         *("-nan(ind)", "NaNQ", "nan(snan)", "1.#QNAN", "#DIV/0!", "#N/A", "-", "---", "?", "...", "*"),
-        *("NoData", "void", "-3.4028235E+38", "1.70141e38"),
+        *("NoData", "void", "-3.4028235E+38", "1.70141e38", "n.a.", "N/D", "k.A.", "#WERT!", "#NV", "undef"),
+        *("<empty>", "_", "not_measured"),
     ],
 )
 @pytest.mark.parametrize("separator", ["\t", ";", " "])
@@ -404,7 +408,14 @@ CLOUD = "VERSION .7\nFIELDS {}\nWIDTH 48\nHEIGHT 1\nPOINTS 48\nDATA ascii\n"
 @pytest.mark.parametrize(
     ("heading", "more"),
     [
-        *(("48\n", ""), ("6 8\n", ""), ("48\ncomment\n", ""), ("x y z intensity\n", " {}")),
+        *(
+            ("48\n", ""),
+            ("6 8\n", ""),
+            ("48\ncomment\n", ""),
+            ("6\n8\n", ""),
+            ("6 8 1\n", ""),
+            ("x y z intensity\n", " {}"),
+        ),
         *(("X Y Z R G B\n", " {0} 1 {0}"), (CLOUD.format("x y z"), "")),
         *((CLOUD.format("x y z intensity"), " {}"), ("ply\nproperty float x\nend_header\n", "")),
     ],
@@ -414,6 +425,12 @@ def test_a_list_of_points_is_recognised(tmp_path, heading, more, edges):
     rows = [" ".join(point) + more.format(number % 7) for number, point in enumerate(POINTS)]
     (tmp_path / "points.txt").write_text(heading + "\n".join(rows))
     assert_map(read_map(tmp_path / "points.txt", **edges), 1, 1)
+
+
+def test_one_row_is_no_map(tmp_path):
+    (tmp_path / "row.txt").write_text("1 2 4 " * 40)
+    with pytest.raises(MapError, match="a rectangular map is needed, not a line scan of 120 points"):
+        read_map(tmp_path / "row.txt")
 
 
 def test_a_list_of_points_without_a_heading_is_no_map_of_four_columns(tmp_path):
@@ -440,6 +457,8 @@ def test_a_list_of_points_without_a_heading_is_no_map_of_four_columns(tmp_path):
         ),
         ('"Calibrage XY";"500,0";"nm"\n"Unité";"nm"\n"Hauteur"', ";", ",", False),
         ("# Pixel size [nm]: 500\n# heights (nm)", " ", ".", False),
+        ("Pixelgröße [µm]: 0,5\nEinheit der Höhe: nm", "\t", ",", False),
+        ("dx = 0.5 um\ndy = 0.5 um\nz (nm)\n6\n8", "\t", ".", False),
         ("Columns: 6\nPixel size: 0.5 um\nValue units: nm", " ", ".", False),
     ],
 )

@@ -201,6 +201,9 @@ def test_peaks_are_points_of_magnitude_and_depth(read):
     """Points of the stress, bars of the pressure."""
     stress = read("stress", si=True)
     axis = asp.views.plot_peaks(stress, "von_mises", 0.33).axes[0]
+    del (unknown := stress.copy()).attrs["unit_system"]
+    for system, label in ((None, "depth (input units)"), ("SI", "depth (µm)")):
+        assert asp.views.plot_peaks(unknown, unit_system=system).axes[0].get_ylabel() == label
     found = asp.stress.select_peaks(stress, "von_mises", 0.33)
     points = np.concatenate([np.array(line.get_data()).T for line in axis.lines[:2]])
     expected = np.column_stack([np.abs(found["peak_value"]) / 1e6, found["peak_depth"] * 1e6])

@@ -15,7 +15,9 @@ from asperity.core.types import Array
 from asperity.engineering.answer import Answer, Sample, opened
 from asperity.engineering.answer_data import AnswerData, by_topic, load_in_words, without_repeats
 from asperity.engineering.jobs import arranged, computed, sample_of
-from asperity.engineering.records import Advice, Record
+from asperity.engineering.records import Record
+from asperity.engineering.show.sample import predicted
+from asperity.engineering.show.tables import TILES
 from asperity.results.atomic import locked
 from asperity.stress.planes.planes import StressPlane, named_fields
 from asperity.stress.planes.stream import PlaneStream
@@ -32,9 +34,6 @@ ROWS = 160
 
 FADED = 0.05
 """A section ends where the stress is below this share of its largest value."""
-
-MOST_TILES = 4
-"""Numbers at the top of an answer: those that decide; all others stand in its tables."""
 
 PEAKS = ("value_Pa", "depth_m", "y_m", "x_m")
 """Columns of the peaks that are shown, beside their body and quantity."""
@@ -185,21 +184,19 @@ class AnswerJob:
 def _described(found: AnswerData | Sample) -> dict[str, Any]:
     """Words and records of an answer or a sample, as the page shows them; values are those of the maps."""
     shown: list[Record] = without_repeats(found.records)
-    of_kind: dict[str, Any]
-    if isinstance(found, AnswerData):
-        of_kind = {"maps": (), "uncertainties": found.uncertainties, "warnings": found.warnings}
-    else:
-        of_kind = {"maps": found.names, "warnings": [Advice(True, "", text) for text in found.warnings]}
-    return of_kind | {
+    sample = found if isinstance(found, Sample) else None
+    return {
+        "maps": sample.names if sample else (),
+        "uncertainties": [] if isinstance(found, Sample) else found.uncertainties,
+        "warnings": found.warnings,
         "title": found.title,
-        "verdict": [*found.verdict],
-        "tiles": found.tiles[:MOST_TILES],
+        "verdict": [*found.verdict, *(predicted(sample) if sample else ())],
+        "tiles": found.tiles[:TILES],
         "topics": [
             (
                 heading,
-                [(each, () if isinstance(found, AnswerData) else found.values(each)) for each in records],
+                [(each, sample.values(each) if sample else ()) for each in records],
             )
             for heading, records in by_topic(found.case, shown)
         ],
-        "bodies": len(found.case.different_bodies),
     }

@@ -106,12 +106,6 @@ class MapJob:
         first, jobs = arrangement.jobs[0], arrangement.jobs
         problems = [*(each for job in jobs for each in job.problems), *arrangement.problems]
         found["problems"] = [*dict.fromkeys(map(tuple, problems))]
-        with suppress(InputError, ValueError, OSError):  # reported above
-            options = Map.read(first.content["map"])
-            found["info"] = self._description(options)
-            if first.rough is None:  # the heights as they are in the file
-                surface = open_map(options.file, options).map
-                self._show(np.nan_to_num(surface.height), Grid(surface.height.shape, surface.length), number)
         if first.rough is not None:
             face = first.rough.face
             if self._drawn is not first.rough:
@@ -120,6 +114,12 @@ class MapJob:
             wavenumber, power = spectrum(face.height, face.grid.length)
             found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
             found |= {"doubts": first.rough.doubts, "done": face.done, "map_length": face.grid.length}
+        with suppress(InputError, ValueError, OSError):  # reported above
+            options = Map.read(first.content["map"])
+            found["info"] = self._description(options)
+            if first.rough is None:  # the heights as they are in the file
+                surface = open_map(options.file, options).map
+                self._show(np.nan_to_num(surface.height), Grid(surface.height.shape, surface.length), number)
         if first.case is not None:
             found |= _of_case(first.case)
         if not problems:
@@ -178,7 +178,7 @@ def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     for job in jobs:
         assert job.rough is not None
         face = job.rough.face
-        work = sum(work_of(job.case, face.grid.mirrored).values())
+        work = sum(work_of(job.case, bool(face.grid.mirrored)).values())
         costs.append(answer_cost(work, face.height.size, face.boundary))
     seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
     return minutes(seconds), max(cost.memory for cost in costs)

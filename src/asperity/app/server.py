@@ -30,9 +30,9 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from asperity.app import form
 from asperity.app.session import TEMPLATES, Session
 from asperity.app.worker import Worker
-from asperity.core.errors import shown
+from asperity.core.errors import DatasetError, shown
 from asperity.core.system import has_ended, process_name
-from asperity.engineering.folder import MANIFEST, names_in
+from asperity.engineering.folder import MANIFEST, names_in, remove_unfinished
 from asperity.settings.materials import table
 
 LOOPBACK = "127.0.0.1"
@@ -209,9 +209,10 @@ class _Download(_OfSession, RequestHandler):
 
 def _pack(files: Mapping[str, Path], packed: IO[bytes]) -> None:
     """Write a zip into a file, and go to the start of the file."""
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(packed, "w", compresslevel=1) as archive:
         for name, path in files.items():
-            archive.write(path, name)
+            is_packed = path.suffix in (".nc", ".png", ".xlsx")  # by the formats themselves
+            archive.write(path, name, zipfile.ZIP_STORED if is_packed else zipfile.ZIP_DEFLATED)
     packed.seek(0)
 
 
@@ -276,7 +277,7 @@ def serve(
     os.environ["BOKEH_RESOURCES"] = "server"  # scripts come from this server, without a network
     sockets, port = bind_sockets(LOOPBACK, port)
     hosts = (f"{LOOPBACK}:{port}", f"localhost:{port}", *([host_header] if host_header else ()))
-    _remove_abandoned()
+    _remove_abandoned(out)
     own = f"{TEMPORARY}{process_name()}-"
     with TemporaryDirectory(prefix=own, ignore_cleanup_errors=True) as temporary:
         loop = IOLoop.current()
@@ -339,9 +340,13 @@ def _open_browser(address: str, folder: Path) -> None:
         print("No browser was found; open the address in one.", flush=True)
 
 
-def _remove_abandoned() -> None:
-    """Remove the temporary folders of servers that were killed."""
+def _remove_abandoned(out: str | None) -> None:
+    """Remove what servers that were killed have left: temporary folders, and answers without a file."""
     for folder in Path(gettempdir()).glob(f"{TEMPORARY}*"):
         found = re.fullmatch(rf"{TEMPORARY}([\w-]+\.\d+\.\d+)-\w+", folder.name)
         if found and has_ended(found[1]):
             shutil.rmtree(folder, ignore_errors=True)
+    for folder in sorted(Path(out).glob("answer_*/**"), reverse=True) if out else ():
+        with suppress(DatasetError, OSError):  # of a running process, or not empty
+            remove_unfinished(folder)
+            folder.rmdir()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable, Mapping
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import yaml
-from jinja2 import Environment, PackageLoader
+from jinja2 import ChoiceLoader, Environment, PackageLoader
 
 from asperity.app import form
 from asperity.app.pictures import AnswerPictures, Ends, MapPictures, Units
@@ -23,6 +24,7 @@ from asperity.core.errors import DatasetError, InputError
 from asperity.core.units import shown_si, to_si
 from asperity.engineering.case_file import MAP_FILES, at, load_case
 from asperity.engineering.folder import COMPLETE, MANIFEST, UNFINISHED, names_in
+from asperity.engineering.show.tables import tiles_of, unknown_of
 from asperity.results.atomic import locked
 
 LONGEST_TEXT = 100_000
@@ -48,9 +50,13 @@ NEEDED = {
 KILLED = "was killed, perhaps for lack of memory. Inputs are kept."
 
 TEMPLATES = Environment(
-    loader=PackageLoader("asperity.app", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    loader=ChoiceLoader([PackageLoader("asperity.app", ""), PackageLoader("asperity.engineering.show", "")]),
+    autoescape=True,
+    trim_blocks=True,
+    lstrip_blocks=True,
 )
 TEMPLATES.filters["si"] = partial(shown_si, digits=3)
+TEMPLATES.globals |= {"tiles_of": tiles_of, "unknown_of": unknown_of}
 
 
 @dataclass(eq=False)
@@ -432,11 +438,11 @@ class Session:
         imposed = f"load.{form.LOADS[form.chosen('choose.load', self.values)][0]}"
         for key, text in self._problems():
             is_missing = text.startswith(": missing") and key in NEEDED
-            listed.append(NEEDED[key] if is_missing else f"{_words(key)}{text}".lstrip(": "))
+            listed.append(NEEDED[key] if is_missing else _words(f"{key}{text}").lstrip(": "))
             first = imposed if key.startswith("load.") and "," in key else key.split(",")[0]
             first = "map.file" if first == "map" else first
             if self.values.get(first):
-                at_fields[first] = text.lstrip(" :=")
+                at_fields[first] = _words(text).lstrip(" :=")
         return {
             "html": {name: self._part(name, listed=listed) for name in ("info", "hertz", "ready", "stale")},
             "problems": at_fields,
@@ -605,9 +611,15 @@ class Session:
         tab.answers[0].mark(self.peak)
 
 
-def _words(key: str) -> str:
-    """A dotted key as words."""
-    return key.replace(".", ", ").replace("_", " ")
+def _words(text: str) -> str:
+    """A message with words in place of keys: ``body.layers.0.young`` is "body, layer, young"."""
+    known = {part for key in form.settings() for part in key.split(".")} | {"layer"}
+
+    def words(found: re.Match[str]) -> str:
+        is_key = known.issuperset(found[0].split("."))  # and no name of a file
+        return found[0].replace(".", ", ").replace("_", " ") if is_key else found[0]
+
+    return re.sub(r"\b[a-z]+(?:[._][a-z]+)+\b", words, text.replace("layers.0", "layer"))
 
 
 def remove_made(folder: Path) -> None:

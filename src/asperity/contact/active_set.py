@@ -424,7 +424,7 @@ class ActiveSet:
         wanted = 0.3 * self._rule.tolerance
         found = Pressure(bearing, start.values[bearing], start.load)
         found = self._solved(nearby, found, max(CANDIDATE_ERROR, wanted))
-        if wanted < CANDIDATE_ERROR and not problem.response.repeats:
+        if wanted < CANDIDATE_ERROR and all(problem.response.free):
             nearby.correct(found)
             found = self._solved(nearby, found, max(CANDIDATE_DROP * CANDIDATE_ERROR, wanted))
         return Pressure(start.nodes[found.nodes], found.values, found.load)

@@ -19,7 +19,7 @@ import numpy as np
 from asperity.contact.adhesion import Adhesion
 from asperity.contact.contact_nodes import added, dot
 from asperity.contact.problem import Problem, State
-from asperity.contact.response import response_on
+from asperity.contact.response import checked_boundary, response_on
 from asperity.core.arguments import number, real_array
 from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.errors import ConvergenceError
@@ -27,7 +27,7 @@ from asperity.core.markup import table
 from asperity.core.parallel import map_parts, sum_parts
 from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solids
-from asperity.fourier.grid import Edges, Grid
+from asperity.fourier.grid import Boundary, Edges, Grid, with_mirror_images
 
 # The error estimate of a method may be too small by this factor, and a gap wrong by so many roundings.
 MAX_UNDERESTIMATE = 10.0
@@ -144,7 +144,7 @@ def verify_contact(
     mean_pressure: float | None = None,
     hardness: float | None = None,
     adhesion: Adhesion | None = None,
-    boundary: str = "periodic",
+    boundary: Boundary = "periodic",
     threads: int = 1,
 ) -> Certificate:
     """Certificate of a pressure, computed from the surface and the solid alone.
@@ -166,7 +166,7 @@ def verify_contact(
         Largest pressure, see `asperity.contact.solve`.
     adhesion : Adhesion, optional
         Attraction of the faces; the approach is then needed.
-    boundary : "periodic" | "free"
+    boundary : "periodic" | "free" | (str, str)
         As for `asperity.contact.solve`.
     threads : int
         The certificate does not depend on it.
@@ -200,6 +200,10 @@ def verify_contact(
         approach = number("approach", approach, "a finite number", np.isfinite)
     if mean_pressure is not None:
         mean_pressure = number("mean_pressure", mean_pressure, "a finite number", np.isfinite)
+    boundary, grid = checked_boundary(boundary, solid, grid)
+    if isinstance(grid.mirrored, tuple):
+        height, pressure = (with_mirror_images(field, grid) for field in (height, pressure))
+        grid = grid.whole_cell
     gap = response_on(boundary, solid, grid, "float64", threads).displacement(pressure)
     # Differences of heights are exact where their level is far from zero.
     datum = float(height.min())

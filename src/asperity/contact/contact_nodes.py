@@ -181,16 +181,17 @@ class StencilProduct:
     Parameters
     ----------
     grid : Grid
-    repeats : bool
-        False if nothing surrounds the map.
+    free : (bool, bool)
+        Whether the map ends along y and along x.
     threads : int
     radius : int
         Radius of the stencils, one of the radii above.
     """
 
-    def __init__(self, grid: Grid, repeats: bool, threads: int = 1, radius: int = RADIUS) -> None:
+    def __init__(self, grid: Grid, free: tuple[bool, bool], threads: int = 1, radius: int = RADIUS) -> None:
         self._shape, self._threads = grid.shape, threads
-        self._period = grid.whole_cell.shape if repeats else (0, 0)
+        ny, nx = grid.whole_cell.shape
+        self._period = 0 if free[0] else ny, 0 if free[1] else nx
         ny, nx = grid.shape
         width = nx + 2 * radius
         self._strip_shape = min(ny, max(_LEAST_ROWS, _STRIP // width)) + 2 * radius, width
@@ -329,7 +330,7 @@ def _apply_in_strips(
         The nodes of the products, the index of the first one in each row, and the products.
     shape, period
         Numbers of nodes of the map, and numbers of nodes after which the values repeat: twice as many if they
-        are mirrored, 0 if nothing surrounds the map.
+        are mirrored, 0 where the map ends.
     weights : array
         The stencil.
     begin, end : int

@@ -33,7 +33,7 @@ from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.parallel import in_parts
 from asperity.core.sizes import good_size
 from asperity.core.types import Array
-from asperity.elasticity.loaded_rectangle import rectangle_compliance
+from asperity.elasticity.loaded_rectangle import rectangle_compliance, surface_influence
 from asperity.fourier.grid import Fourier, Grid
 
 # A contact is dilute if at most this fraction of the coarser grid's nodes touch, and nodes that may touch are
@@ -83,13 +83,17 @@ class Division:
         return self.radius_times_alpha / (self.radius * min(grid.spacing))
 
     def far_grid(self, response: Response) -> Grid:
-        """Grid of the far field, twice as long where nothing surrounds the map."""
+        """Grid of the far field, twice as long where the map ends."""
         grid, step = response.grid, self.spacing_times_alpha / self.alpha(response.grid)
-        if response.repeats:
-            ny, nx = (good_size(math.ceil(edge / step)) for edge in grid.length)
-            return Grid((ny, nx), grid.length, grid.mirrored)
-        ny, nx = (good_size(math.ceil(2 * edge / step) + 2 * self.order) for edge in grid.length)
-        return Grid((ny, nx), (ny * step, nx * step))
+        ny, nx = (
+            good_size(math.ceil(2 * edge / step) + 2 * self.order if ends else math.ceil(edge / step))
+            for edge, ends in zip(grid.length, response.free, strict=True)
+        )
+        y, x = (
+            nodes * step if ends else edge
+            for nodes, edge, ends in zip((ny, nx), grid.length, response.free, strict=True)
+        )
+        return Grid((ny, nx), (y, x), grid.mirrored)
 
 
 # Displacements under the pressure of a rough surface are right to 6e-4, and under random pressures to 1e-3.
@@ -119,7 +123,7 @@ class SplitResponse:
         self._near = unit * _near_field(response, alpha, division.radius)
         self._products = None
         if division.radius == WIDE_RADIUS:
-            self._products = StencilProduct(grid, response.repeats, threads, WIDE_RADIUS)
+            self._products = StencilProduct(grid, response.free, threads, WIDE_RADIUS)
             self._near = whole_stencil(self._near)
         far = division.far_grid(response)
         self._fourier = Fourier(far, division.real, threads, response.fourier.work)
@@ -281,11 +285,7 @@ def _near_field(response: Response, alpha: float, radius: int) -> Array:
         out = Fourier(tile).inverse(modes + 0j)[: radius + 1, : radius + 1]
     else:
         y, x = dy * rows, dx * columns
-        out = rectangle_compliance(y, x, grid.spacing, modulus)
-        # The mean of the far field over the rectangle of the node, by the rule of Gauss.
-        for a, b in product((-1, 1), repeat=2):
-            distance = np.hypot(y + a * dy / math.sqrt(12), x + b * dx / math.sqrt(12))
-            out -= _erf_over(distance, alpha) * (dy * dx / (4 * np.pi * modulus))
+        out = rectangle_compliance(y, x, grid.spacing, modulus) - _far_of_node(y, x, grid, alpha, modulus)
     out = np.where(rows**2 + columns**2 <= radius * (radius + 1), out, 0)
     off = np.abs(np.arange(-radius, radius + 1))
     return out[off[:, None], off]
@@ -300,16 +300,29 @@ def _far_field(response: Response, far: Grid, alpha: float, order: int) -> Array
     else:
         row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in far.shape)
         y, x = np.ogrid[: row.max() + 1, : column.max() + 1]
-        distance = np.hypot(far.spacing[0] * y, far.spacing[1] * x)
-        quarter = _erf_over(distance, alpha) * (grid.spacing[0] * grid.spacing[1] / (np.pi * modulus))
+        y, x = far.spacing[0] * y, far.spacing[1] * x
+        if all(response.free):
+            quarter = _erf_over(np.hypot(y, x), alpha) * (grid.area / (grid.size * np.pi * modulus))
+        else:  # that of a node and its images, less the near field of the node
+            quarter = surface_influence(y.ravel(), x.ravel(), grid, modulus, response.free)
+            quarter -= rectangle_compliance(y, x, grid.spacing, modulus)
+            quarter += _far_of_node(y, x, grid, alpha, modulus)
         modes = Fourier(far).forward(quarter[row[:, None], column]).real[: far.half_shape[0]] * far.size
     attenuation = []
     wavevector = far.qy[: far.half_shape[0]], far.qx
     for q, spacing, of_node in zip(wavevector, far.spacing, grid.spacing, strict=True):
         waves = np.sinc(q * spacing / (2 * np.pi) + np.arange(-2, 3)[:, None]) ** (2 * order)
-        over_node = 1 if response.repeats else np.sinc(q * of_node / (2 * np.pi))
+        over_node = 1 if not all(response.free) else np.sinc(q * of_node / (2 * np.pi))
         attenuation.append(over_node * waves[2] / waves.sum(axis=0) ** 2)
     return modes * attenuation[0][:, None] * attenuation[1]
+
+
+def _far_of_node(y: Array, x: Array, grid: Grid, alpha: float, modulus: float) -> Array:
+    """Mean of the far field over the rectangle of a node, by the rule of Gauss."""
+    dy, dx = grid.spacing
+    corners = [(a * dy / math.sqrt(12), b * dx / math.sqrt(12)) for a, b in product((-1, 1), repeat=2)]
+    values = [_erf_over(np.hypot(y + above, x + beside), alpha) for above, beside in corners]
+    return np.sum(values, axis=0) * (dy * dx / (4 * np.pi * modulus))
 
 
 def _near_modes(wavenumber: Array, alpha: float, modulus: float) -> Array:

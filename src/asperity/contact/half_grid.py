@@ -19,14 +19,14 @@ def solve_on_half(
     """The contact on half of the nodes, and the share of the squared gradient that they do not hold.
 
     `settings` of `asperity.solve_contact` hold the load. A range of adhesion that half of the nodes do not
-    resolve is longer. With a free boundary every second node is kept,
+    resolve is longer. Where the map ends every second node is kept,
     and the share is not computed: it is 0.
     """
     lost = 0.0
-    if boundary == "free":
+    if boundary != "periodic":
         height = height[::2, ::2]
         edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
-        grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
+        grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]), grid.mirrored)
     else:
         height, grid, lost = on_half_the_nodes(height, grid)
     if (adhesion := settings.get("adhesion")) is not None:

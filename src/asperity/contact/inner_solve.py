@@ -105,7 +105,7 @@ class InnerSolver:
 
     def __init__(self, response: Response, divided: bool = True) -> None:
         self._unit, self._threads = response.nodal_compliance, response.fourier.threads
-        products = StencilProduct(response.grid, response.repeats, self._threads)
+        products = StencilProduct(response.grid, response.free, self._threads)
         self._response = InnerResponse(response, products, divided)
         self._preconditioner = Preconditioner(response, products)
         self.nodal_stiffness = self._preconditioner.nodal_stiffness

@@ -27,7 +27,7 @@ from asperity.contact.response import response_on
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solids
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Boundary, Grid, with_mirror_images
 
 # Residual, relative to the change of the pressure, at which the solution for a tangent ends. An inner solve
 # leaves a few per cent of it.
@@ -72,7 +72,7 @@ class Tangent:
     approach: float
 
 
-def tangent(moving: Array, grid: Grid, solid: Solids, boundary: str) -> Tangent | None:
+def tangent(moving: Array, grid: Grid, solid: Solids, boundary: Boundary) -> Tangent | None:
     """Tangent of a contact; None if no node moves.
 
     By conjugate gradients in double precision, with an inner solve as their preconditioner.
@@ -91,6 +91,9 @@ def tangent(moving: Array, grid: Grid, solid: Solids, boundary: str) -> Tangent 
     """
     if not moving.any():
         return None
+    if isinstance(grid.mirrored, tuple):
+        found = tangent(with_mirror_images(moving, grid), grid.whole_cell, solid, boundary)
+        return found and Tangent(found.pressure[grid.map], found.closing[grid.map], found.approach)
     units = Units.of_solid(solid, grid)
     response = response_on(boundary, units.solid(solid), units.grid(grid))
     if moving.all() and response.uniform_compliance == 0:  # not even by rounding errors

@@ -283,7 +283,7 @@ def near_stencil(kind: type[Response], solid: Solids, spacing: tuple[float, floa
     Parameters
     ----------
     kind : type
-        `Response` or `FreeResponse`.
+        One of `asperity.contact.response.RESPONSES`.
     solid : Solid or TwoBodies
     spacing : (float, float)
         Along y and x.

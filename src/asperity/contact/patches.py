@@ -31,22 +31,25 @@ class Patches(NamedTuple):
     spans: Array
 
 
-def contact_patches(contact: Array, periodic: bool = True, diagonals: bool = True) -> Patches:
+def contact_patches(
+    contact: Array, periodic: bool | tuple[bool, ...] = True, diagonals: bool = True
+) -> Patches:
     """Connected patches of contact.
 
     Parameters
     ----------
     contact : (ny, nx) boolean array
-    periodic : bool
-        True if opposite edges of the cell are neighbours. The edges of a mirrored map are not: a patch at an
-        edge touches its own mirror image.
+    periodic : bool or (bool, bool)
+        True if opposite edges of the cell are neighbours, or along y and along x. The edges of a mirrored
+        map are not: a patch at an edge touches its own mirror image.
     diagonals : bool
         True if nodes are neighbours along diagonals, too, not along edges only.
     """
     piece, count = ndimage.label(contact, structure=np.ones((3, 3)) if diagonals else None)
     root, cells = np.arange(count + 1), np.zeros((count + 1, 2), np.int16)
     spans = np.zeros(cells.shape, bool)
-    neighbours = _across_edges(piece, (-1, 0, 1) if diagonals else (0,)) if periodic else {}
+    meets = periodic if isinstance(periodic, tuple) else (periodic, periodic)
+    neighbours = _across_edges(piece, (-1, 0, 1) if diagonals else (0,), meets)
     for first in sorted(neighbours):
         if root[first] != first:
             continue
@@ -65,10 +68,12 @@ def contact_patches(contact: Array, periodic: bool = True, diagonals: bool = Tru
     return Patches(number, np.sqrt(area / np.pi), np.moveaxis(cells[piece], -1, 0), spans[lowest[1:]])
 
 
-def _across_edges(piece: Array, shifts: Sequence[int]) -> dict[int, list[tuple[int, Array]]]:
+def _across_edges(
+    piece: Array, shifts: Sequence[int], meets: tuple[bool, ...]
+) -> dict[int, list[tuple[int, Array]]]:
     """Piece → pieces that it meets across opposite edges, at shifted nodes, and the cells (y, x) to them."""
     edges = set()
-    for axis in (0, 1):
+    for axis in (axis for axis in (0, 1) if meets[axis]):
         first, last = (np.take(piece, end, axis) for end in (0, -1))
         place = np.arange(first.size)
         for shift in shifts:

@@ -307,8 +307,11 @@ def reach(
             return lowest, math.inf, above + (first - lowest)
     else:
         datum = control.value
-        # Without surroundings all displacements are downward: higher nodes than the approach never touch.
-        above = _largest_displacement(height, datum, response) if response.repeats else datum - lowest
+        if response.repeats:
+            above = _largest_displacement(height, datum, response)
+        else:
+            # Without surroundings all displacements are downward: higher nodes than the approach never touch.
+            above = datum - lowest if all(response.free) else math.inf
         above = 2 * min(above, nodes * hardness * response.largest_own_compliance * units.length)
         below = above if hardness < math.inf and response.repeats else math.inf
     return datum, below, above

@@ -1,16 +1,16 @@
-"""Displacement of the surface of a solid under any pressure on a map that repeats, or that lies alone.
+"""Displacement of the surface of a solid under any pressure on a map that repeats or ends along each axis.
 
-The solvers know the solid only as a `Response`. With both boundaries the displacement is the product of the
+The solvers know the solid only as a `Response`. With all boundaries the displacement is the product of the
 Fourier coefficients of the pressure with real factors, so that the solvers are the same; all differences
 are in these classes.
 """
 
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, partial
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from asperity.core.arguments import choice
 from asperity.core.compiled import compiled, compiled_with_arrays
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array, DTypeLike
@@ -18,11 +18,11 @@ from asperity.elasticity.loaded_rectangle import (
     PaddedFourier,
     compliance_modes,
     padded_grid,
-    rectangle_compliance,
     slope_modes,
+    surface_influence,
 )
 from asperity.elasticity.two_bodies import Solids
-from asperity.fourier.grid import Fourier, Grid, gradient
+from asperity.fourier.grid import BOUNDARIES, Boundary, Fourier, Grid, boundary_on, gradient
 
 
 class Response:
@@ -46,16 +46,19 @@ class Response:
     Attributes
     ----------
     boundary : str
-        Name of the condition at the edge of the map.
+        Name of the condition at the edges of the map.
+    free : (bool, bool)
+        Whether the map ends along y and along x.
     repeats : bool
-        True if the map, or the map with its mirror images, repeats.
-    transforms : type
-        Transforms of the fields.
+        True if the map, or the map with its mirror images, repeats along both axes.
+    transforms : callable
+        Makes the transforms of the fields.
     """
 
     boundary: ClassVar[str] = "periodic"
+    free: ClassVar[tuple[bool, bool]] = BOUNDARIES[boundary]
     repeats: ClassVar[bool] = True
-    transforms: ClassVar[type[Fourier]] = Fourier
+    transforms: ClassVar[Callable[..., Fourier]] = Fourier
 
     def __init__(
         self, solid: Solids, fourier: Fourier, omits_mean: bool = False, half_compliance: Array | None = None
@@ -82,14 +85,13 @@ class Response:
     def coarser(self, min_points: int) -> Self | None:
         """Response on half the nodes of each axis that has at least twice a number; None if none has.
 
-        A free map grows by one spacing along an axis with an odd number of nodes.
+        A map grows by one spacing along an axis where it ends with an odd number of nodes.
         """
         shape = tuple(n if n < 2 * min_points else (n + 1) // 2 for n in self.grid.shape)
         if shape == self.grid.shape:
             return None
-        growth = (
-            1 if m == n or self.repeats else 2 * m / n for m, n in zip(shape, self.grid.shape, strict=True)
-        )
+        axes = zip(shape, self.grid.shape, self.free, strict=True)
+        growth = (2 * m / n if m != n and ends else 1 for m, n, ends in axes)
         length = tuple(edge * factor for edge, factor in zip(self.grid.length, growth, strict=True))
         return self.on_grid(Grid(shape, length, self.grid.mirrored))  # type: ignore[arg-type]
 
@@ -184,7 +186,7 @@ class Response:
             position = (np.arange(to.shape[axis]) + 0.5) * ratio - 0.5
             before = np.floor(position).astype(np.intp)
             ends = [before % nodes, (before + 1) % nodes]
-            if self.grid.mirrored or not self.repeats:
+            if self.grid.mirrored or self.free[axis]:
                 ends = [np.clip(end, 0, nodes - 1) for end in (before, before + 1)]
             places.append((*ends, (position - before).astype(field.dtype)))
         (above, below, down), across = places
@@ -210,43 +212,70 @@ class FreeResponse(Response):
     """
 
     boundary = "free"
+    free = BOUNDARIES[boundary]
     repeats = False
-    transforms = PaddedFourier
+    transforms: ClassVar[Callable[..., Fourier]] = PaddedFourier
 
     @cached_property
     def half_compliance(self) -> Array:
-        return compliance_modes(self.grid, self.solid.effective_modulus).astype(self.fourier.real, copy=False)
+        modes = compliance_modes(self.grid, self.solid.effective_modulus, self.free)
+        return modes.astype(self.fourier.real, copy=False)
 
     @property
     def mode_grid(self) -> Grid:
         """The padded grid, on which distances within the map do not wrap around."""
-        return padded_grid(self.grid)
+        return padded_grid(self.grid, self.free)
 
     @cached_property
     def own_compliance(self) -> float:
-        return rectangle_compliance(0.0, 0.0, self.grid.spacing, self.solid.effective_modulus).item()
+        here = np.zeros(1)
+        return surface_influence(here, here, self.grid, self.solid.effective_modulus, self.free).item()
 
     @property
     def uniform_compliance(self) -> float:
         """The displacement in the middle of the map."""
-        return rectangle_compliance(0.0, 0.0, self.grid.length, self.solid.effective_modulus).item()
+        here, whole = np.zeros(1), Grid((1, 1), self.grid.length)
+        return surface_influence(here, here, whole, self.solid.effective_modulus, self.free).item()
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """The exact slopes at the nodes under the same uniformly loaded rectangles."""
-        fourier = PaddedFourier(self.grid, np.float64, self.fourier.threads, self.fourier.work)
+        fourier = PaddedFourier(
+            self.grid, np.float64, self.fourier.threads, self.fourier.work, free=self.free
+        )
         coefficients = fourier.forward(pressure)
         slope_y, slope_x = (
             fourier.inverse(coefficients * modes, overwrite=True)
-            for modes in slope_modes(self.grid, self.solid.effective_modulus)
+            for modes in slope_modes(self.grid, self.solid.effective_modulus, self.free)
         )
         return slope_y, slope_x
 
 
-RESPONSES: dict[str, type[Response]] = {"periodic": Response, "free": FreeResponse}
+class FreeAlongY(FreeResponse):
+    """Response to a pressure that repeats along x, and of which nothing lies beside the map along y.
+
+    The displacement is measured from the surface at a distance of the edge of the map along y.
+    """
+
+    boundary = "free along y"
+    free = BOUNDARIES[boundary]
+    transforms = partial(PaddedFourier, free=free)
+
+
+class FreeAlongX(FreeResponse):
+    """The same with x and y exchanged."""
+
+    boundary = "free along x"
+    free = BOUNDARIES[boundary]
+    transforms = partial(PaddedFourier, free=free)
+
+
+RESPONSES: dict[str, type[Response]] = {
+    each.boundary: each for each in (Response, FreeResponse, FreeAlongY, FreeAlongX)
+}
 
 
 def response_on(
-    boundary: str,
+    boundary: Boundary,
     solid: Solids,
     grid: Grid,
     dtype: DTypeLike = "float64",
@@ -258,23 +287,22 @@ def response_on(
     Raises
     ------
     ValueError
-        As of `check_boundary`.
+        As of `checked_boundary`.
     """
-    check_boundary(boundary, solid, grid)
+    boundary, grid = checked_boundary(boundary, solid, grid)
     kind = RESPONSES[boundary]
     return kind(solid, kind.transforms(grid, dtype, threads), omits_mean)
 
 
-def check_boundary(boundary: str, solid: Solids, grid: Grid) -> None:
-    """Raise `ValueError` if a condition at the edge of the map is unknown, or not known for this solid."""
-    choice("boundary", boundary, tuple(RESPONSES))
-    if boundary == "free" and solid.height is not None:
+def checked_boundary(boundary: Boundary, solid: Solids, grid: Grid) -> tuple[str, Grid]:
+    """`boundary_on` a grid; a `ValueError` if it is not known for this solid."""
+    name, grid = boundary_on(boundary, grid)
+    if name != "periodic" and solid.height is not None:
         raise ValueError(
-            f"boundary = 'free': half-spaces are needed, because the displacement of a layer, here of height "
-            f"{solid.height:g}, under an isolated load has no closed form"
+            f"boundary = {name!r}: half-spaces are needed, because the displacement of a layer, here of "
+            f"height {solid.height:g}, under an isolated load has no closed form"
         )
-    if boundary == "free" and grid.mirrored:
-        raise ValueError("boundary = 'free': a grid without mirror images is needed")
+    return name, grid
 
 
 def multiply(coefficients: Array, half: Array, threads: int) -> None:

@@ -46,7 +46,7 @@ from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import PaddedFourier, shear_modes
 from asperity.elasticity.loaded_solid import LoadedSolid, degrees_of
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.fourier.grid import Fourier, with_mirror_images
+from asperity.fourier.grid import BOUNDARIES, Fourier, with_mirror_images
 
 ALL_SLIPS = "where all slips"
 """End of the message on a tangential displacement beyond which the bodies slide."""
@@ -338,10 +338,11 @@ def _displaced(contact: Contact, traction: Array, sliding_direction: str | float
     Traction and displacements are fields on the whole cell.
     """
     degrees, grid, traction = degrees_of(sliding_direction), contact.grid.whole_cell, traction.astype(float)
-    if contact.boundary == "free":
-        padded = PaddedFourier(grid)
+    if contact.boundary != "periodic":
+        free = BOUNDARIES[contact.boundary]
+        padded = PaddedFourier(grid, free=free)
         modes = padded.forward(traction)
-        along, across = shear_modes(grid, _bodies(contact), degrees)
+        along, across = shear_modes(grid, _bodies(contact), degrees, free)
         return padded.inverse(along * modes), padded.inverse(across * modes)
     fourier, q = Fourier(grid), grid.half_wavenumber()[np.abs(grid.ky)]
     in_wave, beside = sum(body.tangential_compliance(q) for body in _bodies(contact))

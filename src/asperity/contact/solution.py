@@ -22,7 +22,7 @@ from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
 from asperity.fourier import current_engine
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Grid, with_mirror_images
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,8 +43,8 @@ class Contact:
     grid : Grid
         Of the map; fields are given on the map alone, also if its mirror images continue it.
     solid : Solid or TwoBodies
-    boundary : "periodic" | "free"
-        Condition at the edge of the map; "periodic" of a mirrored one.
+    boundary : "periodic" | "free" | "free along y" | "free along x"
+        Condition at the edges of the map; "periodic" of a mirrored one.
     contact_area_fraction : float
         Number of nodes that touch over the number of all nodes of the map.
     mean_pressure : float
@@ -374,8 +374,12 @@ class Contact:
         touching = self.touching
         if not touching.any():
             return float("nan")
-        response = response_on(self.boundary, self.solid, self.grid, self.displacement.dtype)
-        slope_y, slope_x = response.gradient(self.pressure, self.displacement)
+        grid, pressure, displacement = self.grid, self.pressure, self.displacement
+        if isinstance(grid.mirrored, tuple):
+            pressure, displacement = (with_mirror_images(each, grid) for each in (pressure, displacement))
+            grid = grid.whole_cell
+        response = response_on(self.boundary, self.solid, grid, displacement.dtype)
+        slope_y, slope_x = (slope[self.grid.map] for slope in response.gradient(pressure, displacement))
         return float(np.sqrt((slope_y[touching] ** 2 + slope_x[touching] ** 2).mean(dtype=float)))
 
 

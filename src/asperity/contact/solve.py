@@ -22,7 +22,7 @@ from asperity.contact.certificate import (
     rms_deviation,
 )
 from asperity.contact.problem import Control, Problem, State, Units
-from asperity.contact.response import check_boundary, response_on
+from asperity.contact.response import checked_boundary, response_on
 from asperity.contact.solution import Contact
 from asperity.core.arguments import (
     LARGEST,
@@ -41,7 +41,7 @@ from asperity.core.parallel import in_strips, map_parts
 from asperity.core.types import Array, ArrayLike, DTypeLike, Progress
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
-from asperity.fourier.grid import Edges, Grid, real_type
+from asperity.fourier.grid import Boundary, Edges, Grid, real_type, with_mirror_images
 
 METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
 
@@ -83,7 +83,7 @@ def solve_contact(
     approach: float | None = None,
     hardness: float | None = None,
     adhesion: Adhesion | None = None,
-    boundary: str | None = None,
+    boundary: Boundary | None = None,
     method: str = "active_set",
     rtol: float = 1e-6,
     dtype: DTypeLike = "float64",
@@ -120,7 +120,9 @@ def solve_contact(
         undeformed surface. It first touches at ``height.min()``, and ``approach - height.min()`` is the
         approach since first touch. With a free boundary the undeformed surface is the solid's surface far
         from the map; for a periodic solid without uniform displacement, such as a half-space, the depth is
-        measured from the mean plane of its deformed surface instead.
+        measured from the mean plane of its deformed surface instead. Where the map ends along one axis alone
+        the displacement has no limit far away: the depth is measured from the surface beside a line of load,
+        at a distance of the edge of the map along that axis.
     hardness : float, optional
         Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
         that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact
@@ -129,10 +131,12 @@ def solve_contact(
         Attraction of the faces, whose cohesive zone the grid has to resolve; see
         `asperity.contact.adhesion`. Of several contacts it finds the one of first approach, or with
         `initial` the one that follows from that contact.
-    boundary : "periodic" | "free", optional
+    boundary : "periodic" | "free" | (str, str), optional
         By default that of a map, and "periodic" for an array. "periodic": the map, or the map with its mirror
         images, repeats in both directions. "free": nothing surrounds the map, whose solid is a half-space, or
-        each of two bodies is one; each node is a rectangle under uniform pressure.
+        each of two bodies is one; each node is a rectangle under uniform pressure. ("periodic", "free"): the
+        map repeats along y, mirrored if its grid is, and ends along x, as a roller whose axis is y;
+        ("free", "periodic"): with the axis x.
     method : "active_set" | "gfmd"
         The fast solver, or the damped dynamics of the paper; both converge to the same solution.
     rtol : float
@@ -188,7 +192,7 @@ def solve_contact(
         raise TypeError(f"solid = {shown(solid)}: a Solid or TwoBodies is needed")
     height, length, boundary = _on_grid(height, solid, length, boundary)
     values = _checked_height(height)
-    grid = Grid(values.shape, length)  # type: ignore[arg-type]
+    boundary, grid = checked_boundary(boundary, solid, Grid(values.shape, length))  # type: ignore[arg-type]
     narrow = max(grid.spacing) / min(grid.spacing)
     if boundary == "periodic" and min(grid.shape) > 1 and narrow > MAX_SPACING_RATIO:
         raise ValueError(
@@ -210,9 +214,17 @@ def solve_contact(
         raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
     if method == "gfmd" and boundary != "periodic":
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
-    check_boundary(boundary, solid, grid)
     if adhesion is not None:
         _check_adhesion(adhesion, control, method, precision, solid, grid)
+    if isinstance(grid.mirrored, tuple):
+        whole = partial(with_mirror_images, grid=grid)
+        if initial is not None:
+            given = initial.pressure if isinstance(initial, Contact) else initial
+            initial = whole(grid.field("initial", given))
+        options: dict[str, Any] = {"hardness": hardness, "boundary": boundary, "rtol": rtol, "dtype": dtype}
+        options |= {"threads": threads, "progress": progress, "initial": initial, "adhesion": adhesion}
+        options |= imposed | {"force": None if force is None else 2 * force}
+        return _of_map(solve_contact(whole(values), solid, grid.whole_cell, **options), grid)
     solid_units = Units.of_solid(solid, grid)
     solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
@@ -276,7 +288,9 @@ def solve_contact(
     return contact
 
 
-def _on_grid(height: Any, solid: Any, length: Edges | None, boundary: str | None) -> tuple[Any, Edges, str]:
+def _on_grid(
+    height: Any, solid: Any, length: Edges | None, boundary: Boundary | None
+) -> tuple[Any, Edges, Boundary]:
     """Heights, edges and boundary, which a map has, and an array has not."""
     if hasattr(height, "height") and hasattr(height, "grid"):
         if length is not None:
@@ -626,6 +640,18 @@ def _contact_of(
     )
     _require_held(contact, units, nodes)
     return contact
+
+
+def _of_map(contact: Contact, grid: Grid) -> Contact:
+    """The contact of a map from that of the map and its mirror images along one axis."""
+    changes: dict[str, Any] = {
+        name: values[grid.map].copy()
+        for name, values in vars(contact).items()
+        if isinstance(values, np.ndarray)
+    }
+    changes["mean_pressure"] = float(changes["pressure"].mean(dtype=float))
+    found = replace(contact, grid=grid, **changes)
+    return replace(found, contact_area_fraction=np.count_nonzero(found.touching) / grid.size)
 
 
 def _gap_of(problem: Problem, pressure: Array, displacement: Array, approach: float) -> tuple[Array, Array]:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from asperity.core.arguments import choice, number
+from asperity.core.arguments import number
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
-from asperity.fourier.grid import Grid, grid_of, with_mirror_images
+from asperity.fourier.grid import Grid, boundary_on, grid_of, with_mirror_images
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,9 +38,6 @@ class ContactLike(Protocol):
         """The solid."""
 
 
-BOUNDARIES = ("periodic", "free")
-"""The cell of the pressure repeats sideways, or lies alone on a half-space."""
-
 SMALLEST, LARGEST = 1e-60, 1e60
 """Accepted edges of the cell and largest pressures: squares of wavenumbers and third powers of stresses stay
 within double precision."""
@@ -58,9 +55,9 @@ class LoadedSolid:
         Compression positive, in the unit of Young's modulus.
     grid : Grid
     layer : Solid
-    boundary : "periodic" | "free"
+    boundary : "periodic" | "free" | (str, str)
         The cell, or a mirrored map with its images, repeats sideways, or the cell lies alone on a half-space,
-        with a uniform pressure on every pixel.
+        with a uniform pressure on every pixel. ("periodic", "free"): it repeats along y and ends along x.
     hardness : float
         Hardness in the contact. A pressure that reaches it has plateaus: peaks of the stress are then sought
         at the nodes alone, because quadratics through the nodes overshoot.
@@ -101,13 +98,13 @@ class LoadedSolid:
             raise TypeError(
                 f"grid = {shown(self.grid)}, layer = {shown(self.layer)}: a Grid and a Solid are needed"
             )
-        choice("boundary", self.boundary, BOUNDARIES)
-        if self.boundary == "free" and self.layer.height is not None:
-            raise ValueError("boundary = 'free': a half-space is needed, the solid is a layer")
-        if self.boundary == "free" and self.grid.mirrored:
-            raise ValueError("boundary = 'free': a grid that is not mirrored is needed")
-        if self.background is not None and self.boundary == "free":
-            raise ValueError("background: a periodic boundary is needed, it is free")
+        boundary, grid = boundary_on(self.boundary, self.grid)
+        object.__setattr__(self, "boundary", boundary)
+        object.__setattr__(self, "grid", grid)
+        if boundary != "periodic" and self.layer.height is not None:
+            raise ValueError(f"boundary = {boundary!r}: a half-space is needed, the solid is a layer")
+        if self.background is not None and boundary != "periodic":
+            raise ValueError(f"background: a periodic boundary is needed, it is {boundary}")
         for edge in self.grid.length:
             number("grid.length", edge, f"an edge {RANGE}", lambda size: SMALLEST <= size <= LARGEST)
         pressure = self.grid.field("pressure", self.pressure)

@@ -12,9 +12,10 @@ from asperity.contact import Contact
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
+from asperity.engineering.answer_data import at_the_top
 from asperity.engineering.numbers import EXTREMES, LIMITS, limit_of
 from asperity.engineering.question import RESOLUTION_CHANGE, Stages
-from asperity.engineering.records import Advice, Record, per_cent
+from asperity.engineering.records import DISCRETISATION, PLANES, Advice, Record, per_cent
 from asperity.settings.body import HARDNESS_OVER_YIELD, OfMaterial
 from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
@@ -240,7 +241,13 @@ def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
         waves = f" The shortest wave, {shown_si(wave, 'm', 3)}, has {wave / pixel:.2g} pixels; "
         waves += f"{FEW_PIXELS_PER_WAVE} resolve it."
     settled = size <= RESOLUTION_CHANGE
-    found = {"pixel": pixel, "changes": changed, "waves": waves, "size": size}
+    error = f"those twice as large change numbers by up to {per_cent(size)}"
+    top = [each for each in at_the_top(stages.asked, records) if each.best]
+    for each in top:
+        of_pixels = [each.errors.get(cause, 0.0) for cause in (DISCRETISATION, PLANES)]
+        if (relative := math.hypot(*of_pixels) / abs(each.best)) > size:
+            size, error = relative, f"the {each.quantity} errs by up to {per_cent(relative)}"
+    found = {"pixel": pixel, "changes": changed, "waves": waves, "size": size, "error": error}
     yield not settled, "resolved" if settled else "unresolved", found
 
 
@@ -260,7 +267,7 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
         yield True, "large_contact", {"area": 100 * numbers.contact_area_fraction, "limit": 100 * LARGE_AREA}
     if face.boundary == "periodic" and record.edge_step > EDGE_STEP:
         yield True, "edges", {}
-    if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
+    if face.boundary != "periodic" and numbers.load_on_edges > EDGE_LOAD:
         yield True, "contact_at_edge", {"size": numbers.load_on_edges}
     if (plain := compared.unfiltered) is not None:
         values = {"height": record.filtered_height, "gradient": record.filtered_gradient}
@@ -278,11 +285,11 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
 
 def _on_neighbours(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on the periodic images of a ball or cylinder, which press on the same body."""
+    if stages.asked.map.form == "cylinder" and stages.face.boundary != "free":
+        yield False, "line_contact", {"axis": stages.asked.map.cylinder_axis}
     if compared.neighbours is None:
         return
     span, alone = compared.neighbours
-    if stages.asked.map.form == "cylinder":
-        yield False, "line_contact", {"axis": stages.asked.map.cylinder_axis}
     for part in stages.bodies.values():
         ratio, stress = part.body.poisson, part.von_mises.value
         lateral = ratio / (1 - ratio) * stages.numbers.nominal_pressure

@@ -76,7 +76,8 @@ class Answer(AnswerData):
         Raises
         ------
         ValueError
-            If a file would replace one that no earlier answer wrote, or that is read-only.
+            If a file would replace one that no earlier answer wrote, or that is read-only, or the folder
+            holds a sample or a comparison.
         DatasetError
             If it cannot be written, or another process writes into it; the earlier answer is still there
             then, or the results of the new one without pictures and report.
@@ -181,23 +182,22 @@ def open_answer(folder: str | os.PathLike[str]) -> Answer | Sample | Comparison:
     if COMPARISON_DATA not in names_in(folder):
         return opened(folder)
 
-    def answer(name: str, each: str | None) -> Answer:
-        if each is None:
-            raise DatasetError(f"{folder}: the answer of {name} was not written before it was compared")
+    def answer(each: str) -> Answer:
         return read_data(Path(os.path.normpath(folder / each)), Answer)
 
     try:
-        kept = dict(json.loads((folder / COMPARISON_DATA).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError) as error:
-        raise DatasetError(f"{folder / COMPARISON_DATA}: damaged ({error})") from error
-    return compared(
-        {
-            name: pool({own: answer(own, at) for own, at in each.items()})
+        kept = json.loads((folder / COMPARISON_DATA).read_text(encoding="utf-8"))
+        items = {
+            name: pool({own: answer(at) for own, at in each.items()})
             if isinstance(each, dict)
-            else answer(name, each)
+            else answer(each)
             for name, each in kept.items()
         }
-    )
+    except DatasetError:
+        raise
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise DatasetError(f"{folder / COMPARISON_DATA}: damaged ({error})") from error
+    return compared(items)
 
 
 def opened(folder: str | os.PathLike[str]) -> Answer | Sample:
@@ -212,7 +212,9 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     Parameters
     ----------
     answers : sequence or mapping of Answer or path
-        Of maps of different positions, with the same pixels, bodies and load; paths are opened.
+        Of maps of different positions, with the same pixels, bodies and load; paths are opened. Where no
+        direction of friction was given, all slide along the lay of the first map: answers in another
+        direction are computed again.
 
     Returns
     -------
@@ -240,8 +242,16 @@ def pool(answers: Mapping[str, Any] | Sequence[Any]) -> Sample:
     if isinstance(answers, (AnswerData, str, os.PathLike)):
         raise TypeError("answers: a list or a mapping of answers or folders is needed")
     if isinstance(answers, Mapping):
-        return pooled({name: answer(each) for name, each in answers.items()}, Sample)
-    return pooled(named([*map(answer, answers)]), Sample)
+        found = {name: answer(each) for name, each in answers.items()}
+    else:
+        found = named([*map(answer, answers)])
+    asked: dict[str, Any] = {name: each.case.questions.get("sliding") for name, each in found.items()}
+    first = next(iter(asked.values()), None)
+    for name, own in asked.items():
+        if own and first and (sliding := own.along(first)).direction != own.direction:
+            case: Any = found[name].case
+            found[name] = answer_to(case.replaced(sliding=sliding))
+    return pooled(found, Sample)
 
 
 @own_errors

@@ -6,8 +6,9 @@ are computed from the contact pressure that it holds.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,9 +40,7 @@ ON_INTERFACE = {"shear": "maximum shear stress on", "tension": "maximum tension 
 ALIKE = 0.01
 """Relative difference up to which a number of the upper body is left out as equal to the lower body's."""
 
-REPEATS = (
-    f"upper body: of the same material; its numbers are listed where they differ by more than {ALIKE:.0%}"
-)
+REPEATS = f"upper body: its numbers are listed where the lower body has others, by more than {ALIKE:.0%}"
 
 ONE_POSITION = (
     "the map is from one position of the surface: a discretisation error does not include how much other "
@@ -117,6 +116,13 @@ class AnswerData:
         object.__setattr__(self, name, later[name]())
         return self.__dict__[name]
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All parts of the answer, those of an opened one read from its folder."""
+        for name in self.__dict__.get("_later", {}):
+            getattr(self, name)
+        parts = {name: part for name, part in self.__dict__.items() if name != "_later"}
+        return parts | {name: dict(parts[name]) for name in ("stress", "tables", "datasets")}
+
     def __getitem__(self, quantity: str) -> Record:
         return self.record(quantity)
 
@@ -148,14 +154,14 @@ class AnswerData:
     @property
     def tiles(self) -> list[Record]:
         """Records at the top of a page: answers to the questions, then numbers of the contact."""
-        records = without_repeats(self.records)
-        return [each for name in tile_names(self.case) for each in find(records, name)]
+        return at_the_top(self.case, without_repeats(self.records))
 
     @property
-    def uncertainties(self) -> list[str]:
-        """The largest uncertainties of the answer in a few words, the largest first."""
-        sized = sorted((advice for advice in self.warnings if advice.short), key=lambda advice: -advice.size)
-        return list(dict.fromkeys(advice.short for advice in sized))[:UNCERTAINTIES]
+    def uncertainties(self) -> list[Advice]:
+        """Warnings and notes that state the largest uncertainties, one of a subject, the largest first."""
+        sized = sorted((advice for advice in self.warnings if advice.short), key=lambda advice: advice.size)
+        of_subject = {advice.subject: advice for advice in sized}
+        return sorted(of_subject.values(), key=lambda advice: -advice.size)[:UNCERTAINTIES]
 
     def warnings_table(self) -> pd.DataFrame:
         """Verdicts, warnings and notes: level, subject, text."""
@@ -260,14 +266,21 @@ class AnswerData:
         return f"<{type(self).__name__.removesuffix('Data')} of {self.title}>"
 
 
-def tile_names(case: Scene) -> list[str]:
-    """Quantities at the top of a page: first of the questions of the case, then of the contact."""
-    of_questions = [name for question in case.questions.values() for name in question.TILES]
+def tile_names(case: Scene) -> list[tuple[str, ...]]:
+    """Quantities at the top of a page: of the questions asked for, of those implied, of the contact."""
+    asked = sorted(case.questions.items(), key=lambda item: item[0] not in case.model_fields_set)
     faces = [face for body in case.bodies.values() for face in body.interfaces]
-    of_faces = [f"{words} {face}" for face in faces for words in ON_INTERFACE.values()]
+    of_faces = tuple(f"{words} {face}" for face in faces for words in ON_INTERFACE.values())
     strength = case.questions.get("strength")
     first = () if strength is None else strength.TILES
-    return list(dict.fromkeys([*first, *of_faces, *of_questions, *CONTACT_TILES]))
+    return [first, of_faces, *(each.TILES for _, each in asked if each is not strength), CONTACT_TILES]
+
+
+def at_the_top(case: Scene, records: Sequence[Record]) -> list[Record]:
+    """Records at the top of a page, one of each question in turn."""
+    found = [[each for name in names for each in find(records, name)] for names in tile_names(case)]
+    in_turn = [each for one in zip_longest(*found) for each in one if each is not None]
+    return list({(each.quantity, each.body): each for each in in_turn}.values())
 
 
 def without_repeats(records: Any) -> list[Any]:

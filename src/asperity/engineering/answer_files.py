@@ -118,7 +118,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
     DatasetError
         If the folder holds no answer, or one of another format.
     """
-    plain = plain_data(folder)
+    plain, folder = plain_data(folder), folder.absolute()  # also after a change of the working folder
 
     def read(name: str, names: Sequence[str] | None = None) -> xr.Dataset:
         found = dataset.read(unchanged(folder, name))
@@ -134,7 +134,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
         parts = _parts(plain, folder, read)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise DatasetError(f"{folder / DATA}: damaged ({error}); run {folder / CASE_FILE} again") from error
-    found.__dict__.update(parts, folder=folder.absolute(), _later=later)
+    found.__dict__.update(parts, folder=folder, _later=later)
     return found
 
 

@@ -13,14 +13,14 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import Solid
 from asperity.engineering.continuum import HalfGrid, continuum_on_grids
 from asperity.engineering.scene import Scene
 from asperity.settings.body import Body, OfMaterial
 from asperity.stress.analysis import SOUGHT, analyse_stress
-from asperity.stress.extremes import Extreme, Extremes, Interface, largest_of
+from asperity.stress.extremes import DIRECTION, Extreme, Extremes, Interface, largest_of
 from asperity.stress.planes.stream import LinearPlane
 from asperity.stress.statistics.extrapolation import resolution
 from asperity.surface.treatment.treatment import TreatedMap
@@ -156,7 +156,22 @@ def body_stress(
         **sliding,
     )
     parts = extremes.refined(on_nodes, STRESS_TOLERANCE, **sliding)
+    values = extremes.values(parts)
+    stress["peak_value"].values = _within(
+        stress, {field: values[field] for field in DIRECTION if field in values}
+    )
     main = stress.sel(quantity=list(ESTIMATED))
-    limits = continuum_on_grids(contact, coarse, main, name, on_half, extremes.values(parts))
+    limits = continuum_on_grids(contact, coarse, main, name, on_half, values)
     interfaces = [each.on_map(face.grid) for each in extremes.interfaces]
     return BodyStress(case.bodies[name], layer, stress, limits, parts, interfaces, observed)
+
+
+def _within(stress: xr.Dataset, extremes: Mapping[str, float]) -> Array:
+    """Values of the peaks, none of which is beyond the extreme value of its field: both are interpolated."""
+    values, quantities = stress["peak_value"].values.copy(), stress["peak_quantity"].values
+    for name, value in extremes.items():
+        ends = {1: (-np.inf, value), -1: (value, np.inf)}.get(
+            DIRECTION.get(name, 0), (-abs(value), abs(value))
+        )
+        values[quantities == name] = np.clip(values[quantities == name], *ends)
+    return values

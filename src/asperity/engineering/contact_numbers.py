@@ -15,6 +15,7 @@ from asperity.contact.solution import adhesion_of
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import solid_of
 from asperity.engineering.face import RoughFace
+from asperity.fourier.grid import BOUNDARIES
 from asperity.results.dataset import grid_of, height_of
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
@@ -40,6 +41,8 @@ class ContactNumbers:
         Load over nominal area, load over real contact area, and the largest pressure at a node.
     force : float
         Load on the area of the map.
+    load_per_length : float
+        Load over the edge along which the map continues, if it ends along the other one; else NaN.
     normal_approach, mean_gap : float
         Approach of the bodies since their first touch, and mean distance of the deformed surfaces.
     rms_height, rms_gradient, peak_to_valley : float
@@ -55,7 +58,7 @@ class ContactNumbers:
     load_of_largest_node, load_on_small_patches : float
         Share of the load on one node, and on patches of at most four nodes.
     load_on_edges : float
-        Share of the load on the outermost nodes.
+        Share of the load on the outermost nodes where the map ends.
     violation : float
         Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
     """
@@ -66,6 +69,7 @@ class ContactNumbers:
     mean_pressure: float = _named("mean contact pressure", "Pa")
     maximum_pressure: float = _named("maximum pressure", "Pa")
     force: float = _named("force", "N")
+    load_per_length: float = _named("load per length", "N/m")
     normal_approach: float = _named("normal approach", "m")
     mean_gap: float = _named("mean gap", "m")
     rms_height: float = _named("Sq", "m")
@@ -152,8 +156,9 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
         are for one period.
     """
     pressure, grid = contact.pressure, face.grid
-    periodic = face.boundary == "periodic" and not grid.mirrored  # opposite edges of the map meet
-    number, _, cells, spans = contact_patches(contact.touching, periodic)
+    axes = zip(grid.images, BOUNDARIES[face.boundary], strict=True)
+    meets = tuple(images == 1 and not ends for images, ends in axes)  # opposite edges of the map
+    number, _, cells, spans = contact_patches(contact.touching, meets)
     node = np.flatnonzero(number)
     spot, carried = number.ravel()[node] - 1, pressure.ravel()[node].astype(float)
     nodes = np.bincount(spot)
@@ -197,9 +202,12 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     pressure, load = np.maximum(contact.pressure, 0), spots["load_N"].clip(lower=0)
     nominal = face.grid.area
     node = nominal / face.grid.size
-    total, inside = max(float(load.sum()), 1e-300), float(pressure[1:-1, 1:-1].sum(dtype=float)) * node
+    free = BOUNDARIES[face.boundary]
+    inner = tuple(slice(ends, -1 if ends else None) for ends in map(int, free))
+    total, inside = max(float(load.sum()), 1e-300), float(pressure[inner].sum(dtype=float)) * node
     area, force = contact.contact_area_fraction * nominal, contact.mean_pressure * nominal
     largest = np.array(np.unravel_index(pressure.argmax(), pressure.shape)) * face.grid.spacing
+    is_line = free.count(True) == 1
     roughness = roughness_parameters(face.height, face.grid)
     by_width, median = spots.sort_values("width_m"), 0.0
     if len(spots):  # width of a patch such that wider patches carry half of the load
@@ -214,6 +222,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         else 0.0,
         maximum_pressure=float(pressure.max()),
         force=force,
+        load_per_length=force / face.grid.length[free.index(False)] if is_line else math.nan,
         normal_approach=contact.approach - float(contact.height.min()),
         mean_gap=float(gap_of(contact).mean(dtype=float)),
         rms_height=roughness.rms_height,

@@ -113,8 +113,8 @@ def continuum_limit(
 def solved_on_half(contact: Contact) -> HalfGrid:
     """The contact on half of the nodes, under the same load, or with adhesion at the same approach."""
     reason = "the boundary is free, and the estimate is made for periodic cells"
-    if contact.boundary != "free":
-        reason = reason_against(contact.pressure, contact.height, mirrored=contact.grid.mirrored)
+    if contact.boundary == "periodic":
+        reason = reason_against(contact.pressure, contact.height, mirrored=bool(contact.grid.mirrored))
     hardness = contact.hardness if math.isfinite(contact.hardness) else None
     given = contact.height, contact.solid, contact.grid, contact.boundary
     load: dict[str, Any] = {"force": contact.force}

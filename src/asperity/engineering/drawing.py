@@ -86,12 +86,19 @@ def plane_maps(answer: AnswerData, source: Source, plane: xr.DataArray, part: Pa
     values = plane.values
     return [
         Map(alone, whole, values, note),
-        Map(close, (rows, columns), values[rows, columns], f"{FRAMED}, {note}"),
+        Map(close, (rows, columns), values[rows, columns], FRAMED),
     ]
 
 
 def draw_framed(maps: list[Map], look: Look, level: float | None = None) -> Figure:
-    """Maps in the same colours, with a frame in the first around the part that the second shows."""
+    """Maps in the same colours, with a frame in the first around the part that the second shows.
+
+    The name has the first line of both titles, so that a long one overlaps nothing.
+    """
+    if len(maps) > 1:
+        first, second = (each._replace(source=replace(each.source, title="")) for each in maps)
+        title = f"{maps[0].source.title}\n{first.note or ' '}"
+        maps = [first._replace(note=title), second._replace(note=f" \n{second.note}")]
     figure = draw_maps(maps, look, None, level)
     if len(maps) > 1:
         from matplotlib.patches import Rectangle

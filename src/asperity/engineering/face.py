@@ -99,7 +99,7 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     files = _read_file(options.file)
     if counter is None:
         whole = _completed(options, surface)
-        treated, unfiltered = treat_map(surface, whole), _unfiltered(surface, whole)
+        treated, unfiltered = treat_map(surface, whole, joins=True), _unfiltered(surface, whole)
         y, x = surface.spacing
         reach, face = (SPIKE_REACH * y, SPIKE_REACH * x), replace(treated, name=name)
         return RoughFace(face, doubts, spikes, reach, files, options, unfiltered=unfiltered)
@@ -111,7 +111,8 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
     later = _completed(options, pair.map).replaced(despike=None, scan_lines=None)
-    treated, upper = treat_map(pair.map, later), treat_map(pair.upper, later.replaced(radius=None)).height
+    treated = treat_map(pair.map, later, joins=True)
+    upper = treat_map(pair.upper, later.replaced(radius=None)).height
     record = replace(treated.treatment, filled_fraction=filled + counter_filled)
     lines = [
         *(f"map: {line}" for line in done),
@@ -130,7 +131,7 @@ def _unfiltered(surface: HeightMap, options: Map) -> TreatedMap | None:
     """The face without the Gaussian filters; None if there are none."""
     if options.s_filter is None and options.l_filter is None:
         return None
-    return treat_map(surface, options.replaced(s_filter=None, l_filter=None))
+    return treat_map(surface, options.replaced(s_filter=None, l_filter=None), joins=True)
 
 
 def _read_file(source: Any) -> tuple[ReadFile, ...]:
@@ -184,7 +185,9 @@ def _completed(options: Map, surface: HeightMap | None = None) -> Map:
 
 def _levelled(surface: HeightMap, options: Map) -> tuple[HeightMap, float, list[str]]:
     """A map without spikes, missing points and trend; the share that was filled, and the steps in words."""
-    later: dict[str, Any] = dict.fromkeys(("wavelength_short", "points", "radius", "s_filter", "l_filter"))
+    later: dict[str, Any] = dict.fromkeys(
+        ("wavelength_short", "points", "radius", "s_filter", "l_filter", "ends")
+    )
     whole = _completed(options, surface)
     trend = options.detrend or ("none" if is_period(whole, surface) else "tilt")
     bounded = whole.replaced(periodic="none", detrend=trend, **later)

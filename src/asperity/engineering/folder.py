@@ -49,6 +49,9 @@ CASE_FILE = "case.yaml"
 DATA = "answer.json"
 """Name of the file with the records of an answer."""
 
+KINDS = {DATA: "an answer", SAMPLE_DATA: "a sample", COMPARISON_DATA: "a comparison"}
+"""Name of the file that only one kind of folder has → the kind."""
+
 STEMS = (
     *(
         "case",
@@ -100,6 +103,9 @@ def folder_problem(
     if not existing.is_dir():
         return "a file, the name of a folder is needed" if existing == folder else f"{existing} is a file"
     own, names = names_in(folder), set(names)
+    kinds = {DATA} if stems else KINDS.keys() & names
+    if kinds and (others := (KINDS.keys() & own) - kinds):
+        return f"holds {KINDS[others.pop()]}; another folder is needed"
     for path in sorted(there):
         is_like = path.suffix in SUFFIXES and path.stem.startswith(stems or ("\0",))
         if not (path.name in names or is_like) or path.is_dir():
@@ -111,6 +117,19 @@ def folder_problem(
     return ""
 
 
+def remove_unfinished(folder: Path) -> None:
+    """Remove what a killed process has written into a folder that no process writes into now.
+
+    Raises
+    ------
+    DatasetError
+        If another process writes into it.
+    """
+    with locked(folder):
+        for abandoned in folder.glob(f"{UNFINISHED}*"):
+            shutil.rmtree(abandoned, ignore_errors=True)
+
+
 @contextmanager
 def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
     """Folder whose files replace an earlier answer's, except for `kept`, when the block succeeds.
@@ -118,8 +137,7 @@ def replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
     What a killed process has left is removed first, or moved to its places if it is complete. The folder is
     locked.
     """
-    for abandoned in folder.glob(f"{UNFINISHED}*"):
-        shutil.rmtree(abandoned, ignore_errors=True)
+    remove_unfinished(folder)
     move_complete(folder)
     with TemporaryDirectory(prefix=UNFINISHED, dir=folder, ignore_cleanup_errors=True) as name:
         unfinished = Path(name)

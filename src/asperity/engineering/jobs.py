@@ -31,7 +31,15 @@ from asperity.engineering.case_file import (
     names_of_maps,
 )
 from asperity.engineering.face import RoughFace, memory_on, processes_on, read_face
-from asperity.engineering.folder import COMPARISON, KEPT, SAMPLE, folder_problem, locked, stems_of
+from asperity.engineering.folder import (
+    COMPARISON,
+    KEPT,
+    SAMPLE,
+    folder_problem,
+    locked,
+    remove_unfinished,
+    stems_of,
+)
 from asperity.engineering.question import part_of
 from asperity.engineering.sample import check_alike
 from asperity.engineering.stages import problems_on_map
@@ -168,7 +176,7 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
         for keys, each in files.items()
         if not os.path.exists(each)
     ]
-    surface: Map | None = None if case is None else case.map
+    surface: Map | None = None if case is None else case.pressed_map
     counter: CounterMap | None = None if case is None else case.counter_map
     if case is None:  # problems of map and case are reported together
         with suppress(SettingsError):
@@ -188,7 +196,9 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
             found.append(Problem("", str(error)))
     if problem := folder_problem(folder, stems=() if case is None else stems_of(case)):
         found.append(Problem("out", f" = {folder}: {problem}"))
-    elif not missing and folder.resolve() in [Path(each).resolve().parent for each in files.values()]:
+    elif not missing and os.path.realpath(folder) in [
+        os.path.dirname(os.path.realpath(each)) for each in files.values()
+    ]:
         found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
     return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *changed, *missing]),))
 
@@ -273,6 +283,8 @@ def computed(
             given = [(job.case, job.rough, job.folder, beside) for job in left]
             made = side_by_side(_written, given, processes, report)
         for job, is_done in zip(jobs, done, strict=True):
+            if is_done:
+                remove_unfinished(job.folder)
             answer = None if is_done else next(made)
             yield replace(job, is_kept=is_done), answer or read_data(job.folder, Answer)
 

@@ -29,10 +29,11 @@ from asperity.engineering.records import (
     fraction,
 )
 from asperity.engineering.scene import Scene
+from asperity.fourier.grid import BOUNDARIES
 from asperity.settings.body import HARDNESS_OVER_YIELD, Body, Layer
 from asperity.settings.load import Hertz
 from asperity.stress.extremes import DIRECTION, OF_MATERIALS, Extreme
-from asperity.stress.peaks.selection import has_percentile, select_peaks
+from asperity.stress.peaks.selection import has_percentile, in_cell, select_peaks
 
 EXTREMES = {
     "von_mises": "maximum von Mises stress",
@@ -61,6 +62,9 @@ PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
 
 
+ON_IMAGE, AT_LINE = "on a mirror image of the map", "at the edge of the map, where its mirror image begins"
+"""Notes on the positions of numbers."""
+
 PARTS = ("mean pressure", "mean contact pressure", "maximum pressure", "force")
 """Quantities of which a film carries a part."""
 
@@ -84,7 +88,7 @@ def contact_records(
     is_elastic = math.isinf(contact.hardness)
     most = POSITIVE if is_elastic else Bounds(0.0, contact.hardness, "the hardness")
     for each in fields(ContactNumbers):
-        if not each.metadata:
+        if not each.metadata or math.isnan(getattr(numbers, each.name)):
             continue
         quantity, value = each.metadata["name"], float(getattr(numbers, each.name))
         record = Record(quantity, value, each.metadata["unit"])
@@ -96,7 +100,14 @@ def contact_records(
         elif each.name == "contact_area":
             record = replace(record, bounds=Bounds(0.0, numbers.nominal_area, "the nominal area"))
         elif each.name == "maximum_pressure":
-            record = replace(record, bounds=record.bounds if may_pull else most, varies=True, better="less")
+            row, column = np.unravel_index(contact.pressure.argmax(), contact.pressure.shape)
+            place = row * contact.grid.spacing[0], column * contact.grid.spacing[1]
+            note = AT_LINE if contact.grid.at_mirror_line(*place) else ""
+            bounds = record.bounds if may_pull else most
+            record = replace(record, bounds=bounds, note=note, varies=True, better="less")
+        elif each.name == "normal_approach" and (free := BOUNDARIES[contact.boundary]).count(True) == 1:
+            distance = shown_si(contact.grid.length[free.index(True)], "m")
+            record = replace(record, note=f"from the surface {distance} beside a line of load")
         elif each.name == "patches":
             record = replace(record, note=f"{numbers.contact_nodes} nodes")
         if each.name == "contact_area":
@@ -104,13 +115,14 @@ def contact_records(
         elif each.name == "mean_pressure":  # the load over the area
             area = limit_of(limits, "contact area fraction")
             estimate = value * area["on_grid"] / area["estimate"] if area["estimate"] else math.nan
-            record = replace(record, bounds=most, extrapolated=estimate)
+            record = replace(record, bounds=record.bounds if may_pull else most, extrapolated=estimate)
             record = record.with_error(DISCRETISATION, area["error"] * estimate)
         record = _extrapolated(record, limits, quantity)
         if each.name in ("contact_area_fraction", "contact_area", "mean_pressure"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
         if carried < 1 and quantity in PARTS:
-            record = replace(record, note="the part of the asperities")
+            note = ", ".join(filter(None, [record.note, "the part of the asperities"]))
+            record = replace(record, note=note)
         yield record
 
 
@@ -166,9 +178,9 @@ def elastic_record(name: str, elastic: float, records: Iterable[Record]) -> Iter
         yield Record(f"{name}, elastic", elastic, own.unit, own.topic, bounds=bounds, note=note)
 
 
-def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) -> Iterator[Record]:
-    """Numbers of the stress in a body under a contact of some hardness, infinite if it is elastic."""
-    limits, materials = stress.limits, stress.materials
+def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -> Iterator[Record]:
+    """Numbers of the stress in a body under a contact."""
+    limits, materials, hardness = stress.limits, stress.materials, contact.hardness
 
     def record(quantity: str, value: float, unit: str = "Pa", limit: str = "", **more: Any) -> Record:
         return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, limit or quantity)
@@ -177,8 +189,13 @@ def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) ->
         if not value > 0:
             return record(quantity, 0.0, words="none")
         residual = "" if limit.startswith(tuple(ON_INTERFACE)) else residual_in(stress.body, found.depth)
-        notes = [residual, "on a mirror image of the map" * found.on_image]
-        more |= {"note": ", ".join(filter(None, notes)), "varies": True, "better": "less"}
+        notes = {
+            residual: True,
+            ON_IMAGE: found.on_image,
+            AT_LINE: contact.grid.at_mirror_line(found.y, found.x),
+        }
+        note = ", ".join(text for text, holds in notes.items() if text and holds)
+        more |= {"note": note, "varies": True, "better": "less"}
         return record(quantity, value, limit=limit, position=Position(*found[1:4]), **more)
 
     for field, quantity in EXTREMES.items():
@@ -209,10 +226,10 @@ def body_records(case: Scene, name: str, stress: BodyStress, hardness: float) ->
             energy = (1 - part.poisson) * part.residual_stress**2 * part.thickness / part.young
             note = f"which {material or 'a layer'} sets free if it comes off"
             yield record(f"energy of the residual stress of {material}", energy, "J/m^2", note=note)
-    peaks = select_peaks(stress.stress, "von_mises", selection="under_contact")["peak_value"].values
+    peaks, maps = in_cell(select_peaks(stress.stress, "von_mises", selection="under_contact"))
     for percent in PERCENTS:
-        if has_percentile(peaks.size, percent / 100):
-            value = float(np.percentile(np.abs(peaks), percent))
+        if has_percentile(peaks.sizes["peak"] / maps, percent / 100):
+            value = float(np.percentile(peaks["peak_value"].values, percent))
             yield record(f"{percent}th percentile of the peaks", value, bounds=POSITIVE)
 
 

@@ -46,7 +46,8 @@ def press(
         hardness = None  # no contact bears the load
     options = {"hardness": hardness, "boundary": face.boundary, **imposed}
     options["adhesion"] = case.adhesion_on(face.grid)
-    initial = start if start is not None and start.grid == face.grid else None
+    is_like = start is not None and start.grid == face.grid and options["adhesion"] is None
+    initial = start if is_like else None  # under adhesion solutions depend on the start
     return solve_contact(face.height, case.solid, face.grid, progress=progress, initial=initial, **options)
 
 

@@ -231,7 +231,10 @@ class Record:
         found = []
         for cause, error in self.errors.items():
             if cause == DISCRETISATION and math.isfinite(self.extrapolated):
-                found.append(f"{self._best_text(error, factor, symbol)} {EXTRAPOLATED}")
+                is_cut = self._within(error) != (self.best - error, self.best + error)
+                known = self.bounds in (FRACTION, POSITIVE)
+                limited = f", limited by {self.bounds.reason}" if is_cut and not known else ""
+                found.append(f"{self._best_text(error, factor, symbol)}{limited} {EXTRAPOLATED}")
             elif self._within(error) != (self.best - error, self.best + error):
                 ends = (_digits(end / factor, 2) for end in self._within(error))
                 found.append(f"{' to '.join(ends)} {symbol}".strip() + f" by {cause}")
@@ -248,8 +251,7 @@ class Record:
         if low > self.best - error or high < self.best + error:
             best, *ends = (_digits(end / factor, 3) for end in (self.best, low, high))
             text = best if ends[0] == ends[1] else f"{best} ({ends[0]} to {ends[1]})"
-            reason = "" if self.bounds in (FRACTION, POSITIVE) else f", limited by {self.bounds.reason}"
-            return f"{text} {symbol}".strip() + reason
+            return f"{text} {symbol}".strip()
         return f"{with_error(self.best / factor, error / factor)} {symbol}".strip()
 
     def best_text(self, units: Any = None) -> str:

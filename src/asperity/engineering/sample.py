@@ -19,7 +19,7 @@ import pandas as pd
 
 from asperity.core.types import Array
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import AnswerData, case_in_words, tile_names, without_repeats
+from asperity.engineering.answer_data import AnswerData, at_the_top, case_in_words, without_repeats
 from asperity.engineering.answer_files import read_data
 from asperity.engineering.folder import manifests_of_sample
 from asperity.engineering.places import CONFIDENCE
@@ -28,6 +28,7 @@ from asperity.engineering.records import (
     DISCRETISATION,
     PLANES,
     POSITIONS,
+    Advice,
     Bounds,
     Position,
     Record,
@@ -76,15 +77,20 @@ def key_of(record: Record) -> Key:
     return record.topic, record.body, record.quantity
 
 
+def label_of(record: Record) -> str:
+    """Name of a number in a table of several maps, with the depth to which a fraction refers."""
+    is_referred = record.quantity == FRACTION_ABOVE and record.note
+    return f"{record.quantity}, {record.note}" if is_referred else record.quantity
+
+
 def decisive(case: Scene, records: Iterable[Record]) -> list[Record]:
     """Records that say which of two surfaces is better, the first one first.
 
     Volumes above yield can be compared, and stand before stresses and fractions.
     """
-    names, known = tile_names(case), list(records)
-    if VOLUME in names:
-        names.insert(0, VOLUME)
-    return [each for name in dict.fromkeys(names) for each in find(known, name) if each.better]
+    known = [each for each in at_the_top(case, [*records]) if each.better]
+    first = next((number for number, each in enumerate(known) if each.topic == "stress"), 0)
+    return [*known[:first], *sorted(known[first:], key=lambda each: each.quantity != VOLUME)]
 
 
 def to_one_depth(records: Sequence[Record], deepest: Mapping[str, float]) -> list[Record]:
@@ -96,7 +102,7 @@ def to_one_depth(records: Sequence[Record], deepest: Mapping[str, float]) -> lis
             return each
         volume, depth = volumes[each.body], deepest[each.body]
         errors = {cause: error / depth for cause, error in volume.errors.items()}
-        note = f"of the volume down to {shown_si(depth, 'm', 3)} on all maps"
+        note = f"down to {shown_si(depth, 'm', 3)}"
         return replace(each, value=volume.value / depth, extrapolated=math.nan, errors=errors, note=note)
 
     return [referred(each) for each in records]
@@ -215,17 +221,16 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
             raise ValueError(f"pooled: {name} has Sq = {own}, {first} has {other}; the same unit is needed")
 
 
-def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[str]:
-    """Warnings of several maps, one line for each kind: number of maps, and the text of the first."""
+def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[Advice]:
+    """Warnings of several maps, one of each subject: number of maps, and the text of the first."""
     kinds: dict[str, dict[str, str]] = {}
     for name, answer in answers.items():
         for each in answer.warnings:
             if each.warns:
                 kinds.setdefault(each.subject, {}).setdefault(name, each.text)
-    return [
-        f"{subject}: {len(found)} of {len(answers)} maps; {next(iter(found))}: {next(iter(found.values()))}"
-        for subject, found in kinds.items()
-    ]
+    shown = {subject: f"{len(found)} of {len(answers)} maps" for subject, found in kinds.items()}
+    firsts = {subject: next(iter(found.items())) for subject, found in kinds.items()}
+    return [Advice(True, each, f"{shown[each]}; {': '.join(first)}") for each, first in firsts.items()]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -296,8 +301,7 @@ class SampleData:
     def tiles(self) -> list[Record]:
         """Records at the top of a page: first those that decide."""
         shown = without_repeats(self.records)
-        of_case = (each for name in tile_names(self.case) for each in find(shown, name))
-        keys = {key_of(each): each for each in (*decisive(self.case, shown), *of_case)}
+        keys = {key_of(each): each for each in (*decisive(self.case, shown), *at_the_top(self.case, shown))}
         return list(keys.values())
 
     @property
@@ -313,13 +317,13 @@ class SampleData:
             if count == 1:
                 text += "; differences between positions are not known"
             elif len(each.errors) > 1:
-                text += f"; most of the interval comes from {_cause(each)}"
+                text += f"; most of the interval comes from {cause_of(each)}"
             return *found, f"{text}."
         return tuple(found)
 
     @property
-    def warnings(self) -> list[str]:
-        """Warnings of the maps by kind."""
+    def warnings(self) -> list[Advice]:
+        """Warnings of the maps, one of each subject."""
         return warnings_by_kind(self.answers)
 
     def frame(self) -> pd.DataFrame:
@@ -349,7 +353,7 @@ class SampleData:
                 part = peaks[peaks["quantity"] == quantity].reset_index()
                 part = part[part["body"] == part.loc[part["value_Pa"].idxmax(), "body"]]
             if body == "lower" or quantity not in common:
-                yield body, quantity, [part["value_Pa"][part["map"] == name].to_numpy() for name in each_map]
+                yield body, quantity, [_counted(part[part["map"] == name]) for name in each_map]
 
     def peaks_per_area(self) -> pd.DataFrame:
         """Peaks above a stress per nominal area, as means over the maps; columns as in ``docs/tables.md``."""
@@ -425,7 +429,14 @@ class SampleData:
         return f"<Sample of {self.title}>"
 
 
-def _cause(record: Record) -> str:
+def _counted(peaks: pd.DataFrame) -> Array:
+    """Values of as many peaks of a map as they count for, the highest and then equally spaced ones."""
+    falling = peaks.sort_values("value_Pa", ascending=False)
+    number = np.ceil(falling["counts_for"].cumsum() - 1e-9)
+    return falling["value_Pa"][number.diff().fillna(1) > 0].to_numpy()
+
+
+def cause_of(record: Record) -> str:
     """The largest cause of the error of a mean."""
     largest = max(record.errors, key=lambda cause: record.errors[cause])
     return "differences " + largest if largest == POSITIONS else largest

@@ -72,6 +72,17 @@ class Scene(Settings):
         return Body.or_rigid(value, made)
 
     @property
+    def pressed_map(self) -> Map:
+        """The map, with the default of `ends`: across a cylinder, on half-spaces without film."""
+        own = self.map
+        given = (
+            own.radius is None or own.form != "cylinder" or own.ends or own.periodic in ("windowed", "none")
+        )
+        if given or self.layers_and_coatings or "film" in self.questions:
+            return own
+        return own.replaced(ends="x" if own.cylinder_axis == "y" else "y")
+
+    @property
     def questions(self) -> Mapping[str, Any]:
         """The questions that are asked, by the names of their groups; a scene alone has none."""
         return {}
@@ -86,16 +97,18 @@ class Scene(Settings):
             yield "map.radius_y", ": needs map.radius, the radius along x, and no cylinder"
         if "cylinder_axis" in self.map.model_fields_set and self.map.form != "cylinder":
             yield "map.cylinder_axis", ": needs map.form: cylinder"
-        if self.map.periodic == "none":
-            refused = ": not accepted with map.periodic = none, a free boundary"
+        if free := self.map.free_edges:
+            refused = f": not accepted with {free[0]} = {free[1]}, a free boundary"
             yield from ((key, refused) for key in self.layers_and_coatings)
+        if self.map.ends in ("y", "x") and self.map.periodic in ("windowed", "none"):
+            yield "map.ends", f" = {self.map.ends}: needs map.periodic: mirrored or declared"
         load = self.load
         if isinstance(load, Hertz):
             needed = ": half-spaces are needed in a Hertz contact"
             yield from ((key, needed) for key in self.layers_and_coatings)
-            if self.map.periodic == "none":
+            if free:
                 needed = "a periodic map is needed in a Hertz contact, of which it is a part"
-                yield "map.periodic", f" = none: {needed}"
+                yield free[0], f" = {free[1]}: {needed}"
             if self.map.radius is not None:
                 yield "map.radius", ": not accepted in a Hertz contact, whose radii stand in the load"
         if load.kind in ("mean_pressure", "hertz_pressure") or isinstance(load, Hertz):

@@ -61,7 +61,15 @@ STRESS = 2.0
 GAP_FRACTIONS = np.linspace(0, 1, 101)
 """Cumulative area fractions for which the gap is listed."""
 
-PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
+PEAK_COLUMNS = {
+    "value": "value_Pa",
+    "depth": "depth_m",
+    "y": "y_m",
+    "x": "x_m",
+    "interior": "in_solid",
+    "under_contact": "under_contact",
+    "weight": "counts_for",
+}
 """Name of a property of peaks → its column in the table of peaks."""
 
 PACKAGES = ("numpy", "numba", "xarray", "SurfaceTopography")
@@ -102,11 +110,11 @@ def answer_of(
     SettingsError, MapError, ConvergenceError
         As for `asperity.run`.
     """
-    rough = rough or read_face(case.map, case.counter_map)
+    rough = rough or read_face(case.pressed_map, case.counter_map)
     asked = case.on_face(rough)
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
-    parts = _Parts(progress, work_of(asked, rough.face.grid.mirrored), on_stage)
+    parts = _Parts(progress, work_of(asked, bool(rough.face.grid.mirrored)), on_stage)
     pressed = _pressed(asked, rough, parts, start, cores)
     bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
     # Two equal bodies share one result.
@@ -227,7 +235,7 @@ def _blocks(case: Case, face: TreatedMap, contact: Contact) -> Blocks | None:
     approach or contact area is imposed: the numbers then do not follow the load on a block.
     """
     imposed = case.load.kind in ("normal_approach", "contact_area_fraction")
-    if imposed or case.adhesion is not None or case.map.radius is not None or face.boundary == "free":
+    if imposed or case.adhesion is not None or case.map.radius is not None or face.boundary != "periodic":
         return None
     return blocks_of(face, contact.pressure)
 
@@ -280,7 +288,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
         found += elastic_record("contact area fraction", elastic.contact_area_fraction, found)
         found += elastic_record("maximum pressure", elastic.maximum_pressure, found)
     for name in pressed.asked.different_bodies:
-        found += body_records(pressed.asked, name, bodies[name], contact.hardness)
+        found += body_records(pressed.asked, name, bodies[name], contact)
     return found
 
 
@@ -290,17 +298,22 @@ def _completed(records: Sequence[Record], found: Mapping[str, Findings]) -> list
     bounds = {quantity: each for one in found.values() for quantity, each in one.bounds.items()}
     completed = []
     for each in records:
-        made = replace(each, bounds=bounds.get(each.quantity, each.bounds))
+        if (limit := bounds.get(each.quantity)) is not None:  # which the solver exceeds by its tolerance
+            each = replace(each, bounds=limit, value=min(each.value, limit.high))
         if (error := relative.get((each.quantity, each.body))) is not None:
-            made = made.with_error(INPUTS, error * abs(each.value))
-        completed.append(made)
+            each = each.with_error(INPUTS, error * abs(each.value))
+        completed.append(each)
     topics = list(dict.fromkeys((each.topic, each.body) for each in completed))
     return sorted(completed, key=lambda each: topics.index((each.topic, each.body)))
 
 
 def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
-    """The answer to each question in a sentence, then a sentence about interfaces and the contact."""
-    texts = [each.verdict for each in found.values()]
+    """A sentence for each question, those that are asked for first, then about interfaces and the contact.
+
+    The force of friction, which decides nothing, is last.
+    """
+    asked = sorted(found, key=lambda name: name not in stages.asked.model_fields_set)
+    texts = [found[name].verdict for name in asked if name != "sliding"]
     for name in stages.asked.different_bodies:
         body = stages.bodies[name]
         for face, stresses in zip(body.body.interfaces, body.interfaces, strict=True):
@@ -314,6 +327,7 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
     pressure = shown_si(stages.numbers.maximum_pressure, "Pa", 3)
     contact = f"the bodies touch on {per_cent(stages.numbers.contact_area_fraction)} of the area"
     texts.append(f"{contact}, under a pressure of up to {pressure}")
+    texts += [each.verdict for name, each in found.items() if name == "sliding"]
     return [f"{text[0].upper()}{text[1:]}." for text in texts if text]
 
 
@@ -348,11 +362,11 @@ def _peaks(stages: Stages, found: Mapping[str, Findings]) -> pd.DataFrame:
         table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
         table = table.rename(columns=PEAK_COLUMNS).assign(body=body)
         tables.insert(0, table[table["quantity"].isin(("pressure", *stages.asked.fields))])
-    peaks = pd.concat(tables, ignore_index=True)
-    peaks = peaks.assign(size=peaks["value_Pa"].abs())
+    columns = ["body", "quantity", *PEAK_COLUMNS.values()]
+    peaks = pd.concat(tables, ignore_index=True).reindex(columns=columns)
+    peaks = peaks.assign(size=peaks["value_Pa"].abs(), counts_for=peaks["counts_for"].fillna(1.0))
     order = {"body": True, "quantity": False, "size": False}
-    peaks = peaks.sort_values([*order], ascending=[*order.values()], ignore_index=True)
-    return peaks[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
+    return peaks.sort_values([*order], ascending=[*order.values()], ignore_index=True)[columns]
 
 
 def _datasets(stages: Stages, found: Mapping[str, Findings]) -> dict[str, xr.Dataset]:

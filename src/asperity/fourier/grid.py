@@ -24,7 +24,8 @@ these lines a field that is even along both axes is
 
 with real coefficients, stored for kx, ky ≥ 0 in arrays of shape ``(ny, nx)``: cosine transforms of type 2 and
 3. A derivative along an axis is odd along it, with a sine in place of the cosine and f̂ = 0 at k = 0. The wave
-of two nodes is zero at all nodes, so that there is no Nyquist mode.
+of two nodes is zero at all nodes, so that there is no Nyquist mode. A map that ends along one axis may be
+mirrored along the other one alone; its fields are transformed on the `Grid.whole_cell`.
 
 Nyquist rule
 ------------
@@ -41,13 +42,13 @@ counts the transforms. The result has the same bits for any number of threads.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity.core.arguments import finite_array, magnitude, real_array, whole_number
+from asperity.core.arguments import choice, finite_array, magnitude, real_array, whole_number
 from asperity.core.errors import shown
 from asperity.core.types import REAL_TYPES, Array, ArrayLike, DTypeLike
 from asperity.fourier.engine import Engine, current_engine
@@ -71,6 +72,14 @@ ALL = slice(None)
 EVEN = False, False
 """Not odd along either axis."""
 
+BOUNDARIES = {
+    "periodic": (False, False),
+    "free": (True, True),
+    "free along y": (True, False),
+    "free along x": (False, True),
+}
+"""Boundary of a map → whether the map ends along y and along x; along other axes it repeats."""
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -84,9 +93,9 @@ class Grid:
         Edges of the cell, any unit of length; one number for a square cell. A grid of the same shape is
         also accepted and gives its edges and whether it is mirrored, here and in every function that takes a
         `length`.
-    mirrored : bool
+    mirrored : bool or (bool, bool)
         True for a map that is continued by its mirror images, about lines half a spacing beyond its outermost
-        nodes. `shape` and `length` belong to the map alone.
+        nodes; a pair if along y or along x alone. `shape` and `length` belong to the map alone.
 
     Raises
     ------
@@ -105,7 +114,7 @@ class Grid:
 
     shape: tuple[int, int]
     length: tuple[float, float] = (1.0, 1.0)
-    mirrored: bool = False
+    mirrored: bool | tuple[bool, bool] = False
 
     def __post_init__(self) -> None:
         accepted = f"a pair (ny, nx) of whole numbers from 1 to {MOST_NODES}"
@@ -127,11 +136,29 @@ class Grid:
             raise ValueError(f"length = {shown(length)}: one number or a pair (length_y, length_x) is needed")
         pair = tuple(magnitude("length", float(edge)) for edge in np.broadcast_to(edges, (2,)))
         object.__setattr__(self, "length", pair)
+        if isinstance(self.mirrored, tuple) and self.mirrored[0] == self.mirrored[1]:
+            object.__setattr__(self, "mirrored", self.mirrored[0])
+
+    @property
+    def images(self) -> tuple[int, int]:
+        """Number of maps in a period along y and x: one, or two where the map is mirrored."""
+        along = self.mirrored if isinstance(self.mirrored, tuple) else (self.mirrored, self.mirrored)
+        return 1 + bool(along[0]), 1 + bool(along[1])
 
     @property
     def size(self) -> int:
         """Number of nodes."""
         return self.shape[0] * self.shape[1]
+
+    @property
+    def of_heights(self) -> Grid:
+        """Grid on which heights are transformed: mirrored along both axes if along one."""
+        return replace(self, mirrored=True) if self.mirrored else self
+
+    @property
+    def map(self) -> tuple[slice, slice]:
+        """The map in a field on its `whole_cell`."""
+        return slice(self.shape[0]), slice(self.shape[1])
 
     @property
     def area(self) -> float:
@@ -146,13 +173,14 @@ class Grid:
     @property
     def period(self) -> tuple[float, float]:
         """Distances along y and x after which fields repeat: the edges, or twice the edges if mirrored."""
-        images = 2 if self.mirrored else 1
-        return images * self.length[0], images * self.length[1]
+        return self.images[0] * self.length[0], self.images[1] * self.length[1]
 
     @cached_property
     def whole_cell(self) -> Grid:
         """Grid of a whole period: of a mirrored map and its three mirror images, as `with_mirror_images`."""
-        return Grid((2 * self.shape[0], 2 * self.shape[1]), self.period) if self.mirrored else self
+        if not self.mirrored:
+            return self
+        return Grid((self.images[0] * self.shape[0], self.images[1] * self.shape[1]), self.period)
 
     @property
     def mode_shape(self) -> tuple[int, int]:
@@ -234,13 +262,21 @@ class Grid:
         Those on a mirror line before the first node, half a spacing from it, are at 0.
         """
         found = []
-        for place, edge, spacing in zip((y, x), self.length, self.spacing, strict=True):
+        for place, edge, spacing, images in zip((y, x), self.length, self.spacing, self.images, strict=True):
             position = np.asarray(place)
-            if self.mirrored:
+            if images == 2:
                 image = 2 * edge - spacing - position
                 position = np.maximum(np.where(position < edge - spacing / 2, position, image), 0.0)
             found.append(position)
         return found[0], found[1]
+
+    def at_mirror_line(self, y: float, x: float) -> bool:
+        """True for a position on a mirrored map within a spacing of its mirror lines."""
+        places = zip((y, x), self.length, self.spacing, self.images, strict=True)
+        return any(
+            images == 2 and min(place + step / 2, edge - step / 2 - place) < step
+            for place, edge, step, images in places
+        )
 
     def first_node(self, finest: Grid) -> tuple[float, float]:
         """Position y, x of the first node, relative to the first node of `finest`, a grid of the same cell.
@@ -248,15 +284,20 @@ class Grid:
         The first nodes of mirrored grids are half a spacing from the mirror lines; other grids share their
         first node.
         """
-        y, x = (0.5 * (own - other) for own, other in zip(self.spacing, finest.spacing, strict=True))
-        return (y, x) if self.mirrored else (0.0, 0.0)
+        steps = zip(self.images, self.spacing, finest.spacing, strict=True)
+        y, x = (0.5 * (images - 1) * (own - other) for images, own, other in steps)
+        return y, x
 
     def dataset_coordinates(self) -> dict[str, tuple[str, Array, dict[str, float]]]:
         """Coordinates y and x of a dataset, with the cell as attributes, for `grid_of`."""
-        found = zip("yx", self.coordinates(), self.length, strict=True)
-        symmetry: dict[str, float] = {CELL_MIRRORED: 1} if self.mirrored else {}
+        found = zip("yx", self.coordinates(), self.length, self.images, strict=True)
         return {
-            axis: (axis, at, {CELL_EDGE: edge, CELL_NODES: at.size} | symmetry) for axis, at, edge in found
+            axis: (
+                axis,
+                at,
+                {CELL_EDGE: edge, CELL_NODES: at.size} | ({CELL_MIRRORED: 1} if images == 2 else {}),
+            )
+            for axis, at, edge, images in found
         }
 
     def field(self, name: str, values: Any) -> Array:
@@ -271,6 +312,35 @@ class Grid:
         if array.shape != self.shape:
             raise ValueError(f"{name} has the shape {array.shape}: {self.shape}, as of its grid, is needed")
         return array
+
+
+Boundary = str | tuple[str, str]
+"""A name of `BOUNDARIES`, or "periodic" or "free" for y and x."""
+
+
+def boundary_on(boundary: Boundary, grid: Grid) -> tuple[str, Grid]:
+    """Name of a boundary, one of `BOUNDARIES`, and its grid, mirrored along the axes that repeat alone.
+
+    Raises
+    ------
+    ValueError
+        If the boundary is neither a name nor a pair of "periodic" and "free" for y and x, or if a map is
+        mirrored and repeats along no axis.
+    """
+    if isinstance(boundary, tuple | list):
+        names = {
+            tuple("free" if ends else "periodic" for ends in free): name for name, free in BOUNDARIES.items()
+        }
+        boundary = names.get(tuple(boundary), boundary)
+    name = choice("boundary", boundary, tuple(BOUNDARIES))
+    if not grid.mirrored or name == "periodic":
+        return name, grid
+    along = tuple(
+        images == 2 and not ends for images, ends in zip(grid.images, BOUNDARIES[name], strict=True)
+    )
+    if not any(along):
+        raise ValueError(f"boundary = {name!r}: a grid without mirror images is needed")
+    return name, replace(grid, mirrored=along)  # type: ignore[arg-type]
 
 
 Edges = float | tuple[float, float] | Grid
@@ -317,6 +387,8 @@ class Fourier:
     engine: Engine = field(default_factory=current_engine)
 
     def __post_init__(self) -> None:
+        if isinstance(self.grid.mirrored, tuple):
+            raise ValueError(f"grid = {self.grid}: one mirrored along both axes or none is needed")
         self.real: np.dtype[Any] = real_type(self.dtype)
         complex_type: np.dtype[Any] = np.result_type(self.real, np.complex64)
         self.coefficient_type = self.real if self.grid.mirrored else complex_type
@@ -445,7 +517,10 @@ def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
 
 def with_mirror_images(values: Array, grid: Grid) -> Array:
     """An even field on the `whole_cell` of its grid; on a grid that is not mirrored the field itself."""
-    return np.pad(values, [(0, nodes) for nodes in grid.shape], "symmetric") if grid.mirrored else values
+    if not grid.mirrored:
+        return values
+    beyond = [(0, nodes * (images - 1)) for nodes, images in zip(grid.shape, grid.images, strict=True)]
+    return np.pad(values, beyond, "symmetric")
 
 
 def mean_square(coefficients: Array, grid: Grid, weight: ArrayLike = 1.0) -> float:
@@ -517,5 +592,5 @@ def grid_of(dataset: xr.Dataset) -> Grid:
                 "result cannot be analysed alone, but drawn and exported by its positions y and x"
             )
         edges.append(edge)
-    mirrored = bool(dataset["y"].attrs.get(CELL_MIRRORED, 0))
-    return Grid((dataset.sizes["y"], dataset.sizes["x"]), (edges[0], edges[1]), mirrored)
+    along_y, along_x = (bool(dataset[axis].attrs.get(CELL_MIRRORED, 0)) for axis in "yx")
+    return Grid((dataset.sizes["y"], dataset.sizes["x"]), (edges[0], edges[1]), (along_y, along_x))

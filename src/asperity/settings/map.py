@@ -185,6 +185,11 @@ class MapOptions(FileOptions):
     """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
     images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean plane
     (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary."""
+    ends: Literal["y", "x", "none"] | None = optional(
+        "across a cylinder between half-spaces, if the map is mirrored or declared; else none"
+    )
+    """Axis along which nothing surrounds the map, which continues along the other axis, as a roller does: `x`
+    if the axis of the roller is y. Needs half-spaces."""
     wavelength_short: LengthOrNumber | None = optional("two pixels of the map", example="8 um")
     """Waves shorter than this are removed."""
     points: Whole | None = optional("as in the map", ge=2, le=MOST_POINTS)
@@ -216,6 +221,13 @@ class Map(MapOptions):
         example=["80 um", "120 um"],
     )
     """Position (y, x) of the middle of the part that is used, from the first point of the map."""
+
+    @property
+    def free_edges(self) -> tuple[str, str] | None:
+        """Setting by which the map ends at edges, and its value."""
+        if self.periodic == "none":
+            return "map.periodic", "none"
+        return None if self.ends in (None, "none") else ("map.ends", str(self.ends))
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         """A place without a part."""

@@ -338,6 +338,9 @@ class _Analysis:
             labels = {np.nan: ratios[0]} if self._is_alike(name) else {ratio: ratio for ratio in ratios}
             for label, ratio in labels.items():
                 found[name, label] = self._finder.peaks(self._fields.index(self._field(name, lateral, ratio)))
+        if self._stream.map_grid.mirrored:  # without those of images that have the same stress
+            images = {key: self._stream.images(peaks.y, peaks.x)[1] for key, peaks in found.items()}
+            found = {key: peaks.select(np.flatnonzero(images[key])) for key, peaks in found.items()}
         return found
 
     def _dataset(self, lateral: str) -> xr.Dataset:

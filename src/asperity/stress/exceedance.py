@@ -69,12 +69,12 @@ class Exceedance:
     Parameters
     ----------
     limit : float
-    periodic : bool
-        True if planes repeat sideways.
+    boundary : str
+        Of the pressure.
     """
 
-    def __init__(self, limit: float, periodic: bool) -> None:
-        self._limits, self._boundary = limit * SHARES, "periodic" if periodic else "free"
+    def __init__(self, limit: float, boundary: str = "periodic") -> None:
+        self._limits, self._boundary = limit * SHARES, boundary
         self._volumes, self._low = np.zeros(SHARES.size), np.zeros(len(LOW_SHARES))
         self._depths = np.array([np.inf, -np.inf])
         self._planes: list[_Plane] = []
@@ -89,7 +89,7 @@ class Exceedance:
         """Depths of the uppermost and the lowest point above the limit; None without any."""
         return (float(self._depths[0]), float(self._depths[1])) if self.volume else None
 
-    def error(self, estimates: xr.Dataset, peaks: int) -> float:
+    def error(self, estimates: xr.Dataset, peaks: float) -> float:
         """Error of the volume over the area, by pixels and planes; NaN where the stress has no estimate.
 
         If no peak is above the limit, the error is above 0 where the largest stress and its error reach it.
@@ -99,8 +99,8 @@ class Exceedance:
         estimates : dataset
             Result of `asperity.continuum_limit` for one Poisson's ratio. Its attribute ``reason`` or
             ``reason_of_stress`` says why there is no estimate.
-        peaks : int
-            Number of peaks above the limit, whose errors differ in part.
+        peaks : float
+            Number of peaks of the map above the limit, whose errors differ in part.
         """
         relative = extreme_error(estimates, "von_mises")
         if peaks:
@@ -139,8 +139,8 @@ class Exceedance:
             return
         sides = []
         for side in (above or other, below or other):
-            pairs = zip(here.grid.shape, side.grid.shape, strict=True)
-            sides.append((side.values, tuple(lagrange_stencils(*pair, edges) for pair in pairs)))
+            along = zip(here.grid.shape, side.grid.shape, edges, strict=True)
+            sides.append((side.values, tuple(lagrange_stencils(*each) for each in along)))
         along_depth = here.depth, ends, distances, (above is None, below is None)
         planes = here.values, *sides
         _add_boxes(planes, along_depth, edges, self._limits, np.empty((3, 3, 3)), self._volumes, self._depths)
@@ -148,7 +148,7 @@ class Exceedance:
 
 @compiled
 def _add_boxes(
-    planes: Any, along_depth: Any, edges: int, limits: Any, memory: Any, volume: Any, depths: Any
+    planes: Any, along_depth: Any, edges: Any, limits: Any, memory: Any, volume: Any, depths: Any
 ) -> None:
     """Add the volumes above the limits in the boxes of a plane, and widen the depths above the last limit.
 
@@ -171,9 +171,9 @@ def _add_boxes(
                 continue
             least, most = np.inf, -np.inf
             for a in range(3):
-                row = neighbour(j - 1 + a, ny, edges)
+                row = neighbour(j - 1 + a, ny, edges[0])
                 for b in range(3):
-                    around[a, b] = here[row, neighbour(i - 1 + b, nx, edges)]
+                    around[a, b] = here[row, neighbour(i - 1 + b, nx, edges[1])]
                     least, most = min(least, around[a, b]), max(most, around[a, b])
             for side in (above, below):
                 low, high = _range(side, here.shape, j, i)
@@ -265,12 +265,13 @@ def _range(side: Any, shape: Any, j: int, i: int) -> tuple[float, float]:
 
 
 @compiled
-def _fill_cross(side: Any, shape: Any, j: int, i: int, edges: int, out: Any) -> None:
+def _fill_cross(side: Any, shape: Any, j: int, i: int, edges: Any, out: Any) -> None:
     """Fill a node of a grid and its nearest four neighbours with values of a plane."""
     values, ((place_y, weight_y), (place_x, weight_x)) = side
     for a, b in ((1, 1), (0, 1), (2, 1), (1, 0), (1, 2)):
         if values.shape == shape:
-            row, column = neighbour(j - 1 + a, shape[0], edges), neighbour(i - 1 + b, shape[1], edges)
+            row = neighbour(j - 1 + a, shape[0], edges[0])
+            column = neighbour(i - 1 + b, shape[1], edges[1])
             out[a, b] = values[row, column]
         else:
             along_y, along_x = (place_y[j + a], weight_y[0, j + a]), (place_x[i + b], weight_x[0, i + b])

@@ -21,7 +21,7 @@ import numpy as np
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import COMPONENTS, Solid
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import BOUNDARIES, Grid
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
 
 DIRECTION = {"von_mises": 1, "maximum_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
@@ -349,8 +349,9 @@ def _largest(name: str, points: Iterable[tuple[Array, Array]], stream: PlaneStre
     y, x = place[1:]
     if grid.mirrored:
         on_image = bool(stream.images(y, x)[0])
-    elif stream.solid.boundary == "periodic":
-        y, x = np.mod((y, x), grid.length)
+    else:
+        axes = zip((y, x), grid.length, BOUNDARIES[stream.solid.boundary], strict=True)
+        y, x = (at if ends else np.mod(at, edge) for at, edge, ends in axes)
     y, x = (float(each) for each in grid.on_map(y, x))
     return Extreme(value, float(place[0]), y, x, tuple(stress.tolist()), on_image)
 

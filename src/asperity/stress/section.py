@@ -20,7 +20,7 @@ from asperity.core.arguments import choice, number, own_errors, pair, require_fi
 from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
-from asperity.fourier.grid import EVEN
+from asperity.fourier.grid import BOUNDARIES, EVEN, Grid
 from asperity.stress.planes.fields import BASIS, ODD
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
@@ -157,8 +157,9 @@ def stress_box(
     (1, 20, 20)
     """
     stream = PlaneStream(contact, depths, poisson, fields, **settings)
+    grid = stream.solid.grid if stream.is_sheared else stream.map_grid
     at_y, at_x = (
-        _positions(name, extent, stream.solid, axis, spacing)
+        _positions(name, extent, grid, axis, spacing)
         for axis, (name, extent) in enumerate({"y": y, "x": x}.items())
     )
     return StressBox(stream, at_y, at_x)
@@ -228,9 +229,9 @@ def stress_section(
     return box.dataset(progress).isel({"y" if along == "x" else "x": 0})
 
 
-def _positions(name: str, extent: Any, solid: LoadedSolid, axis: int, spacing: float | None) -> Array:
+def _positions(name: str, extent: Any, grid: Grid, axis: int, spacing: float | None) -> Array:
     """Positions of the nodes of a box along one axis."""
-    length, step = solid.grid.length[axis], solid.grid.spacing[axis]
+    length, step = grid.length[axis], grid.spacing[axis]
     if spacing is not None:
         least = length / MOST_NODES
         step = number("spacing", spacing, f"a number of at least {least:.3g}", lambda value: value >= least)
@@ -255,9 +256,8 @@ def _interpolated(plane: LinearPlane, y: Array, x: Array) -> LinearPlane:
         for positions, first, step in zip((y, x), plane.first_node, plane.grid.spacing, strict=True)
     ]
     if not plane.grid.mirrored:
-        periodic = plane.solid.boundary == "periodic"
-        for axis, positions in enumerate(places, start=1):
-            values = _along(axis, values, positions, periodic)
+        for axis, (positions, ends) in enumerate(zip(places, BOUNDARIES[plane.solid.boundary], strict=True)):
+            values = _along(axis + 1, values, positions, periodic=not ends)
         return replace(plane, basis=plane.basis._replace(values=values, columns=x.size))
     out = np.empty((len(values), y.size, x.size), values.dtype)
     for (component, _), place in zip(BASIS, plane.basis.index, strict=True):

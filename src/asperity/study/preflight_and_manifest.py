@@ -74,7 +74,7 @@ def warm_up(part: str) -> None:
     for precision in ("float32", "float64"):
         contact = solve_contact(height, solid, contact_area_fraction=0.1, rtol=1e-4, dtype=precision)
         solve_contact(height, solid, mean_pressure=0.002, hardness=0.02, rtol=1e-4, dtype=precision)
-    above = Exceedance(0.2 * float(contact.pressure.max()), periodic=True)
+    above = Exceedance(0.2 * float(contact.pressure.max()))
 
     def observe(plane: LinearPlane) -> None:
         above.add(plane.depth, plane.grid, plane.field("von_mises", 0.33))

@@ -142,7 +142,7 @@ def roughness_parameters(height: Array, length: Edges = 1.0) -> RoughnessParamet
     100 nm, gradient 0.0114
     """
     values = varying_heights(height)
-    grid = Grid(values.shape, length)  # type: ignore[arg-type]
+    grid = Grid(values.shape, length).of_heights  # type: ignore[arg-type]
     heights = np.ravel(values)
     variance, skewness, kurtosis = moments(heights, np.full(heights.size, 1 / heights.size))
     squared_wavenumber = grid.odd_qy[:, None] ** 2 + grid.odd_qx[None, :] ** 2
@@ -163,6 +163,7 @@ def sampling_error(height: Array, grid: Grid) -> float:
     contribute most of the height, the more the rms height varies. Heights have mean zero, and are not all
     equal. Of four waves of a mirrored map that differ by signs, one is independent, not two.
     """
+    grid = grid.of_heights
     modes = Fourier(grid).forward(height)
     power = np.abs(modes) ** 2
     squares, total = mean_square(modes, grid, power), mean_square(modes, grid, np.ones_like(power))
@@ -203,7 +204,7 @@ def spectrum(height: Array, length: Edges = 1.0) -> tuple[Array, Array]:
     True
     """
     values = checked_heights(height)
-    grid = Grid(values.shape, length)  # type: ignore[arg-type]
+    grid = Grid(values.shape, length).of_heights  # type: ignore[arg-type]
     power = np.abs(Fourier(grid).forward(values)) ** 2
     wavenumber, average = radial_average(grid.whole_cell.area * power, grid)
     require_finite("spectrum", {"wavenumber": wavenumber, "power": average})

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from asperity.core.types import Array
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.scales import FALLING, SEQUENTIAL, Look, Measure, Scale, measure
+from asperity.views.scales import FALLING, SEQUENTIAL, Look, Scale, measure
 from asperity.views.source import Part, Source, Span, sources
 
 CONTOUR_COLOUR = "C4"
@@ -189,8 +189,6 @@ def _draw(axis: Axes, shown: Map, scale: Scale) -> None:
         pressed = shown.source.fields["pressure"][shown.part] > 0
         contacts = blocks(pressed.astype(np.float32), size, np.max)
         draw_contour(axis, contacts, 0.5, look.outline, 0.5, **place)
-    if not length.ratio:  # in cell lengths the axis says as much
-        _draw_scale_bar(axis, (begin[1], end[1]), (begin[0], end[0]), length)
     axis.set(
         xlim=(begin[1], end[1]),
         ylim=(begin[0], end[0]),
@@ -201,30 +199,6 @@ def _draw(axis: Axes, shown: Map, scale: Scale) -> None:
     axis.spines[["top", "right"]].set_visible(True)
     title = ", ".join(text for text in (shown.source.title, shown.note) if text)
     finish_title(axis, title, scale.limits.beyond(shown.values, unit))
-
-
-BAR_SHARE = 0.3
-"""Largest length of a scale bar over the width of its map."""
-
-
-def _draw_scale_bar(axis: Axes, x: Span, y: Span, length: Measure) -> None:
-    """Draw a bar of 1, 2 or 5 times a power of ten in the lower right corner, with its length above it."""
-    width, height = x[1] - x[0], y[1] - y[0]
-    power = 10.0 ** np.floor(np.log10(BAR_SHARE * width))
-    size = power * max(step for step in (1, 2, 5) if step * power <= BAR_SHARE * width)
-    left, low = x[1] - 0.04 * width - size, y[0] + 0.05 * height
-    for colour, thick in (("white", 3.5), ("black", 1.5)):
-        axis.plot([left, left + size], [low, low], colour, lw=thick, solid_capstyle="butt", zorder=4)
-    axis.annotate(
-        length.text(size * length.factor, 3),
-        (left + size / 2, low),
-        (0, 2),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
-        fontsize="x-small",
-        bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.5},
-    )
 
 
 def draw_contour(

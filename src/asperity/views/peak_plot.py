@@ -39,6 +39,7 @@ def plot_peaks(
     *,
     axes: Axes | Sequence[Axes] | None = None,
     yield_stress: float | tuple[Array, Array] | None = None,
+    unit_system: str | None = None,
 ) -> Figure:
     """Magnitude and depth of the stress peaks, each a point; peaks under a contact have another colour.
 
@@ -57,6 +58,8 @@ def plot_peaks(
         Where to draw, one for each result; by default in a new figure.
     yield_stress : float or (depths, stresses), optional
         It is marked, and the depth down to which it is reached is shown; under a coating it depends on depth.
+    unit_system : "SI", optional
+        Of results that do not say theirs, such as the stress under a `Contact`.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def plot_peaks(
     for _, data in given:
         if not (isinstance(data, xr.Dataset) and "peak_value" in data):
             raise TypeError("stress: a result of stage stress, with its peaks, is needed")
-    systems = [data.attrs.get("unit_system") for _, data in given]  # None where it is unknown
+    systems = [data.attrs.get("unit_system", unit_system) for _, data in given]
     require_same_system(systems)
     system = systems[0]
     found = [_peaks(data, quantity, poisson) for _, data in given]

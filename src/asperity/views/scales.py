@@ -50,7 +50,7 @@ class Measure:
     def label(self, name: str) -> str:
         """Label of an axis, such as ``depth (µm)`` or ``depth / cell length``."""
         if not self.symbol:
-            return name
+            return f"{name} (input units)"
         return f"{name} / {self.symbol}" if self.ratio else f"{name} ({self.symbol})"
 
     def text(self, value: float, digits: int = 4) -> str:

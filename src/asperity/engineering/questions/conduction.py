@@ -72,7 +72,7 @@ class Conduction(Question):
                 note = f"on the nominal area of {shown_si(area, 'm^2')}, without films"
                 records.append(Record("electrical contact resistance", resistance, "Ω", TOPIC, note=note))
                 found.append(f"the contact spots resist the current with {shown_si(resistance, 'Ω', 3)}")
-            if name == "electrical_conductance" and stages.face.boundary != "free":
+            if name == "electrical_conductance" and stages.face.boundary == "periodic":
                 around = resistivity / (4 * math.sqrt(area / math.pi))
                 note = "in addition (Holm), if wider bodies touch only on this area"
                 records.append(Record("constriction of the nominal area", around, "Ω", TOPIC, note=note))

@@ -147,7 +147,7 @@ class Cycles(Question):
             return
         refused = {
             "slide_to_roll without a Hertz contact": self.slide_to_roll and case.hertz_contact is None,
-            "map.periodic = none": case.map.periodic == "none",
+            " = ".join(case.map.free_edges or ()): case.map.free_edges,
             "a radius of the map": case.map.radius is not None,
             "a load curve": "load_curve" in case.questions,
             "layers on a body": any(body.interfaces for body in bodies.values()),

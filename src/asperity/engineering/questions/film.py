@@ -82,8 +82,8 @@ class Film(Question):
             yield f"load.{case.load.kind}", f": {needed}"
         if "load_curve" in case.questions:
             yield "load_curve", ": not accepted with film"
-        if case.map.periodic == "none":
-            yield "map.periodic", " = none: not accepted with film"
+        if free := case.map.free_edges:
+            yield free[0], f" = {free[1]}: not accepted with film"
         yield from ((key, ": half-spaces are needed with film") for key in case.layers_and_coatings)
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, None]:
@@ -104,6 +104,9 @@ class Film(Question):
             for name, body in case.groups_of_bodies.items()
             if body.hardness is not None and case.hardness is not None
         }
+        if (running_in := case.questions.get("running_in")) is not None and running_in.hardness is not None:
+            lower = running_in.hardness - self.share * nominal
+            softer["running_in"] = running_in.replaced(hardness=lower)
         return case.replaced(load=part, sensitivity=None, **softer), rough, None
 
     def loaded(self, loaded: LoadedSolid, contact: Contact, tractions: xr.Dataset | None) -> LoadedSolid:
@@ -125,7 +128,7 @@ class Film(Question):
             size = high / low - 1 if low else math.inf
             text = f"by the published correlations {', '.join(SHARES_OF_ASPERITIES)} the asperities carry "
             text += f"{per_cent(low)} to {per_cent(high)} of the load at Λ = {self.lambda_ratio:g}; give "
-            text += "film.load_fraction where it is known better."
+            text += "the load fraction of the film where it is known better (film.load_fraction)."
             short = f"film: asperities carry {per_cent(low)} to {per_cent(high)} of the load by correlations"
             is_small = size < SAME_SHARE
             warnings = [] if is_small else [Advice(size > 1, "load fraction of the film", text, short, size)]

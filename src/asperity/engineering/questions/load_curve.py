@@ -160,7 +160,7 @@ class LoadCurve(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The load curve, and the load where yield begins."""
-        case, names = stages.asked, list(stages.asked.different_bodies)
+        case, names = stages.case, list(stages.asked.different_bodies)
         done = len(self.path(case))
         limits = {name: limit for name in names if (limit := case.bodies[name].yield_stress) is not None}
         parts = done + YIELD_CONTACTS * len(limits)
@@ -172,7 +172,7 @@ class LoadCurve(Question):
         stiffness = float(curve["stiffness"][-1])
         words = IN_FULL_CONTACT if np.isposinf(stiffness) else ""
         records = [Record("stiffness", stiffness, "Pa/m", TOPIC, words=words, note="at the last load")]
-        table = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS)
+        table = curve.drop_dims("body").to_dataframe().rename(columns=COLUMNS).rename_axis(None)
         for name in names:
             stresses = curve["maximum_von_mises_stress"].sel(body=name).values
             table[f"maximum_von_mises_{name}_Pa"] = stresses
@@ -190,7 +190,7 @@ class LoadCurve(Question):
         import xarray as xr
 
         face, path = stages.face, self.path(stages.asked)
-        given = [(stages.asked, face, load, stages.contact if load == path[-1] else None) for load in path]
+        given = [(stages.case, face, load, stages.contact if load == path[-1] else None) for load in path]
         processes = processes_on([face], len(path), stages.cores)
         rows = side_by_side(_at_load, given, processes, lambda parts: progress(sum(parts), len(parts)))
         curve = xr.concat([*rows], "load")
@@ -232,7 +232,7 @@ def _yield_begins(
     """Mean pressure at which a body begins to yield, as of `yield_load`."""
     from asperity.engineering.press import press
 
-    case, steps = stages.asked, iter(range(YIELD_CONTACTS))
+    case, steps = stages.case, iter(range(YIELD_CONTACTS))
 
     def stress_under(load: float) -> float:
         progress(next(steps, YIELD_CONTACTS), YIELD_CONTACTS)

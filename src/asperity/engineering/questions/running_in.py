@@ -69,7 +69,8 @@ class RunningIn(Question):
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, Flattening]:
         """The elastic case and the flattened map."""
-        hardness, face = self.hardness or case.hardness or math.inf, rough.face
+        # A film carries a part of the pressure that reaches the hardness, and `case` holds the rest.
+        hardness, face = case.questions["running_in"].hardness or case.hardness or math.inf, rough.face
         first: Contact | None = None
         depths: list[float] = []
         for number in range(self.loads + 1):  # the last one shows if another load changes anything
@@ -81,6 +82,7 @@ class RunningIn(Question):
             progress(number + 1, self.loads + 1)
         assert first is not None
         times = f"{self.loads} load{'s' * (self.loads > 1)} at a hardness of {shown_si(hardness, 'Pa')}"
+        times += " beside the pressure of the film" if "film" in case.questions else ""
         done = f"flattened by {times}, by up to {shown_si(depths[0], 'm', 3)} at the first"
         face = replace(face, done=(*face.done, done))
         elastic = {name: body.replaced(hardness=math.inf) for name, body in case.groups_of_bodies.items()}
@@ -107,7 +109,9 @@ class RunningIn(Question):
             verdict=f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}"
             if depth
             else "",
-            bounds={"maximum pressure": Bounds(0.0, first.hardness, "the hardness at running-in")},
+            bounds={"maximum pressure": Bounds(0.0, first.hardness, "the hardness at running-in")}
+            if stages.asked.load.kind not in ("contact_area_fraction", "normal_approach")
+            else {},
             warnings=[] if depth else [Advice(False, "running-in", nothing)],
             assumption="Running-in flattens the surface where the pressure reaches the hardness, without "
             "residual stress, pile-up or wear; numbers hold for the elastic contact after it.",

@@ -73,7 +73,8 @@ class Sensitivity(Question):
         """Changes of each number at the top of the page, and its error by the tolerances of the inputs."""
         import pandas as pd
 
-        tiles, rows, records = tile_names(stages.asked), [], []
+        tiles = {name for names in tile_names(stages.asked) for name in names}
+        rows, records = [], []
         errors: dict[tuple[str, str], float] = {}
         values = {
             key: {(each.quantity, each.body): each.value for each in others}

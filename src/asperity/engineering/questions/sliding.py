@@ -73,6 +73,10 @@ class Sliding(Question):
         found._chosen = at if has_lay else "the map has no strong lay"
         return found
 
+    def along(self, first: Sliding) -> Sliding:
+        """The direction of the first of several maps, unless one was given."""
+        return self.replaced(direction=first.direction) if self._chosen else self
+
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies that bear no shear."""
         for name, body in case.groups_of_bodies.items():
@@ -99,8 +103,8 @@ class Sliding(Question):
     def _warnings(self, stages: Stages) -> Iterator[Advice]:
         """Direction that was not given; change of the displacement by the neglected friction."""
         if self._chosen:
-            along = f"sliding.direction is not given: the faces slide along {self.direction}"
-            text = f"{along}, as {self._chosen}. The stress depends on the direction."
+            along = f"no direction is given: the faces slide along {self.direction}, as {self._chosen}"
+            text = f"{along}. The stress depends on the direction (sliding.direction)."
             yield Advice(False, "direction of sliding", text)
         import numpy as np
 

@@ -13,9 +13,11 @@ import numpy as np
 from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.answer_data import ALIKE
 from asperity.engineering.places import Blocks
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
+    DISCRETISATION,
     PLANES,
     POSITIONS,
     POSITIVE,
@@ -27,7 +29,7 @@ from asperity.engineering.records import (
 )
 from asperity.engineering.scene import Scene
 from asperity.settings.body import HARDNESS_OVER_YIELD, Body
-from asperity.stress.peaks.selection import select_peaks
+from asperity.stress.peaks.selection import in_cell, select_peaks
 
 if TYPE_CHECKING:
     from asperity.engineering.face import RoughFace
@@ -51,7 +53,7 @@ class Yielded:
     ) -> None:
         from asperity.stress.exceedance import Exceedance
 
-        self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary == "periodic")
+        self.exceedance: Exceedance = Exceedance(limit, pressed.face.boundary)
         self._limit, self._face, self._blocks = limit, pressed.face, pressed.blocks
         self._poisson, self.between = loaded.layer.poisson, between
         self._last: tuple[float, Array] | None = None
@@ -129,6 +131,8 @@ class Yielding(Question):
                     volume = found.exceedance.volume * stages.face.grid.area
                     attributes[body] = {"yield_stress": constants.yield_stress, "volume_above_yield": volume}
         materials = [*_materials(stages, records)]
+        if len(materials) == 2 and materials[0].equals(materials[1]):
+            materials = [materials[0]._replace(words="the material of both bodies")]
         return Findings(
             records=records,
             verdict="; ".join(each.verdict() for each in materials),
@@ -145,15 +149,15 @@ def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[R
     constants, (top, bottom) = part.materials[name][0], found.between
     within = "" if constants is part.body else f" in {name}"
     limit = constants.yield_stress or np.inf
-    peaks = select_peaks(part.stress, "von_mises")
+    peaks, maps = in_cell(select_peaks(part.stress, "von_mises"))
     depths = peaks["peak_depth"].values
     is_above = (peaks["peak_value"].values > limit) & (depths > top) & (depths <= bottom)
-    error = above.error(part.limits, int(is_above.sum()))
+    error = above.error(part.limits, np.count_nonzero(is_above) / maps)
     positions = found.error_of_positions(stages.blocks)
     yield Record(f"yield stress{within.replace(' in ', ' of ')}", limit, "Pa", **of)
     per_area = Record(f"volume above yield per area{within}", above.volume, "m", bounds=POSITIVE, **worse)
     if above.depths is None:
-        none = "none: everything stays elastic"
+        none = "none: everything stays elastic" if error == 0 else "none on these pixels"
         yield Record(f"volume above yield{within}", 0.0, "m^3", words=none, **worse)
         extrapolated = 0.0 if error == 0 else np.nan  # far below yield: it is known to be zero
         yield replace(per_area, extrapolated=extrapolated).with_error(PLANES, error)
@@ -176,7 +180,7 @@ def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[R
         note = f"from a depth of {shown_si(first, 'm', 3)}" if first else "from the surface"
         deepest = Record(f"maximum depth above yield{within}", last, "m", note=note, bounds=POSITIVE, **worse)
         yield deepest.with_error(PLANES, math.nan)
-    density = int(is_above.sum()) / stages.numbers.nominal_area
+    density = np.count_nonzero(is_above) / maps / stages.numbers.nominal_area
     yield Record(f"peaks above yield{within}", density, "1/m^2", bounds=POSITIVE, **worse)
 
 
@@ -189,6 +193,11 @@ class _Material(NamedTuple):
     stress: Record
     volume: Record | None
     depth: Record | None
+
+    def equals(self, other: _Material) -> bool:
+        """True for materials of two bodies without coatings whose yield stress and stress are equal."""
+        same = abs(self.stress.value - other.stress.value) <= ALIKE * self.stress.value
+        return not (self.name or other.name) and self.limit == other.limit and same
 
     @property
     def is_elastic(self) -> bool:
@@ -204,6 +213,8 @@ class _Material(NamedTuple):
         text = f"{self.words} yields"
         if self.is_elastic:
             text = f"{self.words} stays elastic"
+            if DISCRETISATION in self.stress.lacks:
+                text += " on these pixels (discretisation error not known)"
         elif low <= self.limit:
             text = f"{self.words} may yield"
         text += f": maximum von Mises stress {shown}, {ratio}"
@@ -227,11 +238,12 @@ class _Material(NamedTuple):
             affected = (
                 f". The answer is elastic: real material flows there{affected}. The pressure stays below "
             )
-            affected += (
-                f"the hardness, about {hardness}, and the contact area grows; body.hardness limits the "
-            )
-            affected += "pressure"
-        return Advice(True, "stress beyond yield", f"{text}{affected}.")
+            affected += f"the hardness, about {hardness}, and the contact area grows; a hardness limits the "
+            affected += "pressure (body.hardness)"
+        size = 1 - self.limit / self.stress.best
+        times = f"{self.stress.best / self.limit:.3g} times the yield stress"
+        short = f"model: the stress is elastic, up to {times}{of}" if size > 0 else ""
+        return Advice(True, "stress beyond yield", f"{text}{affected}.", short, size)
 
 
 def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]:

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from markupsafe import Markup, escape
+from markupsafe import escape
 
-from asperity.core.markup import html_table, rendered, with_error
+from asperity.core.markup import html_table, with_error
 from asperity.core.types import Array
 from asperity.engineering.answer_data import AnswerData, case_in_words, heading, without_repeats
 from asperity.engineering.folder import COMPARISON, COMPARISON_DATA, locked, replacing
@@ -26,21 +26,19 @@ from asperity.engineering.sample import (
     SAME,
     Key,
     SampleData,
+    cause_of,
     decisive,
     deepest_of,
     is_same,
     key_of,
+    label_of,
     named,
     to_one_depth,
-    warnings_by_kind,
 )
-from asperity.engineering.show.pictures import compared_pictures, png_of
-from asperity.engineering.show.report import Drawn
+from asperity.engineering.show.report import page_of
+from asperity.engineering.show.tables import TILES, WIDEST, in_columns
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-
-WIDEST = 100
-"""Most characters of a line on the terminal."""
 
 SIGNIFICANT = 0.05
 """Probability of a difference by chance below which one surface is called better."""
@@ -152,43 +150,43 @@ class Comparison:
         return _of_errors(one, other)
 
     @cached_property
+    def decisive(self) -> list[Record]:
+        """Numbers of the first item that say which is the best, which all items have and not all as 0."""
+        first, *_ = self.records.values()
+        every = ((each, [of.get(key_of(each)) for of in self.records.values()]) for each in first.values())
+        comparable = [each for each, known in every if all(known) and any(one.best for one in known if one)]
+        return decisive(next(iter(self.items.values())).case, comparable)
+
+    @cached_property
     def verdict(self) -> str:
         """The best of the items in the first number that decides; empty if no number can."""
-        first, *_ = self.records
-        for record in decisive(self.items[first].case, self.records[first].values()):
-            key = key_of(record)
-            known = [name for name, records in self.records.items() if key in records]
-            values = {name: self.records[name][key].best for name in known}
-            if len(known) == len(self.items) and any(values.values()):
-                order = sorted(known, key=lambda name: values[name], reverse=record.better == "more")
-                return self._judged(key, order)
-        return ""
+        if not self.decisive:
+            return ""
+        record = self.decisive[0]
+        values = {name: records[key_of(record)].best for name, records in self.records.items()}
+        order = sorted(values, key=lambda name: values[name], reverse=record.better == "more")
+        return self._judged(key_of(record), order)
 
     def _judged(self, key: Key, order: Sequence[str]) -> str:
         """Sentence about the best of the items, which are in falling order."""
         best, second, *_ = order
         found = self.difference(key, best, second)
-        texts = {name: self.records[name][key].best_text() for name in order}
-        quantity = found.first.quantity
-        others = " and ".join(f"{texts[name]} of {name}" for name in order[1:])
+        counts = {name: len(getattr(self.items[name], "names", [name])) for name in order}
+        maps = {name: "1 map" if count == 1 else f"{count} maps" for name, count in counts.items()}
+        first, *others = (f"{self.records[name][key].best_text()} of {name} ({maps[name]})" for name in order)
+        numbers = f"{found.first.quantity} {first}, against {' and '.join(others)}"
         if found.text == "none":
-            rest = others.partition(" and ")[2]
-            same = f"{best} and {second} have the same {quantity}, {texts[best]}"
-            return f"{same}, against {rest}." if rest else f"{same}."
+            return f"{best} and {second} are equal: {numbers}."
+        if math.isnan(found.chance):
+            single = [name for name in (best, second) if counts[name] == 1]
+            of = "one map each" if len(single) == 2 else f"{' and '.join(single)} is one map"
+            why = f"; {of}: differences between positions are not known" if single else ""
+            return f"Not known whether {best} is better: {numbers}{why}."
         # The pair of the best was chosen of all pairs (Bonferroni).
         chance = min(1.0, found.chance * math.comb(len(order), 2))
-        if math.isnan(found.chance):
-            single = [name for name in (best, second) if len(self._maps_of(name)) == 1]
-            of = "one map each" if len(single) == 2 else f"{' and '.join(single)} is one map"
-            judged = "not known to be better"
-            judged += f"; {of}: differences between positions are not known" if single else ""
-        else:
-            judged = f"{'better' if chance < SIGNIFICANT else 'no significant difference'}, p = {chance:.2g}"
-        return f"{best}: {quantity} {texts[best]} against {others}; {judged}."
-
-    def _maps_of(self, name: str) -> Sequence[str]:
-        item = self.items[name]
-        return item.names if isinstance(item, SampleData) else [name]
+        judged = f"{best} is better" if chance < SIGNIFICANT else "No significant difference"
+        wider = max(found.first, found.second, key=lambda each: each.error)
+        return f"{judged}: {numbers}; p = {chance:.2g}; most of the interval comes from {cause_of(wider)}."
 
     def frame(self) -> pd.DataFrame:
         """All numbers, and differences to the first; the columns are described in ``docs/tables.md``."""
@@ -212,38 +210,26 @@ class Comparison:
 
     def _numbers(self) -> dict[str, pd.DataFrame]:
         """Heading → the numbers as texts, of two items with their differences."""
-        names, groups = [*self.records], dict[str, list[list[str]]]()
+        case, groups = self.items[next(iter(self.items))].case, dict[str, list[Key]]()
         for key in dict.fromkeys(key for records in self.records.values() for key in records):
+            title = f"stress, {key[1]} body" if key[0] == "stress" else heading(case, *key[:2])
+            groups.setdefault(title, []).append(key)
+        return {title: self._table(keys) for title, keys in groups.items()}
+
+    def _table(self, keys: Sequence[Key]) -> pd.DataFrame:
+        """Some of the numbers as texts."""
+        names, rows = [*self.records], []
+        for key in keys:
             known = [self.records[name].get(key) for name in names]
             texts = ["" if each is None else each.best_text() for each in known]
             if len(names) == 2:
                 texts.append(self.difference(key, *names).text if all(known) else "")
-            title = "stress" if key[0] == "stress" else heading(self.items[names[0]].case, *key[:2])
-            title = f"stress, {key[1]} body" if key[0] == "stress" else title
-            groups.setdefault(title, []).append([key[2], *texts])
-        columns = ["", *names, *(["difference"] if len(names) == 2 else [])]
-        return {title: pd.DataFrame(rows, columns=columns) for title, rows in groups.items()}
+            rows.append([label_of(next(filter(None, known))), *texts])
+        return pd.DataFrame(rows, columns=["", *names, *(["difference"] if len(names) == 2 else [])])
 
     def text(self) -> str:
         """The verdict and the numbers as lines of at most `WIDEST` characters."""
-        numbers = self._numbers()
-        every = pd.concat(numbers.values())
-        names, *columns = every.columns
-        width = max(map(len, every[names])) + 4
-        wide = {name: max(len(name), *map(len, every[name])) + 2 for name in columns}
-        lines = [*([fill(self.verdict, WIDEST), ""] if self.verdict else [])]
-        while columns:  # further columns stand below, with the names again
-            here = [columns.pop(0)]
-            while columns and width + sum(wide[name] for name in [*here, columns[0]]) <= WIDEST:
-                here.append(columns.pop(0))
-            lines.append(" " * width + "".join(f"{name:<{wide[name]}}" for name in here).rstrip())
-            for title, table in numbers.items():
-                lines.append(title)
-                for row in table.to_dict("records"):
-                    cells = "".join(f"{row[name]:<{wide[name]}}" for name in here)
-                    lines.append(f"  {row['']:<{width - 2}}{cells}".rstrip())
-            lines.append("")
-        return "\n".join(lines[:-1])
+        return in_columns(self._numbers(), [fill(self.verdict, WIDEST), ""] if self.verdict else [])
 
     __str__ = text
 
@@ -256,20 +242,17 @@ class Comparison:
         shown = {name: self._first(name) for name in [*self.items][:SHOWN_SURFACES]}
         cases = {name: case_in_words(item.case) for name, item in self.items.items()}
         same = len({*cases.values()}) == 1
-        return rendered(
-            "asperity.engineering.show",
-            "several.html.j2",
+        top = [key_of(each) for each in self.decisive][:TILES]
+        return page_of(
+            [self.verdict] if self.verdict else [],
+            {"": self._table(top), **self._numbers()} if top else self._numbers(),
+            self._maps,
+            shown,
             title=" and ".join(self.items),
             heading=" and ".join(self.items),
             case=cases[next(iter(cases))] if same else "; ".join(f"{n}: {c}" for n, c in cases.items()),
-            verdicts=[self.verdict] if self.verdict else [],
-            tiles=[],
-            warnings=warnings_by_kind(self._maps),
             notes=["Numbers extrapolated to zero pixel size where they can be, ± their whole known error."],
-            tables={title: Markup(html_table(rows)) for title, rows in self._numbers().items()},
-            pictures=[Drawn(each, png_of(each.figure)) for each in compared_pictures(shown)],
             names=[name for name in self.items if folder and (folder / name / "report.html").is_file()],
-            case_file="",
         )
 
     def _first(self, name: str) -> AnswerData:
@@ -277,7 +260,13 @@ class Comparison:
         return next(iter(item.answers.values())) if isinstance(item, SampleData) else item
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write the table and the page into a folder, and the names of the folders of the answers."""
+        """Write the table and the page into a folder, and the names of the folders of the answers.
+
+        Raises
+        ------
+        ValueError
+            If an answer has not been written, or the folder holds an answer or a sample.
+        """
         folder = Path(folder)
         kept = {
             name: {own: _folder_of(each, folder) for own, each in item.answers.items()}
@@ -292,9 +281,11 @@ class Comparison:
         return [folder / name for name in COMPARISON]
 
 
-def _folder_of(answer: AnswerData, folder: Path) -> str | None:
-    """Name of the folder of an answer, relative to another one; None if it was not written."""
-    return Path(os.path.relpath(answer.folder, folder)).as_posix() if answer.folder else None
+def _folder_of(answer: AnswerData, folder: Path) -> str:
+    """Name of the folder of an answer, relative to another one."""
+    if answer.folder is None:
+        raise ValueError(f"{folder}: the answer of {answer.face.name} is needed in a folder; write it first")
+    return Path(os.path.relpath(answer.folder, folder)).as_posix()
 
 
 def _of_errors(first: Record, second: Record) -> Difference:

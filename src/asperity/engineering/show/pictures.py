@@ -75,7 +75,9 @@ def lead_of(answer: AnswerData, of: Any = None) -> Picture | None:
     implied = [
         question.LEAD for name, question in case.questions.items() if name not in case.model_fields_set
     ]
-    names = [*filter(None, [*reversed(asked), "interface", *reversed(implied), "pressure"])]
+    # Where the picture of a question asked for is missing, as of a closed gap, the contact answers it.
+    names = [*reversed(asked), "interface", *(["pressure"] if any(asked) else reversed(implied)), "pressure"]
+    names = [*filter(None, names)]
     best: tuple[int, Picture] | None = None
     for picture in pictures(answer) if of is None else of:
         rank = next((rank for rank, name in enumerate(names) if picture.name.startswith(name)), len(names))

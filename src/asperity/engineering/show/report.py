@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import pandas as pd
 from markupsafe import Markup
 
 from asperity.core.markup import html_table, rendered
@@ -15,14 +16,11 @@ from asperity.engineering.answer_data import REPEATS, AnswerData, by_topic, case
 from asperity.engineering.answer_files import case_of
 from asperity.engineering.contact_numbers import certificate_in_words
 from asperity.engineering.question import Picture
-from asperity.engineering.records import Record
+from asperity.engineering.sample import warnings_by_kind
 from asperity.engineering.scene import Scene
-from asperity.engineering.show.pictures import lead_of, pictures, png_of
-from asperity.engineering.show.tables import for_reader
+from asperity.engineering.show.pictures import compared_pictures, lead_of, pictures, png_of
+from asperity.engineering.show.tables import for_reader, tiles_of, unknown_of
 from asperity.results.atomic import write_text
-
-TILES = 4
-"""Most numbers at the top."""
 
 
 class Drawn(NamedTuple):
@@ -35,14 +33,6 @@ class Drawn(NamedTuple):
     def uri(self) -> str:
         """The image within a page."""
         return f"data:image/png;base64,{b64encode(self.png).decode()}"
-
-
-class Tile(NamedTuple):
-    """A number at the top of a page: its name, itself, and lines below it."""
-
-    name: str
-    number: str
-    lines: list[str]
 
 
 def write_report(answer: AnswerData, folder: Path) -> None:
@@ -84,7 +74,8 @@ def report(answer: AnswerData, drawn: Sequence[Drawn] | None = None, folder: Pat
         title=f"{answer.face.name}: contact and stress",
         answer=answer,
         case=case_in_words(answer.case),
-        tiles=tiles_of(answer.case, answer.tiles),
+        tiles=tiles_of(answer.tiles),
+        unknown=unknown_of(answer.tiles),
         lead=next((each for each in drawn if each.picture is lead), None),
         numbers={heading: list(records) for heading, records in by_topic(answer.case, shown)},
         repeats=REPEATS if len(shown) < len(answer.records) else "",
@@ -96,6 +87,36 @@ def report(answer: AnswerData, drawn: Sequence[Drawn] | None = None, folder: Pat
     )
 
 
+def page_of(
+    verdict: Sequence[str],
+    tables: Mapping[str, pd.DataFrame],
+    answers: Mapping[str, AnswerData],
+    shown: Mapping[str, AnswerData],
+    **words: Any,
+) -> str:
+    """Several answers as a page: a sample of maps, or answers and samples beside each other.
+
+    Parameters
+    ----------
+    verdict : sequence of str
+    tables : mapping
+        Heading → numbers as texts; without a heading those that decide, on the first screen.
+    answers, shown : mapping
+        All answers, whose warnings are listed, and the answers of which pictures are drawn in one scale.
+    **words
+        Heading, case, tiles, notes, names of the folders of reports, and the case file.
+    """
+    return rendered(
+        "asperity.engineering.show",
+        "several.html.j2",
+        verdicts=verdict,
+        warnings=warnings_by_kind(answers),
+        tables={title: Markup(html_table(rows)) for title, rows in tables.items()},
+        pictures=[Drawn(each, png_of(each.figure)) for each in compared_pictures(shown)],
+        **{"tiles": (), "case_file": "", **words},
+    )
+
+
 def preview(answer: AnswerData) -> str:
     """The first screen of the report, as a notebook shows it."""
     lead = lead_of(answer) if find_spec("matplotlib") else None
@@ -104,22 +125,9 @@ def preview(answer: AnswerData) -> str:
         "preview.html.j2",
         title=answer.title,
         verdict=answer.verdict,
-        tiles=tiles_of(answer.case, answer.tiles),
+        tiles=tiles_of(answer.tiles),
         lead=None if lead is None else Drawn(lead, png_of(lead.figure)),
     )
-
-
-def tiles_of(case: Scene, records: Sequence[Record]) -> list[Tile]:
-    """The numbers at the top of a page."""
-    several = len({each.body for each in records if each.body}) > 1
-    return [
-        Tile(
-            f"{each.quantity}, {each.body} body" if several and each.body else each.quantity,
-            each.number(),
-            [*filter(None, [each.place()]), *each.error_texts()],
-        )
-        for each in records[:TILES]
-    ]
 
 
 def constants_of_table(case: Scene) -> list[str]:

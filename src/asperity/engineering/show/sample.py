@@ -5,20 +5,20 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import pandas as pd
-from markupsafe import Markup
 
-from asperity.core.markup import html_table, rendered, table
+from asperity.core.markup import table
 from asperity.core.system import sha256_of
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
 from asperity.engineering.case_file import pool_text
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, names_in, replacing
-from asperity.engineering.sample import ONE_MAP, SampleData
-from asperity.engineering.show.pictures import compared_pictures, png_of
-from asperity.engineering.show.report import Drawn, tiles_of
+from asperity.engineering.sample import ONE_MAP, SampleData, label_of
+from asperity.engineering.show.report import page_of
+from asperity.engineering.show.tables import WIDEST, in_columns, tiles_of
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table, write_workbook
 from asperity.surface.reading.height_map import HeightMap
@@ -38,13 +38,8 @@ MEANS = (
 def text(sample: SampleData) -> str:
     """The verdict, the means and the warnings as a block of text."""
     lines = [sample.title, f"maps: {', '.join(sample.names)}", "", *sample.verdict, *predicted(sample)]
-    for heading, rows in _numbers(sample).items():
-        wide = [max(map(len, rows[column])) for column in rows]
-        lines += ["", heading]
-        for row in rows.itertuples(index=False):
-            cells = (f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True))
-            lines.append(f"  {'  '.join(cells)}".rstrip())
-    lines += [line for each in sample.warnings for line in ("", f"warning: {each}")]
+    lines = [in_columns(_numbers(sample), [*(fill(each, WIDEST) for each in lines), ""])]
+    lines += [f"\n{fill(f'warning: {each.subject}: {each.text}', WIDEST)}" for each in sample.warnings]
     return "\n".join(lines)
 
 
@@ -53,18 +48,16 @@ def page(sample: SampleData, folder: Path | None = None) -> str:
     shown = dict(list(sample.answers.items())[:SHOWN_MAPS])
     means = f"{ONE_MAP[0].upper()}{ONE_MAP[1:]}." if len(sample.names) == 1 else MEANS
     repeats = len(without_repeats(sample.records)) < len(sample.records)
-    return rendered(
-        "asperity.engineering.show",
-        "several.html.j2",
+    return page_of(
+        [*sample.verdict, *predicted(sample)],
+        _numbers(sample),
+        sample.answers,
+        shown,
         title=f"{', '.join(sample.names)}: contact and stress",
         heading=sample.title.partition(":")[0],
         case=case_in_words(sample.case),
-        verdicts=[*sample.verdict, *predicted(sample)],
-        tiles=tiles_of(sample.case, sample.tiles),
-        warnings=sample.warnings,
+        tiles=tiles_of(sample.tiles),
         notes=[means, *([f"{REPEATS[0].upper()}{REPEATS[1:]}."] if repeats else [])],
-        tables={heading: Markup(html_table(rows)) for heading, rows in _numbers(sample).items()},
-        pictures=[Drawn(each, png_of(each.figure)) for each in compared_pictures(shown)],
         names=sample.names,
         case_file=_case_text(sample, folder or Path()),
     )
@@ -86,7 +79,8 @@ def preview(sample: SampleData) -> str:
 def write_sample(sample: SampleData, folder: Path) -> list[Path]:
     """Write tables, page and case file of a sample into the parent folder of the answers of its maps."""
     found = tables(sample)
-    if missing := [name for name in sample.names if not (folder / name / MANIFEST).is_file()]:
+    unwritten = (name for name, each in sample.answers.items() if each.folder is None)
+    if missing := [name for name in sample.names if not (folder / name / MANIFEST).is_file()] or [*unwritten]:
         raise ValueError(f"{folder / missing[0]}: the answer of each map is needed there; write it first")
     with locked(folder), replacing(folder, kept=set()) as unfinished:
         for name, each in found.items():
@@ -120,9 +114,9 @@ def _maximum_in_words(row: Any) -> str:
     low, value, high, threshold = (
         shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
     )
-    between = f"95 % between {low} and {high}"
-    if not row.low_Pa < row.high_Pa:
-        between = "the hardness" if row.low_Pa == row.high_Pa else "no interval of one map"
+    between = "no interval of one map"
+    if row.low_Pa <= row.high_Pa:
+        between = "the hardness" if low == high else f"95 % between {low} and {high}"
     return (
         f"Maximum {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
         f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
@@ -143,8 +137,8 @@ def _numbers(sample: SampleData) -> dict[str, pd.DataFrame]:
         rows = []
         for each in records:
             factor, _ = each.scale()
-            values = (f"{float(f'{value / factor:.4g}'):.15g}" for value in sample.values(each))
-            rows.append([each.quantity, ", ".join(filter(None, [each.best_text(), each.note])), *values])
+            values = (f"{float(f'{value / factor:.3g}'):.15g}" for value in sample.values(each))
+            rows.append([label_of(each), each.best_text(), *values])
         found[heading] = pd.DataFrame(rows, columns=["", "mean", *sample.names])
     return found
 

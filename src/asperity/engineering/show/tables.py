@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.records import FRACTION, MODEL, POSITIVE, UNBOUNDED, Record
+from asperity.engineering.records import FRACTION, MODEL, POSITIONS, POSITIVE, UNBOUNDED, Record
 from asperity.results.tables import units
 
 SHOWN_ROWS = 40
@@ -17,8 +20,41 @@ SHOWN_ROWS = 40
 FIRST_ROWS = 10
 """Rows that are shown of a longer table in falling order."""
 
+WIDEST = 100
+"""Most characters of a line of words on the terminal."""
+
+TILES = 4
+"""Most numbers at the top of a page."""
+
 FALLING = ("peaks", "contact_spots")
 """Tables in falling order."""
+
+
+class Tile(NamedTuple):
+    """A number at the top of a page: its name, itself, and lines below it."""
+
+    name: str
+    number: str
+    lines: list[str]
+
+
+def tiles_of(records: Sequence[Record], units: Any = None) -> list[Tile]:
+    """The first records as numbers at the top of a page; units as of `Record.scale`."""
+    several = len({each.body for each in records if each.body}) > 1
+    tiles = []
+    for each in records[:TILES]:
+        number, _, rest = each.number(units).partition(": ")
+        errors = replace(each, varies=False).error_texts(units)  # `unknown_of` says it once
+        name = f"{each.quantity}, {each.body} body" if several and each.body else each.quantity
+        tiles.append(Tile(name, number, [*filter(None, [rest, each.place(units)]), *errors]))
+    return tiles
+
+
+def unknown_of(records: Sequence[Record]) -> str:
+    """That the errors at the top of a page leave out positions, as a sentence; empty if they do not."""
+    if not any(POSITIONS in each.unknown for each in records[:TILES]):
+        return ""
+    return "No ± includes how much other positions of the surface differ: one map does not show it."
 
 
 def tables(answer: AnswerData) -> dict[str, pd.DataFrame]:
@@ -64,6 +100,26 @@ def _of_sweep(table: pd.DataFrame) -> pd.DataFrame:
             words or number.with_error(MODEL, row["error"]).best_text()
         )
     return pd.DataFrame(found.values()).fillna("")
+
+
+def in_columns(tables: Mapping[str, pd.DataFrame], lines: Sequence[str] = ()) -> str:
+    """Lines, then tables of texts with equal columns, of at most `WIDEST` characters if possible."""
+    every, lines = pd.concat(tables.values()), [*lines]
+    names, *columns = every.columns
+    width = max(map(len, every[names])) + 4
+    wide = {name: max(len(name), *map(len, every[name])) + 2 for name in columns}
+    while columns:  # further columns stand below, with the names again
+        here = [columns.pop(0)]
+        while columns and width + sum(wide[name] for name in [*here, columns[0]]) <= WIDEST:
+            here.append(columns.pop(0))
+        lines.append(" " * width + "".join(f"{name:<{wide[name]}}" for name in here).rstrip())
+        for title, table in tables.items():
+            lines.append(title)
+            for row in table.to_dict("records"):
+                cells = "".join(f"{row[name]:<{wide[name]}}" for name in here)
+                lines.append(f"  {row[names]:<{width - 2}}{cells}".rstrip())
+        lines.append("")
+    return "\n".join(lines[:-1])
 
 
 def _is_number(value: object) -> bool:

@@ -5,10 +5,7 @@ from __future__ import annotations
 from textwrap import fill
 
 from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
-from asperity.engineering.show.tables import for_reader
-
-WIDEST = 100
-"""Most characters of a line of words."""
+from asperity.engineering.show.tables import WIDEST, for_reader
 
 
 def text(answer: AnswerData) -> str:
@@ -16,7 +13,7 @@ def text(answer: AnswerData) -> str:
     width = max(len(each.quantity) for each in answer.records)
     lines = [fill(answer.title, WIDEST), "", *(fill(each, WIDEST) for each in answer.verdict)]
     if answer.uncertainties:
-        lines += ["", "largest uncertainties", *(f"  {each}" for each in answer.uncertainties)]
+        lines += ["", "largest uncertainties", *(f"  {each.short}" for each in answer.uncertainties)]
     shown = without_repeats(answer.records)
     for heading, records in by_topic(answer.case, shown):
         lines += ["", heading, *(f"  {each.quantity:<{width}}  {each.text()}" for each in records)]

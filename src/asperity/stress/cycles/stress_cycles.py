@@ -2,9 +2,9 @@
 
 In steady motion along x the stress moves with the rough body: the history of the stress at the point (y, z)
 of the smooth body is the row σ(·, y, z), and for motion along y the column. With a periodic map the
-history repeats; with a free boundary the point is also unloaded, σ = 0. This is exact for a smooth elastic
-body under a translating rough one, at the nodes of the row. Histories of two rough bodies are in
-`asperity.stress.cycles.histories`.
+history repeats; along an axis where the map ends the point is also unloaded, σ = 0. This is exact for a
+smooth elastic body under a translating rough one, at the nodes of the row. Histories of two rough bodies are
+in `asperity.stress.cycles.histories`.
 
 Survival
 --------
@@ -35,6 +35,7 @@ from asperity.core.parallel import run_tasks
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.elasticity.solid import COMPONENTS
+from asperity.fourier.grid import BOUNDARIES
 from asperity.stress.cycles.criteria import Criteria, CycleMaps
 from asperity.stress.cycles.histories import Histories, MovingPressure
 from asperity.stress.planes.fields import ROW_MARGIN
@@ -87,7 +88,9 @@ class Cycles(CycleMaps):
         self._turned = axis_of_motion(sliding_direction) == "y"
         super().__init__(solid.grid, criteria, "x" if self._turned else "y")
         self._poisson, self._threads, self._below = poisson, threads, below
-        self._is_unloaded, self._on_map = solid.boundary == "free", solid.grid.mirrored
+        across, along = (1, 0) if self._turned else (0, 1)
+        self._is_unloaded = BOUNDARIES[solid.boundary][along]
+        self._images = solid.grid.images[across]
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
@@ -112,8 +115,8 @@ class Cycles(CycleMaps):
                 states = np.concatenate([states, images], axis=2)
             return self.criteria.reduced(states, self._is_unloaded)
 
-        if self._on_map and not plane.grid.mirrored:  # a plane of the whole cell
-            ny //= 2
+        if not plane.grid.mirrored:  # perhaps a plane of the whole cell
+            ny //= self._images
         strips = run_tasks([partial(reduced, first) for first in range(0, ny, rows)], self._threads)
         found = np.concatenate(list(strips), axis=1)
         self.take(plane.depth, found, first=0.5 if plane.grid.mirrored else 0.0)

@@ -29,8 +29,7 @@ import numpy as np
 
 from asperity.core.arguments import choice, number, require_finite
 from asperity.core.types import Array
-from asperity.elasticity.loaded_solid import BOUNDARIES
-from asperity.fourier.grid import EVEN, Grid
+from asperity.fourier.grid import EVEN, Grid, boundary_on
 from asperity.stress.peaks.maxima import Entries, Maxima, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.search import Lower, PlaneSearch
 from asperity.stress.peaks.selection import checked_ratio
@@ -92,10 +91,11 @@ class Peaks(Entries):
 
     def under_contact(self, pressure: Array, grid: Grid, boundary: str = "periodic") -> Array:
         """True where the surface node nearest above a peak carries pressure."""
-        spacing, nodes = np.array(grid.spacing)[:, None], np.array(grid.shape)[:, None]
-        nearest = np.rint(np.stack([self.y, self.x]) / spacing).astype(np.int64)
+        along = zip((self.y, self.x), grid.spacing, grid.shape, edges_of(boundary, grid), strict=True)
+        nearest = ((np.rint(at / step).astype(np.int64), nodes, edges) for at, step, nodes, edges in along)
         row, column = (
-            nearest % nodes if edges_of(boundary, grid) == PERIODIC else np.clip(nearest, 0, nodes - 1)
+            node % nodes if edges == PERIODIC else np.clip(node, 0, nodes - 1)
+            for node, nodes, edges in nearest
         )
         return np.asarray(pressure)[row, column] > 0
 
@@ -239,17 +239,19 @@ def _positions(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Ar
     """Positions of maxima within the cell, (maxima, 2)."""
     nodes, spacing = np.array(plane.grid.shape), np.array(plane.grid.spacing)
     places = np.stack([maxima.row + offsets[0], maxima.column + offsets[1]], axis=1)
-    if plane.fields.edges == MIRRORED:
+    if MIRRORED in plane.fields.edges:
         # A node of an even field and its image have the same value, and the maximum lies between them.
         is_even = ~np.array([ODD.get(name, EVEN) for name in FIELDS])[plane.fields.formulas.kinds]
         row_column = np.stack([maxima.row, maxima.column], axis=1)
         for edge, line in ((0, -0.5), (nodes - 1, nodes - 0.5)):
             places = np.where(is_even[maxima.field] & (row_column == edge), line, places)
         return places * spacing + plane.first_node
-    if plane.fields.edges == PERIODIC:
-        places %= nodes
-        # The remainder of a small negative number may be rounded to the length.
-        places[places >= nodes] = 0.0
+    for axis, edges in enumerate(plane.fields.edges):
+        if edges == PERIODIC:
+            along = places[:, axis]
+            along %= nodes[axis]
+            # The remainder of a small negative number may be rounded to the length.
+            along[along >= nodes[axis]] = 0.0
     return places * spacing
 
 
@@ -289,7 +291,8 @@ def _matched_maxima(
     (high, low), (place_up, place_low) = values, places
     from scipy.spatial import cKDTree  # a tenth of a second, and planes of one grid need none
 
-    box = np.array([*cell, 0.0]) if upper_plane.fields.edges == PERIODIC else None
+    repeats = np.array(upper_plane.fields.edges) == PERIODIC
+    box = np.array([*np.where(repeats, cell, 0.0), 0.0]) if repeats.any() else None
     distance, nearest = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
     close = np.flatnonzero(np.asarray(distance) <= 1.0)
     partner = np.asarray(nearest)[close]
@@ -410,7 +413,7 @@ def _searched(
     grid = own[1]
     check_nodes(grid)
     field, floor = grid.field("field", field), checked_floor(floor)
-    fields = PlaneFields.of_array(field, edges_of(choice("boundary", boundary, BOUNDARIES), grid), name)
+    fields = PlaneFields.of_array(field, edges_of(*boundary_on(boundary, grid)), name)
     search = PlaneSearch(fields, np.ones(1, bool), floor, above=above, candidates=candidates)
     for place, band in enumerate(bands_of(grid.shape[0])):
         for strip in strips_of(band, grid.shape[1]):

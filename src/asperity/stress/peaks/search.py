@@ -231,7 +231,7 @@ def _search_rows(
             lines = values[m, (j - 2) % 3], values[m, (j - 1) % 3], values[m, j % 3]
             formula = formulas.kinds[m], formulas.ratios[m], formulas.uniforms[m]
             left_image, above_line = lines[1][ROW_MARGIN - 1], lines[0]
-            if edges == MIRRORED:  # no node is below its mirror images above and to the left
+            if edges[0] == MIRRORED:  # no node is below its mirror images above and to the left
                 lines[1][ROW_MARGIN - 1] = 0
                 above_line = nothing if j == 1 else above_line
             marked = _mark((above_line, lines[1], lines[2]), columns, floor, marks)

@@ -30,7 +30,7 @@ from asperity.core.parallel import in_parts
 from asperity.core.types import FIELDS as FIELDS
 from asperity.core.types import Array
 from asperity.elasticity.solid import COMPONENTS
-from asperity.fourier.grid import EVEN, Grid
+from asperity.fourier.grid import BOUNDARIES, EVEN, Grid
 
 MEASURES = ("von_mises", "maximum_shear", "principal_1", "principal_2", "principal_3")
 """Names of the fields that need all six components of the stress."""
@@ -149,16 +149,16 @@ class PlaneFields:
     ----------
     basis : Basis
     formulas : Formulas
-    edges : int
-        `PERIODIC`, `FREE` or `MIRRORED`.
+    edges : (int, int)
+        `PERIODIC`, `FREE` or `MIRRORED` along y and along x.
     """
 
     basis: Basis
     formulas: Formulas
-    edges: int
+    edges: tuple[int, int]
 
     @classmethod
-    def of_array(cls, values: Array, edges: int, name: str = "zz") -> PlaneFields:
+    def of_array(cls, values: Array, edges: tuple[int, int], name: str = "zz") -> PlaneFields:
         """A plane of one given field, (ny, nx), which takes the place of σ_zz, or of an odd component."""
         real = values.dtype.type
         basis = Basis(np.ascontiguousarray(values)[None], values.shape[1], np.zeros(len(BASIS), int), real(0))
@@ -235,7 +235,7 @@ class PlaneFields:
             at_node = Basis(np.empty((len(BASIS), 1, 1)), 1, index, float(self.basis.mean_pressure))
             formulas = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
             needed = np.array([_needed(int(kind), self.basis.index) for kind in self.formulas.kinds])
-            stencils = tuple(lagrange_stencils(*pair, self.edges) for pair in zip(shape, own, strict=True))
+            stencils = tuple(lagrange_stencils(*each) for each in zip(shape, own, self.edges, strict=True))
             odd = np.array([ODD.get(component, EVEN) for component, _ in BASIS]).astype(np.int64)
             interpolation = at_node, formulas, needed, stencils, odd
         values = [np.empty((0, 3, 3), real)]
@@ -290,11 +290,13 @@ def strips_of(band: tuple[int, int], columns: int) -> list[tuple[int, int]]:
     return [(first, min(first + rows, band[1])) for first in range(*band, rows)]
 
 
-def edges_of(boundary: str, grid: Grid) -> int:
-    """`PERIODIC`, `FREE` or `MIRRORED` for the boundary of a contact and its grid."""
-    if boundary == "free":
-        return FREE
-    return MIRRORED if grid.mirrored else PERIODIC
+def edges_of(boundary: str, grid: Grid) -> tuple[int, int]:
+    """`PERIODIC`, `FREE` or `MIRRORED` along y and along x for the boundary of a contact and its grid."""
+    along_y, along_x = (
+        FREE if ends else MIRRORED if images == 2 else PERIODIC
+        for ends, images in zip(BOUNDARIES[boundary], grid.images, strict=True)
+    )
+    return along_y, along_x
 
 
 @inlined
@@ -309,12 +311,12 @@ def neighbour(node: int, nodes: int, edges: int) -> int:
 
 
 @inlined
-def image_sign(kind: int, row: int, column: int, shape: Any, edges: int) -> int:
+def image_sign(kind: int, row: int, column: int, shape: Any, edges: Any) -> int:
     """A field at a node over its value at the `neighbour`: −1 at the image of a node of an odd field."""
     sign = 1
-    if edges == MIRRORED and not 0 <= row < shape[0] and kind in (_YZ, _XY):
+    if edges[0] == MIRRORED and not 0 <= row < shape[0] and kind in (_YZ, _XY):
         sign = -sign
-    if edges == MIRRORED and not 0 <= column < shape[1] and kind in (_XZ, _XY):
+    if edges[1] == MIRRORED and not 0 <= column < shape[1] and kind in (_XZ, _XY):
         sign = -sign
     return sign
 
@@ -470,7 +472,7 @@ def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, li
 
 @compiled
 def fill_rows(
-    basis: Any, fields: Any, first: int, edges: int, shared: Any, out: Any, start: int, stop: int
+    basis: Any, fields: Any, first: int, edges: Any, shared: Any, out: Any, start: int, stop: int
 ) -> None:
     """Fill the lines from `start` to `stop` − 1 of `out` with rows from `first` on, see `PlaneFields.rows`.
 
@@ -478,7 +480,7 @@ def fill_rows(
     """
     ny, nx = basis.values.shape[1], basis.columns
     for line in range(start, stop):
-        row = neighbour(first + line - start, ny, edges)
+        row = neighbour(first + line - start, ny, edges[0])
         if fields.kinds[0] == _VON_MISES:
             _fill_von_mises(basis, fields, row, shared, out, line)
         for m in range(fields.kinds.size):
@@ -490,8 +492,8 @@ def fill_rows(
                 for i in range(nx):
                     here[i] = -here[i]
             sign = image_sign(kind, 0, -1, (ny, nx), edges)
-            out[m, line, ROW_MARGIN - 1] = sign * here[neighbour(-1, nx, edges)]
-            out[m, line, ROW_MARGIN + nx] = sign * here[neighbour(nx, nx, edges)]
+            out[m, line, ROW_MARGIN - 1] = sign * here[neighbour(-1, nx, edges[1])]
+            out[m, line, ROW_MARGIN + nx] = sign * here[neighbour(nx, nx, edges[1])]
 
 
 @compiled
@@ -544,7 +546,7 @@ def _take_nodes(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, colum
 
 @inlined
 def exceeds_around(
-    basis: Any, formula: Any, row: int, column: int, edges: int, magnitude: float, out: Any
+    basis: Any, formula: Any, row: int, column: int, edges: Any, magnitude: float, out: Any
 ) -> bool:
     """True if a magnitude is above the nine values at and around a node, which are written to `out`."""
     kind, ratio, uniform = formula
@@ -553,7 +555,7 @@ def exceeds_around(
         for b in range(3):
             j, i = row - 1 + a, column - 1 + b
             sign = image_sign(kind, j, i, shape, edges)
-            j, i = neighbour(j, shape[0], edges), neighbour(i, shape[1], edges)
+            j, i = neighbour(j, shape[0], edges[0]), neighbour(i, shape[1], edges[1])
             value = sign * value_at(basis, kind, ratio, uniform, j, i)
             out[a, b] = value
             is_above &= magnitude > abs(value)

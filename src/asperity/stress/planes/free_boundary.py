@@ -1,6 +1,7 @@
-"""Planes of the stress under an isolated pressure on a half-space (``boundary = "free"``).
+"""Planes of the stress under a pressure that ends along one axis or both (``boundary = "free"`` and others).
 
-The pressure is uniform on every pixel of the map, as in the contact over a free boundary, and zero outside.
+The pressure is uniform on every pixel of the map, as in the contact over a free boundary, and zero outside;
+along an axis that repeats every pixel has images, and nothing is padded.
 Its stress is the convolution with the stress of a loaded pixel, computed by fast Fourier transforms on a cell
 padded with zeros. This is exact: no pixel meets an image of another (R. W. Hockney, Methods Comput. Phys. 9
 (1970) 135; S. Liu, Q. Wang, G. Liu, Wear 243 (2000) 101, DOI 10.1016/S0043-1648(00)00427-0). There is no mean
@@ -44,9 +45,9 @@ import scipy  # whose parts are loaded when they are first used
 
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
-from asperity.elasticity.loaded_rectangle import padded_grid
+from asperity.elasticity.loaded_rectangle import padded_grid, with_images
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Fourier, Grid, Work, resample
+from asperity.fourier.grid import BOUNDARIES, Fourier, Grid, Work, resample
 from asperity.stress.planes.fields import BasisField, Visit, bands_of, strips_of
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
@@ -63,6 +64,8 @@ below 3e-10 of it."""
 
 ALIASES = 4.0
 """See `Truncation`."""
+
+_NOTHING = np.zeros((1, 1))
 
 
 class FreePlanes:
@@ -91,16 +94,18 @@ class FreePlanes:
         self._loads = [((1.0, *traction), solid.pressure)]
         if solid.sticking_pressure is not None and any(traction):
             self._loads = [((1.0, 0.0, 0.0), solid.pressure), ((0.0, *traction), solid.sliding_pressure)]
-        # The cell of a plane on the grid of the map is twice as long, that of a coarse one three times.
+        self._free = free = BOUNDARIES[solid.boundary]
+        # Where the map ends the cell of a plane on its grid is twice as long, of a coarse one three times.
         coarse = [
             other
             for other in coarser_grids(grid)[1:]
-            if min(other.shape) >= MIN_NODES and PADDING**2 * other.size < 4 * grid.size
+            if min(other.shape) >= MIN_NODES
+            and PADDING ** sum(free) * other.size < 2 ** sum(free) * grid.size
         ]
         if tolerance == 0 or not coarse:
             self.choose: Callable[[float], PlaneGrid] = lambda _: PlaneGrid(grid, 0.0, 0.0, 0)
             return
-        own = {_repeated(each): each for each in (grid, *coarse)}
+        own = {self._coarse_cell(each): each for each in (grid, *coarse)}
         modes, sliding = self._repeated_modes[0], self._repeated_modes[-1]
         truncation = Truncation(modes, list(own), solid.layer, tolerance, envelope, ALIASES, sliding)
 
@@ -113,12 +118,12 @@ class FreePlanes:
     @cached_property
     def _repeated_modes(self) -> list[Array]:
         """Coefficients of the pressures in the cell of coarse planes."""
-        return self._forward(_repeated(self._grid))
+        return self._forward(self._coarse_cell(self._grid))
 
     @cached_property
     def _padded(self) -> tuple[Grid, list[Array]]:
         """Cell in which the map is convolved on its own grid, and the coefficients of the pressures there."""
-        cell = padded_grid(self._grid)
+        cell = padded_grid(self._grid, self._free)
         return cell, self._forward(cell)
 
     def _forward(self, cell: Grid) -> list[Array]:
@@ -171,13 +176,21 @@ class FreePlanes:
         """Cell of the convolution, coefficients of the pressures in it, and the taper of the influence."""
         if grid == self._grid:
             return *self._padded, 1.0
-        cell, source = _repeated(grid), _repeated(self._grid)
+        cell, source = self._coarse_cell(grid), self._coarse_cell(self._grid)
         modes = [resample(own, source, cell) for own in self._repeated_modes]
         for axis, wavenumber in ((0, cell.qy[:, None]), (1, cell.qx[None, :])):
             fine, coarse = (np.sinc(wavenumber * own.spacing[axis] / (2 * np.pi)) for own in (source, cell))
             for each in modes:
                 each *= fine / coarse
-        return cell, modes, np.outer(_taper(cell, grid, 0), _taper(cell, grid, 1))
+        y, x = (
+            _taper(cell, grid, axis) if self._free[axis] else np.ones(cell.shape[axis]) for axis in (0, 1)
+        )
+        return cell, modes, np.outer(y, x)
+
+    def _coarse_cell(self, grid: Grid) -> Grid:
+        """The cell of coarse planes with the spacing of a grid of the map."""
+        y, x = (PADDING if ends else 1 for ends in self._free)
+        return Grid((y * grid.shape[0], x * grid.shape[1]), (y * grid.length[0], x * grid.length[1]))
 
     def _influence(
         self, field: BasisField, depth: float, cell: Grid, load: tuple[float, float, float]
@@ -187,22 +200,24 @@ class FreePlanes:
         total = np.zeros(cell.shape)
         for loaded, share in zip("zxy", load, strict=True):
             if share:
-                a, b = rectangle_stress(field.component, loaded, y, x, float(depth), cell.spacing)
+                quarter = share * self._pixel(field, loaded, y, x, depth, cell)
                 # Reversing y or x changes the sign once for each such letter in component and load.
                 sign_y, sign_x = ((-1.0) ** (field.component + loaded).count(letter) for letter in "yx")
-                quarter = share * (field.constant * a + field.slope * b)
                 half = np.concatenate([quarter, sign_y * quarter[(cell.shape[0] - 1) // 2 : 0 : -1]], axis=0)
                 right = sign_x * half[:, (cell.shape[1] - 1) // 2 : 0 : -1]
                 total += np.concatenate([half, right], axis=1)
         return total
 
+    def _pixel(self, field: BasisField, loaded: str, y: Array, x: Array, depth: float, cell: Grid) -> Array:
+        """The basis field beside one pixel under a unit load, with its images along an axis that repeats."""
 
-def _repeated(grid: Grid) -> Grid:
-    """The cell of coarse planes with the spacing of a grid of the map."""
-    return Grid(
-        (PADDING * grid.shape[0], PADDING * grid.shape[1]),
-        (PADDING * grid.length[0], PADDING * grid.length[1]),
-    )
+        def influence(y: Array, x: Array, edges: tuple[float, float]) -> Array:
+            a, b = rectangle_stress(field.component, loaded, y, x, float(depth), edges)
+            return field.constant * a + field.slope * b
+
+        if all(self._free):
+            return influence(y, x, cell.spacing)
+        return with_images(influence, y, x, cell, self._free, far=float(depth))
 
 
 def _taper(cell: Grid, grid: Grid, axis: int) -> Array:
@@ -227,7 +242,7 @@ def rectangle_stress(
     loaded : "z", "x" or "y"
         Unit pressure (σ_zz = −1 on the rectangle), or unit traction along x or y (σ_xz = 1 or σ_yz = 1).
     y, x : (ny,), (nx,) arrays
-        Equally spaced positions relative to the centre of the rectangle, one edge apart.
+        Positions relative to the centre of the rectangle; faster if they are one edge apart.
     depth : float
     edges : (edge_y, edge_x)
 
@@ -240,26 +255,32 @@ def rectangle_stress(
         swapped = "xy" if swapped == "yx" else swapped
         constant, slope = rectangle_stress(swapped, "x", x, y, depth, edges[::-1])
         return constant.T, slope.T
-    corner_y = np.append(y - 0.5 * edges[0], y[-1] + 0.5 * edges[0])[:, None]
-    corner_x = np.append(x - 0.5 * edges[1], x[-1] + 0.5 * edges[1])[None, :]
+    (corner_y, step_y), (corner_x, step_x) = _corners(y, edges[0]), _corners(x, edges[1])
     constant, slope = (_under_pressure if loaded == "z" else _under_traction)(
-        component, corner_y, corner_x, depth
+        component, corner_y[:, None], corner_x[None, :], depth
     )
-    return _alternating(constant), _alternating(slope)
+    constant = _alternating(constant, step_y, step_x)
+    return constant, slope if slope is _NOTHING else _alternating(slope, step_y, step_x)
+
+
+def _corners(places: Array, edge: float) -> tuple[Array, int]:
+    """Distances to both ends of an edge: the first end of each place, and so many places on the other one."""
+    if np.allclose(np.diff(places), edge, rtol=1e-9, atol=0.0):
+        return np.append(places - 0.5 * edge, places[-1] + 0.5 * edge), 1
+    return np.concatenate([places - 0.5 * edge, places + 0.5 * edge]), places.size
 
 
 def _under_pressure(component: str, y: Array, x: Array, z: float) -> tuple[Array, Array]:
     """Primitives of A and B under a pressure."""
     rho = np.sqrt(x**2 + y**2 + z**2)
-    none = np.zeros((2, 2))
     if component in ("yy", "yz"):
         return _under_pressure(component.replace("y", "x"), x, y, z)
     v_xx, v_yy = (-x * y / (rho * (side**2 + z**2)) for side in (x, y))
     v_z = -np.arctan2(x * y, z * rho)
     if component == "zz":
-        return v_z + z * (v_xx + v_yy), none
+        return v_z + z * (v_xx + v_yy), _NOTHING
     if component == "xz":
-        return -(z**2) * y / (rho * (x**2 + z**2)), none
+        return -(z**2) * y / (rho * (x**2 + z**2)), _NOTHING
     if component == "xy":
         chi_xy = np.log(z + rho)
         return -z / rho - chi_xy, 2 * chi_xy
@@ -270,14 +291,13 @@ def _under_pressure(component: str, y: Array, x: Array, z: float) -> tuple[Array
 def _under_traction(component: str, y: Array, x: Array, z: float) -> tuple[Array, Array]:
     """Primitives of A and B under a traction along x."""
     rho = np.sqrt(x**2 + y**2 + z**2)
-    none = np.zeros((2, 2))
     if component == "yz":
-        return z / rho, none
+        return z / rho, _NOTHING
     if component == "xz":
-        return np.arctan2(x * y, z * rho) - z * x * y / (rho * (x**2 + z**2)), none
+        return np.arctan2(x * y, z * rho) - z * x * y / (rho * (x**2 + z**2)), _NOTHING
     v_xz = -z * y / (rho * (x**2 + z**2))
     if component == "zz":
-        return -z * v_xz, none
+        return -z * v_xz, _NOTHING
     v_x, v_y = (np.arcsinh(t / np.sqrt(s**2 + z**2)) for s, t in ((x, y), (y, x)))
     chi_xxy, chi_xyy = (s / (rho * (rho + z)) for s in (x, y))
     phi_xxy, phi_xyy = (-s / (z + rho) for s in (x, y))
@@ -288,7 +308,7 @@ def _under_traction(component: str, y: Array, x: Array, z: float) -> tuple[Array
     return 2 * v_x + z * (chi_xyy + v_xz), 2 * v_x - 2 * (phi_xyy + v_x)
 
 
-def _alternating(corners: Array) -> Array:
+def _alternating(corners: Array, step_y: int, step_x: int) -> Array:
     """Sum over the four corners of each rectangle, over 2π."""
-    rows = corners[1:] - corners[:-1]
-    return (rows[:, 1:] - rows[:, :-1]) / (2 * np.pi)
+    rows = corners[step_y:] - corners[:-step_y]
+    return (rows[:, step_x:] - rows[:, :-step_x]) / (2 * np.pi)

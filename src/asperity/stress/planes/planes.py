@@ -160,8 +160,9 @@ def named_fields(
     for plane in stream.planes(progress, at=at):
         fields, grid = plane.named_fields(stream.names, stream.ratios), plane.grid
         if stream.map_grid.mirrored and not grid.mirrored:
-            grid = Grid((grid.shape[0] // 2, grid.shape[1] // 2), stream.map_grid.length)
-            fields = {name: field[:, : grid.shape[0], : grid.shape[1]] for name, field in fields.items()}
+            ny, nx = (n // images for n, images in zip(grid.shape, stream.map_grid.images, strict=True))
+            grid = Grid((ny, nx), stream.map_grid.length)
+            fields = {name: field[:, :ny, :nx] for name, field in fields.items()}
         require_finite("stress_planes", fields)
         yield StressPlane(plane.depth, grid, tuple(stream.ratios), fields, plane.bound, plane.first_node)
 

@@ -74,6 +74,9 @@ MAX_RATIOS = 1000
 MAX_DEPTH = 1e30
 """Largest depth over the longer period. Modes vanish below a depth of 120; nothing overflows."""
 
+ROUNDED_SHEAR = 1e-12
+"""Shear stress of a background over its largest stress up to which it is a rounding error."""
+
 ON_LINE = 1e-6
 """Distance from a mirror line, over the spacing, up to which a place is on the line."""
 
@@ -148,8 +151,8 @@ class LinearPlane:
     def field_around(self, name: str, poisson: float, rows: Array, columns: Array) -> Array:
         """The field `name`, (rows, columns), at nodes that may lie beyond the edges, see `neighbour`."""
         edges, (ny, nx), kind = edges_of(self.solid.boundary, self.grid), self.grid.shape, FIELDS.index(name)
-        row = np.array([neighbour(node, ny, edges) for node in rows.tolist()])
-        column = np.array([neighbour(node, nx, edges) for node in columns.tolist()])
+        row = np.array([neighbour(node, ny, edges[0]) for node in rows.tolist()])
+        column = np.array([neighbour(node, nx, edges[1]) for node in columns.tolist()])
         along_y = [image_sign(kind, node, 0, (ny, nx), edges) for node in rows.tolist()]
         along_x = [image_sign(kind, 0, node, (ny, nx), edges) for node in columns.tolist()]
         values = self.field_at(name, poisson, (row[:, None] * nx + column).ravel())
@@ -177,9 +180,11 @@ class PlaneStream:
     ----------
     solid : LoadedSolid
         On the whole cell where its stress on a mirrored map is no mirror image: under friction, or with a
-        background of shear.
+        background of shear; and of a map that is mirrored along one axis alone.
     map_grid : Grid
         Grid of the contact.
+    is_sheared : bool
+        True under friction, or with a background of shear.
     depths : (planes,) array
     ratios : list of float
         Poisson's ratios.
@@ -206,10 +211,12 @@ class PlaneStream:
         self.solid = LoadedSolid.of(contact)
         self._traction = shear_traction(friction, sliding_direction, self.solid.layer)
         self.depths = _checked_depths(depths, self.solid)
-        background = self.solid.background
-        has_shear = background is not None and any(np.any(background(depth)[3:]) for depth in self.depths)
-        self.map_grid = self.solid.grid
-        if any(self._traction) or has_shear:
+        has_shear, self.map_grid = False, self.solid.grid
+        if (background := self.solid.background) is not None:
+            sizes = np.abs([background(depth) for depth in self.depths])
+            has_shear = bool(sizes[:, 3:].max() > ROUNDED_SHEAR * sizes.max())
+        self.is_sheared = any(self._traction) or has_shear
+        if self.is_sheared or isinstance(self.map_grid.mirrored, tuple):
             self.solid = self.solid.with_mirror_images()
         self.ratios = checked_ratios(poisson, self.solid.layer)
         if self.solid.background is not None and len(self.ratios) > 1:
@@ -228,17 +235,24 @@ class PlaneStream:
 
     def images(self, y: Array, x: Array) -> tuple[Array, Array]:
         """Of places in the planes of a mirrored map: whether they lie on an image that slides in another
-        direction than the map, and their number for each map: 1/2 on a mirror line, 1/4 at a corner.
+        direction than the map, and their number for each map: 1/2 on a mirror line, 1/4 at a corner, 0 where
+        the map has the same place.
         """
         moves = direction_cosines(self.sliding_direction)[::-1]
         on_image, weight = np.zeros(y.shape, bool), np.ones(y.shape)
-        steps = zip((y, x), moves, self.map_grid.length, self.map_grid.spacing, strict=True)
-        for place, moved, edge, step in steps:
+        grid = self.map_grid
+        axes = zip((y, x), moves, grid.length, grid.spacing, grid.images, strict=True)
+        for place, moved, edge, step, images in axes:
             from_line = (place + step / 2) % (2 * edge)
-            if self.solid.grid.mirrored:
-                on_line = np.minimum(from_line, np.abs(edge - from_line)) < ON_LINE * step
-                weight = np.where(on_line, weight / 2, weight)
-            else:  # a cell of four maps
+            if images == 1:
+                continue
+            if not self.is_sheared:
+                from_line = np.minimum(from_line, 2 * edge - from_line)
+                near = ON_LINE if self.solid.grid.mirrored else 0.5  # by rounding, or by a coarse plane
+                on_line = np.minimum(from_line, edge - from_line) < near * step
+                beyond = (place + step / 2 > edge) & (not self.solid.grid.mirrored)
+                weight = np.where(on_line, weight / 2, np.where(beyond, 0.0, weight))
+            else:  # a cell of two or four maps
                 on_image |= (from_line >= edge) & (moved != 0)
                 weight = weight / 2
         return on_image, weight
@@ -246,7 +260,7 @@ class PlaneStream:
     @property
     def keeps_planes(self) -> bool:
         """True if the basis fields of two planes are kept side by side at all depths."""
-        source = FreePlanes if self.solid.boundary == "free" else PeriodicPlanes
+        source = PeriodicPlanes if self.solid.boundary == "periodic" else FreePlanes
         fields, grid = len(self._basis_fields()[0]), self.solid.grid
         size = fields * grid.shape[0] * source.row_length(grid)
         return 2 * size <= KEPT_BYTES // self.dtype.itemsize // 16 * 16
@@ -299,9 +313,9 @@ class PlaneStream:
         solid, tolerance = self.solid, self._tolerance
         envelope = partial(envelope_of, solid.layer, min(self.ratios), float(np.hypot(*self._traction)))
         arguments = solid, tolerance, envelope, self._traction, self.threads, self.work
-        if solid.boundary == "free":
-            return FreePlanes(*arguments)
-        return PeriodicPlanes(*arguments, self.dtype.name)
+        if solid.boundary == "periodic":
+            return PeriodicPlanes(*arguments, self.dtype.name)
+        return FreePlanes(*arguments)
 
     def _basis_fields(self) -> tuple[list[BasisField], Array]:
         """The fields to transform, A and B, or A + ν B for one Poisson's ratio, and their `Basis.index`."""

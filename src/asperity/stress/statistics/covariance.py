@@ -311,7 +311,7 @@ class _Rings:
         self._squares, self._weights = [], []
         # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough. On a mirrored map
         # half of the columns are enough, too.
-        for axis, is_halved in enumerate((True, grid.mirrored)):
+        for axis, is_halved in enumerate((True, grid.images[1] == 2)):
             lags, length = cell.coordinates()[axis], cell.length[axis]
             weight = np.ones(lags.size)
             if is_halved:

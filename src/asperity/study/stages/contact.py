@@ -144,7 +144,7 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
     """
     height, grid = height_of(contact).values, grid_of(contact)
     plastic_area = float(contact.get("plastic_area", 0))
-    if reason_against(contact["pressure"].values, height, plastic_area, grid.mirrored):
+    if reason_against(contact["pressure"].values, height, plastic_area, bool(grid.mirrored)):
         return None
     layer, record = solid(layer_settings)
     half, lost = solve_on_half(height, layer, grid, mean_pressure=float(contact["mean_pressure"]))

@@ -20,7 +20,7 @@ from asperity.fourier.grid import Grid
 from asperity.reference.bisinusoid import Bisinusoid
 from asperity.reference.bonded_layer import BondedLayer, Coating
 from asperity.reference.elliptic_hertz import EllipticHertz
-from asperity.reference.hertz import Hertz, von_mises
+from asperity.reference.hertz import Hertz, LineHertz, von_mises
 from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.reference.westergaard import Westergaard
 from asperity.stress.cycles.stress_cycles import stress_cycles
@@ -438,8 +438,9 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     the stiffness 2 E* a. Under half of the tangential force at which it slides it sticks within 0.5^(1/3) of
     the contact radius, and a cycle between this force and its opposite loses energy (Johnson, Sec. 7.4). As a
     cylinder moves, σ_xz changes by p₀/2, and elastic shakedown ends at p₀ = 4 k (K. L. Johnson, Contact
-    Mechanics, 1985, Sec. 9.3). A gap of white noise percolates where a share 0.592746 of its nodes is open,
-    as sites of a square lattice do (M. E. J. Newman, R. M. Ziff, Phys. Rev. Lett. 85 (2000) 4104).
+    Mechanics, 1985, Sec. 9.3). A cylinder that ends across its axis is a line contact. A gap of white
+    noise percolates where a share 0.592746 of its nodes is open, as sites of a square lattice do (M. E. J.
+    Newman, R. M. Ziff, Phys. Rev. Lett. 85 (2000) 4104).
 
     A sphere is pulled off by 1.60073 π w R at Maugis's parameter 1, at −0.48263 (π² w² R / K²)^(1/3) with
     K = 4 E*/3 (D. Maugis, J. Colloid Interface Sci. 150 (1992) 243).
@@ -453,7 +454,8 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     -------
     Dataset
         ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, sticking_area, tangential_displacement,
-        lost_energy, percolation, pull_off, shear_range and shakedown_pressure.
+        lost_energy, percolation, pull_off, shear_range, shakedown_pressure, roller_pressure and
+        roller_von_mises.
     """
     solid = Solid(1 - 0.3**2, 0.3)
     height = self_affine((points, points), 0.8, 1 / 4, 8 / points, rms_height=1e-3, seed=1)
@@ -486,6 +488,16 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     line = solve_contact(np.tile(x**2 / 2, (16, 1)), solid, edges, contact_area_fraction=0.1, rtol=RTOL)
     cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
     pressure = line.maximum_pressure
+    hertz = LineHertz(half_width=0.3, maximum_pressure=0.15)
+    roller = solve_contact(
+        line.height,
+        solid,
+        edges,
+        force=np.pi / 2 * 0.3 * 0.15 * edges[0],
+        boundary=("periodic", "free"),
+        rtol=RTOL,
+    )
+    plane = next(stress_planes(roller, [depth := 0.7042 * 0.3], fields=["von_mises"], tolerance=0))
     pairs = {
         "stiffness": ((), sphere.stiffness * sphere.grid.area / exact.contact_radius, 2.0),
         "sticking_area": ((), slip.sticking_area, 0.5 ** (2 / 3)),
@@ -495,6 +507,8 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
         "pull_off": ((), -pulled.force / (2 * np.pi * work), 1.60073),
         "shear_range": ((), cycles["worst_shear_range"][0] / pressure, 0.5),
         "shakedown_pressure": ((), cycles["worst_shakedown_line"][0] * pressure, 4.0),
+        "roller_pressure": ((), roller.maximum_pressure, hertz.maximum_pressure),
+        "roller_von_mises": ((), plane.fields["von_mises"].max(), von_mises(hertz.stress(0.0, depth, 0.3))),
     }
     return _dataset(pairs, points, {}).assign(flattened_error=error)
 

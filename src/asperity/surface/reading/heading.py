@@ -21,7 +21,8 @@ _HEIGHT_UNIT = re.compile(
 )
 """Words and a unit in brackets without a value behind it, or at the end of a line without a number."""
 
-_OF_HEIGHTS = {"value", "values", "data", "daten", *WORDS["heights"]} - {"surface"}
+_VALUES = {"value", "values", "data", "daten", "werte", "valeurs", "valori", "valores"}
+_OF_HEIGHTS = (_VALUES | WORDS["heights"]) - {"surface"}
 _NOT_OF_HEIGHTS = WORDS["others"] | {
     *("width", "breite", "xy", "lateral", "scan", "sample", "stage", "position", "pixel")
 }
@@ -32,7 +33,7 @@ _PIXEL = re.compile(
 )
 """Line with one number and its unit of length, which may be the edge of a pixel."""
 
-_SAMPLING = {"resolution", "spacing", "step", "pitch", "increment", "interval", "sampling"}
+_SAMPLING = {"dx", "dy", "resolution", "spacing", "step", "pitch", "increment", "interval", "sampling"}
 
 _STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
 
@@ -118,9 +119,11 @@ def stated_pixel(header: Sequence[str]) -> tuple[tuple[float, float], str | None
     sizes, units = dict[str, float](), dict[str, str | None]()
     for stated in filter(None, map(_PIXEL.fullmatch, header)):
         words = {*words_of(stated["what"])}
-        of_pixel = not words.isdisjoint(("pixel", "xy"))
+        of_pixel = "xy" in words or any(word.startswith("pixel") for word in words)
         if of_pixel or not words.isdisjoint(_SAMPLING):
-            for axis in {"x", "y"} & words or ({"x", "y"} if of_pixel else ()):
+            for axis in {word[-1] for word in words & {"x", "y", "dx", "dy"}} or (
+                {"x", "y"} if of_pixel else ()
+            ):
                 sizes[axis], units[axis] = float(stated["number"]), stated["before"] or stated["after"]
     if len(sizes) < 2 or None in units.values() or not min(sizes.values()) > 0:
         return None

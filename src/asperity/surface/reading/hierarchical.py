@@ -78,6 +78,8 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
         return None
     with opened:
+        if str(opened.attrs.get("source")).startswith("asperity ") and "height" not in opened:
+            raise ValueError("a result of asperity without heights; the map or its surface.nc is needed")
         found = opened.squeeze()
         numeric = {
             str(name): values for name, values in found.data_vars.items() if values.dtype.kind in "fiu"
@@ -113,9 +115,10 @@ def map_over_axes(values: "xr.DataArray") -> FileContent:
     ValueError
         If the axes have other names, or the positions along them are not equally spaced.
     """
-    dims = getattr(values, "dims", ())
+    dims = getattr(values, "dims", ()) if hasattr(values, "dtype") else ()
     if len(dims) != 2 or not plane_axes(dims) or values.dtype.kind not in "fiu":
-        raise ValueError(f"{shown(dims)}: a file, or a DataArray of real numbers over y and x, is needed")
+        found = shown(dims) if dims else type(values).__name__
+        raise ValueError(f"{found}: a file, or a DataArray of real numbers over y and x, is needed")
     values = rising(values)
     default = LOWER_FACE if "lower face" in str(values.attrs.get("long_name")) else None
     orientation = str(values.attrs.get("orientation", default))

@@ -6,6 +6,7 @@ SurfaceTopography.
 
 import gzip
 import io
+import logging
 import math
 import os
 import re
@@ -74,6 +75,8 @@ LINE_SCAN = "a rectangular map is needed, not a line scan"
 DECLARED = "set format to profile to take it as a map with the same heights for all y"
 
 UNREADABLE = "not a height map that can be read"
+
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # of damaged files, which are refused
 
 
 @own_errors
@@ -320,7 +323,7 @@ def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileConten
     if any(map(MATRIX_HEADER.search, lines[: len(table.header)])):
         heading, rows = lines[: len(table.header)], lines[len(table.header) :]
         void, half = _VOID.search("\n".join(heading)), len(rows) // 2
-        is_validity = void and re.fullmatch(r"[01\s]+", "\n".join(rows[half:]))
+        is_validity = void and {*map(float, " ".join(rows[half:]).split())} <= {0.0, 1.0}
         parts = (rows[:half], rows[half:]) if is_validity else (rows,)
         content, *valid = (
             _instrument_map(form, io.StringIO("\n".join([*heading, *part])), options) for part in parts
@@ -330,8 +333,9 @@ def _matrix(table: NumberTable, form: Format, options: MapOptions) -> FileConten
     elif not is_asked_for:
         return None
     else:
-        unit = height_unit(table.header, pixel is not None)
-        content = FileContent(table.heights(pixel is not None), unit=unit, orientation=None)
+        content = FileContent(table.heights(pixel is not None), orientation=None)
+    if content.unit is None:
+        content = content._replace(unit=height_unit(table.header, pixel is not None))
     if pixel and content.length is None:
         length = content.height.shape[0] * pixel[0][0], content.height.shape[1] * pixel[0][1]
         content = content._replace(length=length, length_unit=pixel[1], orientation=PEAKS_UP)
@@ -445,6 +449,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
     """A map in a format that SurfaceTopography reads."""
     require(("SurfaceTopography",))
     with warnings.catch_warnings(action="ignore"), _surface_topography():
+        warnings.simplefilter("error", np.exceptions.ComplexWarning)
         module = import_module(f"SurfaceTopography.IO.{form.reader}")
         (opened,) = (
             kind
@@ -466,15 +471,21 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             if not infos:
                 raise _OtherFormatError("it has no channel that is a map of heights")
             by_rows = form.name in ROW_BY_ROW
-            found = []
+            logical, found = _logical(form, reader, file), []
             for info in infos:
                 points, shape = info.nb_grid_pts, None
                 if info.dim == 2 and points is not None and len(points) == 2:
                     shape = (points[0], points[1]) if by_rows else (points[1], points[0])
-                found.append(Channel(str(info.name), shape, info.data_kind.value))
+                kind = "logical" if info.name in logical else info.data_kind.value
+                found.append(Channel(str(info.name), shape, kind))
             channels = tuple(found)
-            look = (lambda number: reader.topography(number, (1.0, 1.0)).heights()) if by_rows else None
-            index, undecided = choose_channel(channels, options.channel, look)
+
+            def look(number: int) -> Array:
+                with suppress(np.exceptions.ComplexWarning):
+                    return np.asarray(reader.topography(number, (1.0, 1.0)).heights())
+                return np.empty(0)
+
+            index, undecided = choose_channel(channels, options.channel, look if by_rows else None)
             info = infos[index]
             shape = channels[index].shape
             is_line = info.dim == 1 and options.format == PROFILE
@@ -518,6 +529,16 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
     if form.name == "h5":
         return hierarchical.with_attributes(content, attributes)
     return dialects.corrected(form.name, original, info, content)
+
+
+def _logical(form: Format, reader: Any, file: Any) -> set[str]:
+    """Names of arrays that hold true and false."""
+    if form.name == "h5":
+        return {info.name for info in reader.channels if reader._h5[info.name].dtype.kind == "b"}
+    if form.name != "mat" or reader._hdf5:
+        return set()
+    file.seek(0)
+    return {name for name, _, kind in import_module("scipy.io").whosmat(file) if kind == "logical"}
 
 
 def _first_line(error: Exception) -> str:

@@ -11,6 +11,7 @@ import math
 import re
 from collections import Counter
 from contextlib import suppress
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -59,10 +60,11 @@ MATRIX_HEADER = re.compile(
 _BLOCK_TITLE = re.compile(r"[^\d\s#]\S*(\s+\d+){2}\s*$|[^\d\s][^:=]*[:=]")
 """Line between two matrices under such a header: name, type and length of Wyko, or a key and its value."""
 
-_ERRORS = r"#(?:n/a|div/0!|num!|null!|value!|ref!|name\?)"  # of spreadsheets
+_ERRORS = r"#(?:n/?[adv]|[\w/]+[!?])(?!\w)"  # of spreadsheets in any language
 _MISSING = re.compile(
-    r"(?<!\S)(no[\s_]*data|bad|nd|n/?a|none|null|missing|infinite|void|invalid|masked|undefined"
-    rf"|[-+]?nan\w*(\(\w*\))?|{_ERRORS}|[^\w\s]+|[-+]?1[.,]#\w+)(?!\S)",
+    r"(?<!\S)(no[\s_]*(data|value)|bad|[nk][./_]*[adv]\.?|none|null|empty|missing|infinite|void|masked"
+    r"|(un|in|not[\s_]*)(valid|measured|defined)|undef"
+    rf"|[-+]?nan\w*(\(\w*\))?|<\w+>|{_ERRORS}|(?:[^\w\s]|_)+|[-+]?1[.,]#\w+)(?!\S)",
     re.IGNORECASE,
 )
 LARGEST_NUMBER = 1e38
@@ -168,15 +170,20 @@ class NumberTable:
         whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
         if not whole:
             raise ValueError(f"a table of {columns} columns of numbers is needed")
+        if columns == 3 and math.prod(rows[whole[0]] or ()) == len(whole) - 1 > 1:
+            del whole[0]  # numbers of points along x, y and z above a list of them
         begin, end = whole[0], whole[-1] + 1
         self.header = [dialect.heading(line) for line in written[:begin]]
+        counts = (len(whole), len(whole) * columns)  # of points, or of rows and columns, maybe line by line
+        if math.prod(chain.from_iterable(filter(None, rows[:begin]))) in counts:
+            rows[:begin] = [row and [] for row in rows[:begin]]
         for number in range(begin):
             names = dialect.fields(written[number - 1]) if number and rows[number - 1] is None else ()
             if (row := rows[number]) and len(names) == len(row):  # a line of names above one of values
                 self.header += [f"{name.strip()} {value:g}" for name, value in zip(names, row, strict=True)]
                 rows[number], self.header[number - 1] = [], ""
-            elif row and (math.prod(row) == len(whole) or sorted(row) == sorted((len(whole), columns))):
-                rows[number] = []  # numbers of points, or of rows and columns
+            elif row and math.prod(row) in counts:
+                rows[number] = []
         self._how_read = ", read with decimal commas," if dialect.mark == "," else ""
         self.columns = columns
         self.column_units = column_units(written[:begin], columns, dialect.separator)
@@ -225,15 +232,16 @@ class NumberTable:
         Raises
         ------
         ValueError
-            As for `numbers`, and if only the first row or column has the steps of positions.
+            As for `numbers`, and if only the first or last row or column has the steps of positions.
         """
         heights = self.numbers()
         if may_be_numbered and heights[0, 0] in (0, 1) and np.all(np.diff(heights[:, 0]) == 1):
             heights = heights[:, 1:]
         for name, values in (("row", heights), ("column", heights.T)):
-            if any(_are_positions(values[:, corner:]) for corner in (0, 1)):
+            ends = [("first", values[:, corner:]) for corner in (0, 1)] + [("last", values[::-1])]
+            if side := next((end for end, lines in ends if len(lines) > 1 and _are_positions(lines)), None):
                 raise ValueError(
-                    f"its first {name}{self._how_read} holds numbers or positions of points; delete it"
+                    f"its {side} {name}{self._how_read} holds numbers or positions of points; delete it"
                 )
         return heights
 

@@ -20,7 +20,7 @@ from asperity.core.errors import one_line
 from asperity.core.sizes import good_size
 from asperity.core.system import available_memory
 from asperity.core.types import Array, FilePath
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Grid, boundary_on
 from asperity.settings.map import Detrend, MapOptions, Periodicity
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
@@ -40,7 +40,7 @@ DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
 
-BYTES_PER_NODE = {"periodic": 205.0, "free": 410.0}
+BYTES_PER_NODE = {"periodic": 205.0, "free": 410.0, "free along y": 410.0, "free along x": 410.0}
 """Memory of a contact and its stress for each node of the grid, by the boundary; measured by
 `asperity run`, for a periodic map from 512² to 1024² points."""
 
@@ -103,8 +103,8 @@ class TreatedMap:
         The steps of the treatment, a sentence for each.
     name : str
         Name of the map.
-    boundary : "periodic" | "free"
-        Boundary of the contact, "free" if the map was not made periodic.
+    boundary : str
+        Boundary of the contact: "free" if the map was not made periodic, "free along x" if it ends there.
     doubts : tuple of str
         Doubts about the map that its options do not answer, if `asperity.prepare_map` looked for them.
 
@@ -132,8 +132,8 @@ class TreatedMap:
 
     def part_of(self, grid: Grid) -> tuple[slice, slice]:
         """Rows and columns of the map on a grid of the map, or of the whole cell of a mirrored map."""
-        images = 2 if self.grid.mirrored and not grid.mirrored else 1
-        rows, columns = (slice(0, count // images) for count in grid.shape)
+        whole = (1, 1) if grid.mirrored else self.grid.images
+        rows, columns = (slice(0, count // images) for count, images in zip(grid.shape, whole, strict=True))
         return rows, columns
 
     def map_alone(self) -> TreatedMap:
@@ -157,7 +157,9 @@ def missing_options(found: MapFile, options: MapOptions, needs_unit: bool = True
     return problems + [text for text in _missing(found.map, options) if text not in problems]
 
 
-def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
+def treat_map(
+    surface: HeightMap, options: MapOptions | None = None, *, joins: bool = False, **given: Any
+) -> TreatedMap:
     """The lower face of an indenter made from a measured map.
 
     Parameters
@@ -165,6 +167,8 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     surface : HeightMap
     options : MapOptions, optional
         Options on the content of a file are not used.
+    joins : bool
+        True if the slope across the edges of a mirrored map is removed, so that its images join smoothly.
     **given
         Fields of `MapOptions`, which override `options`.
 
@@ -191,7 +195,16 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if levelled.is_flat and radii is None:
         raise MapError(surface.name, ["a surface that varies is needed, or a radius: this one is flat"])
     level, filtered, words = _filtered(levelled.height, surface, options, grid)
-    step, altered = levelling.edge_step(level), 0.0
+    step, altered, edges = levelling.edge_step(level), 0.0, ""
+    if joins and options.periodic == "mirrored":
+        level, widths = levelling.level_edges(
+            level, [axis for axis, name in enumerate("yx") if options.ends != name]
+        )
+        if max(widths) > 0.5:
+            within = surface.shown_length(
+                *(size * step for size, step in zip(widths, grid.spacing, strict=True))
+            )
+            edges = f", with the slope across the edges removed within {within} of them"
     if options.periodic == "windowed":
         window = levelling.tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
@@ -205,11 +218,15 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     ways = {
         None: f"taken as one period, as the file states: {stepped}",
         "declared": f"taken as one period, as declared: {stepped}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*grid.period)}{edges}",
         "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
         "none": "not made periodic: for a free boundary",
     }
-    done = [*_words_on_heights(surface, options, levelled), *words, ways[options.periodic]]
+    way, boundary = ways[options.periodic], boundary_of(options)
+    if (ends := options.ends) in ("y", "x"):
+        how = "mirrored" if options.periodic == "mirrored" else "taken as one period"
+        way = f"{how} along {'x' if ends == 'y' else 'y'}; along {ends} nothing surrounds it"
+    done = [*_words_on_heights(surface, options, levelled), *words, way]
     if shortest is not None:
         done.append(f"waves shorter than {surface.shown_length(shortest)} removed")
     if target.shape != grid.shape:
@@ -227,14 +244,15 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         edge_step=0.0 if options.periodic == "mirrored" else levelling.edge_step(height),
     )
     require_finite("treat_map", {"height": height})
+    _, cell = boundary_on(boundary, Grid(target.shape, target.length, options.periodic == "mirrored"))
     treated = TreatedMap(
         height,
-        Grid(target.shape, target.length, options.periodic == "mirrored"),
+        cell,
         shortest or _two_nodes(grid, target),
         treatment,
         tuple(done),
         surface.name,
-        "free" if options.periodic == "none" else "periodic",
+        boundary,
     )
     return treated if radii is None else _with_form(treated, options, radii, surface)
 
@@ -337,6 +355,8 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     if options.periodic == "none":
         known = ", ".join(get_args(Periodicity)[:-1])
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
+    if boundary_of(options) != "periodic":
+        raise MapError(surface.name, [f"ends = {options.ends}: none is needed for a periodic map"])
     edge = cell_edge(surface, options)
     lengths: dict[str, Any] = {
         name: getattr(options, name)
@@ -354,6 +374,13 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
         unit=None,
     )
     return treat_map(scaled, options)
+
+
+def boundary_of(options: MapOptions) -> str:
+    """Boundary of the contact of a map."""
+    if options.periodic == "none":
+        return "free"
+    return "periodic" if options.ends in (None, "none") else f"free along {options.ends}"
 
 
 def cell_edge(surface: HeightMap, options: MapOptions) -> float:
@@ -376,6 +403,8 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
             f"detrend = {options.detrend!r}: the file states that the map is one period, which has no trend; "
             "leave it out, or set periodic too"
         )
+    if options.ends in ("y", "x") and options.periodic in ("windowed", "none"):
+        problems.append(f"ends = {options.ends}: a map that is mirrored or declared is needed")
     if surface.missing and options.undefined is None:
         problems.append(f"undefined: {surface.missing} points of the map have no data; set it to harmonic")
     return problems
@@ -411,8 +440,7 @@ def _filtered(
     if len(index) == 2 and index["s_filter"] >= index["l_filter"]:
         shown = [surface.shown_length(value, digits=6) for value in index.values()]
         raise MapError(surface.name, [f"s_filter = {shown[0]}: less than l_filter = {shown[1]} is needed"])
-    has_edges = options.periodic in ("mirrored", "windowed", "none")
-    continued = Grid(grid.shape, grid.length, has_edges)
+    continued = Grid(grid.shape, grid.length, bool(grid.mirrored) or options.periodic == "windowed")
     found = levelling.gaussian_filter(level, continued, index.get("s_filter"), index.get("l_filter"))
     sizes = [(float(np.std(height)), rms_step(height, grid.spacing)) for height in (level, found)]
     shares = sizes[1][0] / sizes[0][0], sizes[1][1] / sizes[0][1]
@@ -434,7 +462,8 @@ def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
 
     Both are mirrored if the map has edges that do not match, so that no step there enters its spectrum.
     """
-    grid = Grid(surface.height.shape, surface.length, options.periodic in ("mirrored", "none"))
+    has_edges = options.periodic in ("mirrored", "none") or boundary_of(options) != "periodic"
+    grid = Grid(surface.height.shape, surface.length, has_edges)
     images = 2 if options.periodic == "mirrored" else 1
     if options.points is None:
         return grid, grid
@@ -451,7 +480,7 @@ def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
         problem = f"points = {options.points}: more are needed for two on the shorter edge of the cell"
         raise MapError(surface.name, [problem])
     target = Grid((ny, nx), grid.length, grid.mirrored)
-    need = 1e-6 * BYTES_PER_NODE["free" if options.periodic == "none" else "periodic"] * ny * nx
+    need = 1e-6 * BYTES_PER_NODE[boundary_of(options)] * ny * nx
     if need > (available := available_memory()):
         problem = (
             f"points: a grid of {ny} × {nx} nodes needs about {need / 1e3:.3g} GB of memory, this machine "

@@ -1,0 +1,83 @@
+"""Times that a person waits for on the page, printed: ``pytest -s tests/browser/test_times.py``."""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from running_app import App
+from test_page import Page
+
+sys.path.append(str(Path(__file__).parents[1] / "data"))
+from foreign_files import write_x3p
+
+import asperity as asp
+
+NODES, EDGE = 1024, 5e-4
+
+TREATED = "[...document.querySelectorAll('#info li')].some((each) => each.textContent.includes('{}'))"
+
+COLOURS = """
+const mapper = Bokeh.documents[0].roots().find((each) => each.name === "map_image").right[0].color_mapper;
+return [mapper.low, mapper.high];
+"""
+
+CHOOSE = """
+const field = document.getElementById("map.detrend");
+field.value = "curvature";
+field.dispatchEvent(new Event("input", { bubbles: true }));
+"""
+
+
+@pytest.fixture(scope="module")
+def surface(tmp_path_factory):
+    """A map of an instrument, with a bow and spikes, in nanometres."""
+    height = asp.self_affine((NODES, NODES), 0.8, 1e-4, 2e-6, rms_height=2e-7, seed=1, length=EDGE)
+    y, x = np.mgrid[:NODES, :NODES] / NODES - 0.5
+    height += 1e-6 * (x**2 + y**2)
+    height.flat[np.random.default_rng(1).integers(height.size, size=25)] += 8e-6
+    path = tmp_path_factory.mktemp("map") / "seal.x3p"
+    pixel = f"{EDGE / NODES:.9e}"
+    write_x3p(path, np.rint(1e9 * height).astype(int), type="I", increment="1e-9", pixel=pixel)
+    return path
+
+
+def test_times(chromium, surface, tmp_path):
+    """Each step is waited for by what it shows; a minute each is the limit, as of a page that hangs."""
+    times, since = {}, time.monotonic()
+
+    def passed(name):
+        nonlocal since
+        times[name] = time.monotonic() - since
+        since = time.monotonic()
+
+    app = App(tmp_path)
+    try:
+        passed("server start")
+        page = Page(chromium, tmp_path)
+        page.open(app.address)
+        page.until("Bokeh.documents[0].is_idle")
+        passed("open")
+        page.drop(surface.read_bytes(), surface.name)
+        page.until(f"document.getElementById('info').textContent.includes('{NODES} x {NODES}')")
+        passed("upload to description")
+        page.until("document.querySelector('.doubt button')")
+        page.until("Bokeh.documents[0].roots()[0].renderers[0].data_source.data.image[0]")
+        (low, high), shown = page.run(COLOURS), np.ptp(page.image("map_image")["values"])
+        assert high - low < 0.7 * shown  # a few spikes do not take the colours
+        since = time.monotonic()
+        page.click("#doubt-map\\.despike button")
+        assert page.run("return document.activeElement.id") == "map.despike"
+        page.until(TREATED.format("spikes: "))
+        passed("despike")
+        assert page.run("return document.activeElement.id") == "map.despike"
+        page.run(CHOOSE)
+        page.until(TREATED.format("curvature of"))
+        passed("level")
+        page.until("Bokeh.documents[0].is_idle")
+        heights = page.image("map_image")["values"]
+        assert heights.shape == (NODES, NODES)
+    finally:
+        app.close()
+    print("\n" + "\n".join(f"{name:<24}{value:6.2f} s" for name, value in times.items()))
