@@ -3,6 +3,7 @@
 python docs/make_tables.py
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
@@ -76,9 +77,16 @@ def settings_table(rows: Iterable[tuple[str, Entry]]) -> str:
             default_text = f"`{str(value).lower() if isinstance(value, bool) else value}`"
         unit = f", in {entry['unit']}" if entry.get("unit") else ""
         values = accepted(entry) + unit
-        cells = (f"`{key}`", _KINDS.get(values, values), default_text, entry["description"])
+        cells = (f"`{key}`", _KINDS.get(values, _short(values)), default_text, entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def _short(values: str) -> str:
+    """Accepted numbers as ranges: "whole, 1 to 20", "> 0, ≤ 1"."""
+    values = re.sub(r"a whole number ≥ (\S+) and ≤ (\S+)", r"whole, \1 to \2", values)
+    values = re.sub(r"a number ≥ (\S+) and ≤ (\S+?)(?=,|$)", r"\1 to \2", values)
+    return re.sub(r"a number ([>≥] \S+) and ([<≤] \S+)", r"\1, \2", values)
 
 
 def _group(group: str, entry: Entry, known: dict[str, Entry]) -> tuple[str, list[tuple[str, Entry]]]:
