@@ -251,7 +251,7 @@ test_wrong_case_is_refused = refuses(
     (lambda: case({"shifts": 8}, options={"periodic": "none"}), "cycles.shifts = 8: .* map.periodic = none"),
     (lambda: case({"shifts": 8}, options={"radius": 1e-3}), "cycles.shifts = 8: .* a radius of the map"),
     (lambda: case({"shifts": 8}, load_curve={"loads": [1e7]}), "cycles.shifts = 8: .* a load curve"),
-    (lambda: case({"shifts": 8}, COATING), "cycles.shifts = 8: .* a coating"),
+    (lambda: case({"shifts": 8}, COATING), "cycles.shifts = 8: .* layers on a body"),
     (lambda: case({"shifts": 2}), "cycles.shifts = 2: at least .* are needed, for steps of half"),
     (lambda: case(sliding=SLIDING), "sliding.direction = 30: x, y or a multiple of 90 is needed"),
     (lambda: case({"shifts": 8}, sliding=SLIDING), "sliding.direction = 30.0: .* by 4 nodes along y"),

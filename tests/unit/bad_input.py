@@ -127,7 +127,7 @@ COMMANDS = [
     ),
     (f"{RUN} --force 1N --set sliding", 2, "--set 'sliding': KEY=VALUE is needed, such as body.hardness="),
     (f"{RUN} --force 1N --set slidng.friction=0.1", 2, "slidng: unknown key; did you mean sliding?"),
-    (f"{RUN} --force 1N --set body.layers=2", 2, "body.layers = 2: a list of one group of keys is needed"),
+    (f"{RUN} --force 1N --set body.layers=2", 2, "body.layers = 2: a list of groups of keys is needed"),
     (
         f"{RUN} --mean-pressure 1,2GPa",
         2,

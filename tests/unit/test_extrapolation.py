@@ -139,7 +139,7 @@ CASES = {
         lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5),
         "flat or stepped",
     ),
-    "fewer than 200 nodes touch, or do not": (
+    "fewer than 200 nodes in contact, or out of contact": (
         lambda: contact_on(8, contact_area_fraction=0.005),
         "nodes are in contact, and 200",
     ),

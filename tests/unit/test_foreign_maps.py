@@ -574,7 +574,8 @@ def test_options_of_the_counter_map_itself_override_its_file(tmp_path):
     own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
     foreign_files.write_x3p(own, RAW)
     np.savez(bare, z=1e-3 * RAW[::-1])
-    other = Map(file=bare, channel="z", unit="um", physical_size=("16 um", "12.1 um"))
+    edges = "16 um", "12.1 um"
+    other = Map(file=bare, channel="z", unit="um", physical_size=edges, periodic="windowed")
     one, three = (
         read_face(other, CounterMap(file=own, **given)).face for given in ({}, {"height_factor": 3})
     )

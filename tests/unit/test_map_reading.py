@@ -86,7 +86,7 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
     xr.load_dataset(tmp_path / "s.nc").isel(y=slice(4, 12)).to_netcdf(tmp_path / "part.nc")
     with pytest.raises(MapError, match="y: the nodes of a whole cell are needed"):
         read_map(tmp_path / "part.nc")
-    solve_contact(height, Solid(1e9, 0.3), contact_area_fraction=0.1).to_netcdf(tmp_path / "c.nc")
+    solve_contact(height, Solid(1e9, 0.3), 1e-4, contact_area_fraction=0.1).to_netcdf(tmp_path / "c.nc")
     with pytest.raises(MapError, match="a result of asperity without heights"):
         read_map(tmp_path / "c.nc")
 

@@ -128,7 +128,8 @@ def test_given_heights_at_one_spectrum(tmp_path):
     np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
     of_map = {"file": str(tmp_path / "map.csv"), "physical_size": ["3 um", "4 um"], "unit": "m"}
     surface = asp.HeightMap(heights, (3e-6, 4e-6))
-    level = asp.prepare_map(surface, periodic="none", undefined="harmonic").height
+    with pytest.warns(UserWarning, match="are the units of edges and heights right"):
+        level = asp.prepare_map(surface, periodic="none", undefined="harmonic").height
     plateau = {"rpq": 0.2, "rvq": 0.6, "rmq": 60.0}
     for given, distribution in (
         ({"moments": {"skewness": 0.5, "kurtosis": 4.0}}, {"moments": (0.5, 4.0)}),

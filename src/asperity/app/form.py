@@ -1,4 +1,7 @@
-"""The form: which settings of a case stand in which step of the page, and the case that it makes."""
+"""The form: which settings of a case stand in which step of the page, and the case that it makes.
+
+`page.html.j2` draws it from `inputs`, which `server.py` passes on.
+"""
 
 import shlex
 from collections.abc import Iterator, Mapping

@@ -108,7 +108,7 @@ class Certificate:
 
         p* is the exact pressure of the same load and hardness p_H, and G the compliance: the energy of the
         error over the load times the length to which the violations are relative. The proof is in
-        ``docs/contact.md``. Infinite with adhesion, where several contacts may exist.
+        ``paper/supplement/method.md``. Infinite with adhesion, where several contacts may exist.
         """
         is_convex = self.tension == 0 and self.attraction == 0 and math.isnan(self.stability)
         return self.penetration + self.complementarity if is_convex else math.inf

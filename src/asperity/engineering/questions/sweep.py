@@ -194,8 +194,11 @@ class Sweep(Question):
         return found
 
     def written_values(self, case: Scene) -> dict[str, list[str]]:
-        """The values as a file holds them, with their units."""
-        return {key: [_shown(case, key, value, 15) for value in self.path(case, key)] for key in self.values}
+        """The values as a file holds them: as they are given, numbers and ranges with their units."""
+        texts = {key: given for key, given in self.values.items() if not isinstance(given, Mapping)}
+        texts = {key: given for key, given in texts.items() if all(isinstance(each, str) for each in given)}
+        shown = {key: [_shown(case, key, each, 15) for each in self.path(case, key)] for key in self.values}
+        return {key: [*texts.get(key, values)] for key, values in shown.items()}
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """All numbers at all values as a table, and the value at which the chosen number meets its limit."""
