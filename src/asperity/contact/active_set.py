@@ -28,7 +28,7 @@ change the set of contact nodes in every iteration, to the bound-constrained con
 (2014, 10.1007/s10957-013-0499-x) and of Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z), and most of all
 to the method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate gradients on a
 fixed set and changes of the set. Projected gradients as the step that guarantees convergence are known from
-Dostál & Schöberl (2005, 10.1007/s10589-005-4557-7); ``paper/supplement/method.md`` has the proof with its assumptions.
+Dostál & Schöberl (2005, 10.1007/s10589-005-4557-7); ``paper/supplement/method.md`` proves it.
 Starts from coarser grids are known from multigrid methods, and for rough surfaces from Bemporad & Paggi
 (2015, arXiv:1506.00532). New here are
 
