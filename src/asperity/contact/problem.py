@@ -273,7 +273,7 @@ def reach(
     on it alone: the compliance is positive semidefinite, so that no element exceeds the largest one on its
     diagonal. At a given load the approach then lies within that bound of the height of a certain node: the
     lowest one, or under a hardness the highest of the lowest nodes that together can bear the load. At a
-    given approach the energy bounds the displacement. Proofs: ``paper/supplement/method.md``. Under an imposed
+    given approach the energy bounds it. Proofs: ``paper/supplement/method.md``. Under an imposed
     area no bound is known.
 
     Parameters
