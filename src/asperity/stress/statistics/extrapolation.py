@@ -191,7 +191,7 @@ OF_BEYOND_BAND = {"gradient_rms_contact": 5.0, **dict.fromkeys((*PERCENTILES, "e
 OF_CREASED_AREA = 2.5
 """Factor of ``beyond_band`` times |A/A₀ − 1| in an addition to the relative error of the area (A and A₀ as in
 `OF_AREA`): the area of creases in contact falls with every refinement. From 96 surfaces of 14 kinds, other
-ones than those of `benchmarks/answers.py` and `benchmarks/unseen.py`."""
+draws than those of `benchmarks/answers.py` and `benchmarks/unseen.py`."""
 
 LARGEST_ERROR = 1.0
 """Relative error above which there is no estimate."""
