@@ -173,23 +173,29 @@ class Sweep(Question):
     def path(self, case: Scene, key: str) -> list[float]:
         """The values of a key in SI units; `ValueError` with the message after the key if one is refused."""
         given, read = self.values[key], partial(_read, case, key)
-        if isinstance(given, list) and given:
-            return [read(each) for each in given]
+        if isinstance(given, list) and given:  # equal values once
+            return [*{_shown(case, key, value, 15): value for value in map(read, given)}.values()]
         steps = str(given.get("steps")) if isinstance(given, Mapping) and given.keys() == RANGE else ""
         if not (steps.isdecimal() and 2 <= int(steps) <= MOST):
             raise ValueError(f" = {shown_value(given)}: {VALUES}, with 2 to {MOST} steps, is needed")
         first, last = read(given["from"]), read(given["to"])
         between = np.geomspace if first > 0 and last > 0 else np.linspace
+        if _shown(case, key, first, 15) == _shown(case, key, last, 15):
+            return [first]
         return [first, *between(first, last, int(steps))[1:-1].tolist(), last]
 
     def other_cases(self, case: Any) -> dict[str, Any]:
         """The case at each value, or pair of values; names are keys and values in words."""
-        keys, found = [*self.values], {}
-        for point in product(*(self.path(case, key) for key in keys)):
+        paths, found = {key: self.path(case, key) for key in self.values}, {}
+        digits = {
+            key: 4 if len({_shown(case, key, value) for value in path}) == len(path) else 15
+            for key, path in paths.items()
+        }
+        for point in product(*paths.values()):
             changed, names = _alone(case), []
-            for key, value in zip(keys, point, strict=True):
+            for key, value in zip(paths, point, strict=True):
                 changed = with_value(changed, key, value)
-                names.append(f"{key} = {_shown(case, key, value)}")
+                names.append(f"{key} = {_shown(case, key, value, digits[key])}")
             found[", ".join(names)] = changed
         return found
 
@@ -207,7 +213,8 @@ class Sweep(Question):
         case, (first, *second) = stages.asked, self.values
         cases, points = self.other_cases(case), [*product(*(self.path(case, key) for key in self.values))]
         found, curves = self._chosen(stages.records), dict[tuple[float, ...], dict[float, Any]]()
-        shown, tables = {*tile_names(case), found.quantity if found else ""}, []
+        shown = {name for names in tile_names(case) for name in names} | {found.quantity if found else ""}
+        tables = list[pd.DataFrame]()
         for point, (name, records) in zip(points, stages.others.items(), strict=True):
             at = {f"at_{key}": value for key, value in zip(self.values, point, strict=True)}
             table = frame(records)[COLUMNS]
@@ -234,6 +241,11 @@ class Sweep(Question):
             near = did_you_mean(str(self.number), {each.quantity for each in stages.records})
             text = f"the number of the sweep, {self.number}, is none of this answer{near}."
             warnings.append(Advice(True, "sweep", text))
+        elif self.limit is not None and _in_si(self.limit, found.unit) is None:
+            text = (
+                f"the limit of the sweep, {self.limit}, is no limit of the {found.quantity}, in {found.unit}."
+            )
+            warnings.append(Advice(True, "sweep", text))
         table = pd.concat(tables, ignore_index=True)
         return Findings(
             records=numbers, verdict="; ".join(verdict), warnings=warnings, tables={"sweep": table}
@@ -248,7 +260,8 @@ class Sweep(Question):
     def _limit(self, case: Scene, record: Record) -> float:
         """Limit of a number of a case; NaN if there is none."""
         if self.limit is not None:
-            return _in_si(self.limit) or 0.0
+            limit = _in_si(self.limit, record.unit)
+            return math.nan if limit is None else limit
         body, (quantity, _, name) = case.bodies.get(record.body or "lower"), record.quantity.partition(" in ")
         part = body.parts.get(name) if body is not None and "von Mises" in quantity else None
         return (part and getattr(part, "yield_stress", None)) or math.nan
@@ -319,13 +332,14 @@ def _words(key: str) -> str:
     return key.removeprefix("at_").rpartition(".")[2].replace("_", " ")
 
 
-def _in_si(limit: str | float) -> float | None:
-    """A limit in SI units; None if it is no quantity."""
+def _in_si(limit: str | float, unit: str | None = None) -> float | None:
+    """A limit in SI units; None if it is no quantity, or none in a given SI unit."""
     if not isinstance(limit, str):
         return float(limit)
-    for dimension in DIMENSIONS:
-        with suppress(ValueError):
-            return to_si(limit, dimension)
+    for name, dimension in DIMENSIONS.items():
+        if unit in (None, dimension.unit):
+            with suppress(ValueError):
+                return to_si(limit, name)
     return None
 
 
