@@ -19,6 +19,7 @@ from asperity.cli.main import main
 from asperity.engineering.case_file import load_case
 from asperity.engineering.face import read_face
 from asperity.engineering.press import press
+from asperity.engineering.records import find
 from asperity.engineering.stages import answer_of, work_of
 
 EDGE = 64e-6
@@ -84,6 +85,7 @@ def sweeps(**given):
 test_wrong_sweep_is_refused_in_one_line = refuses(
     (sweeps(**{"body.yong": [1e9]}), "sweep.body.yong: unknown key; did you mean young?"),
     (sweeps(**{"body.base": ["bonded"]}), "sweep.body.base = 'bonded': a setting that is a number is needed"),
+    (sweeps(**{"map.radius": [5]}), "sweep.map.radius = 5: a length with its unit is needed"),
     (sweeps(**{"body.layers.4.thickness": [1e-6]}), "sweep.body.layers.4.thickness: the case has no group"),
     (sweeps(**{"film.share": [0.5]}), "sweep.film.share: the case has no group film"),
     (sweeps(**{THICKNESS: ["-1 um"]}), f"sweep.{THICKNESS} = '-1 um': a length > 0"),
@@ -95,10 +97,31 @@ test_wrong_sweep_is_refused_in_one_line = refuses(
 )  # fmt: skip
 
 
+SMALL = asp.self_affine((16, 16), 0.8, 32e-6, 16e-6, rms_height=1e-7, seed=2, length=EDGE)
+
+
 def small(**given):
     """The answer to a sweep on a small map."""
-    height = asp.self_affine((16, 16), 0.8, 32e-6, 16e-6, rms_height=1e-7, seed=2, length=EDGE)
-    return asp.run(height, STEEL, length=EDGE, mean_pressure=2e8, sweep=given)
+    return asp.run(SMALL, STEEL, length=EDGE, mean_pressure=2e8, sweep=given)
+
+
+def test_lengths_of_the_map_are_swept():
+    """Their rows are those of single runs."""
+    heights = asp.HeightMap(SMALL, (EDGE, EDGE), unit="um")
+
+    def answer(sweep=None, **options):
+        given = {"map": {"file": heights, **options}, "body": STEEL, "load": {"mean_pressure": 2e8}}
+        case = asp.Case(**given, sweep=sweep)
+        return answer_of(case, read_face(case.map))
+
+    for key, values in (("radius", ["1 mm", "2 mm"]), ("wavelength_short", ["16 um", "24 um"])):
+        table = answer({f"map.{key}": values}).tables["sweep"]
+        rows = table[table["quantity"] == "maximum pressure"]
+        assert rows[f"at_map.{key}"].tolist() == pytest.approx(
+            [1e-3, 2e-3] if key == "radius" else [16e-6, 24e-6]
+        )
+        alone = [next(find(answer(**{key: value}).records, "maximum pressure")).value for value in values]
+        assert rows["value"].tolist() == pytest.approx(alone, rel=1e-5)
 
 
 def test_equal_values_are_computed_once_and_close_ones_have_names():

@@ -166,7 +166,7 @@ class Sweep(Question):
         for key, path in paths.items():
             for value in path:
                 try:
-                    with_value(alone, key, value)
+                    with_value(alone, key, _given(case, key, value))
                 except SettingsError as error:
                     yield f"sweep.{key}", f" = {_shown(case, key, value)}: {error.found[0]}"
 
@@ -194,7 +194,7 @@ class Sweep(Question):
         for point in product(*paths.values()):
             changed, names = _alone(case), []
             for key, value in zip(paths, point, strict=True):
-                changed = with_value(changed, key, value)
+                changed = with_value(changed, key, _given(case, key, value))
                 names.append(f"{key} = {_shown(case, key, value, digits[key])}")
             found[", ".join(names)] = changed
         return found
@@ -307,9 +307,23 @@ def _read(case: Scene, key: str, given: Any) -> float:
         found = check_of(owner, name).validate_python(value)
     except (ValidationError, ValueError):
         raise ValueError(f" = {shown_value(given)}: {accepted(entry)} is needed") from None
+    if _is_length_or_number(entry):
+        if not isinstance(found, str):
+            raise ValueError(f" = {shown_value(given)}: a length with its unit is needed")
+        return to_si(found, "length")
     if isinstance(found, bool) or not isinstance(found, (int, float)):
         raise ValueError(f" = {shown_value(given)}: a setting that is a number is needed, and {name} is none")
     return found
+
+
+def _is_length_or_number(entry: Mapping[str, Any]) -> bool:
+    """True for a length of a map, whose bare number is in the unit of the map."""
+    return [each.get("format", each["type"]) for each in entry.get("anyOf", ())] == ["number", "length"]
+
+
+def _given(case: Scene, key: str, value: float) -> float | str:
+    """A value in SI units as its setting takes it: a length of a map with its unit."""
+    return f"{value!r} m" if _is_length_or_number(entry_of(*_owner(case, key))) else value
 
 
 def _unit(case: Scene, key: str) -> str:
