@@ -106,6 +106,17 @@ def test_search_takes_few_contacts_from_any_load(start, seals):
         assert low < seals
 
 
+def test_ridge_across_the_leak_seals_under_any_load():
+    """Its nodes touch together: no load leaves the gap open."""
+    height = np.zeros((16, 16))
+    height[:, 6:10] = -1e-6  # the lower face of the indenter
+    found = asp.run(
+        height, {"young": 210e9, "poisson": 0.3}, length=1e-4, mean_pressure=1e8, leak={"seal": True}
+    )
+    assert "any: the first contact" in found["mean pressure that seals"].words
+    assert "sealed along x" in found.verdict[0].lower()
+
+
 @flows
 def test_leakage_leads_and_is_per_width():
     answer = asp.run(HEIGHT, RUBBER, length=EDGES, mean_pressure=2e4, leak=LEAK)

@@ -73,6 +73,7 @@ test_bad_cases = refuses(
     (case_of(sliding={"friction": 0.3}), "sliding: not accepted with adhesion"),
     (case_of(film={"load_fraction": 0.3}), "film: not accepted with adhesion"),
     (case_of(load_curve={"loads": ["1 N"]}), "load_curve: not accepted with adhesion"),
+    (case_of(leak={"seal": True}), "leak.seal: not accepted with adhesion"),
     (
         case_of(RUBBER | {"hardness": "5 MPa"}, running_in={"loads": 1}),
         "running_in: not accepted with adhesion",

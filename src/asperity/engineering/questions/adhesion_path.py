@@ -78,6 +78,9 @@ class Adhesion(Attraction, Question):
         if case.load.kind == "contact_area_fraction":
             yield "load.contact_area_fraction", ": a pressure, a force or an approach is needed with adhesion"
         yield from ((name, ": not accepted with adhesion") for name in REFUSED if name in case.questions)
+        leak = case.questions.get("leak")
+        if leak is not None and getattr(leak, "seal", None):  # contacts of the search would be those without
+            yield "leak.seal", ": not accepted with adhesion"
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
         """The contacts of the path, or of two paths, each of about ten contacts without adhesion."""

@@ -57,6 +57,9 @@ SEALING_CONTACTS, MOST_CONTACTS = 12, 40
 BELOW_HARDNESS = 0.99
 """Largest mean pressure over the hardness under which the load that seals is searched."""
 
+LEAST_LOAD = 1e-12
+"""Load over the load of the case below which every load seals."""
+
 WIDE = 10
 """Maximum over minimum of a picture above which its colours, or its axis, are logarithmic."""
 
@@ -243,6 +246,8 @@ class Leak(Question):
         if load == math.inf:
             words = f"above {shown_si(most, 'Pa', 3)}, {BELOW_HARDNESS:g} of the hardness"
             return replace(record, words=words), stages.contact
+        if load == 0:
+            return replace(record, words="any: the first contact closes the gap"), stages.contact
         coarse, _ = _sealing_load(partial(is_open, on_half), load, 1.1, most)
         if coarse < math.inf:
             record = record.with_error(DISCRETISATION, abs(load - coarse))
@@ -315,13 +320,16 @@ def _sealing_load(
     """Load above which a gap is closed, to `SEALING_ERROR`, and the largest load under which it is open.
 
     The load is multiplied, or divided, by rising factors until it is between two known loads, then halved on
-    a logarithmic scale. It is infinite if the gap is open under the load `most`.
+    a logarithmic scale. It is infinite if the gap is open under the load `most`, and 0 if it is closed under
+    `LEAST_LOAD` of the first one.
     """
     low, high, load = 0.0, math.inf, min(start, most)
     for _ in range(MOST_CONTACTS):
         low, high = (load, high) if is_open(load) else (low, load)
         if low == most:
             return math.inf, low
+        if high < LEAST_LOAD * start:
+            return 0.0, low
         if low and high / low <= 1 + 2 * SEALING_ERROR:
             break
         if low and high < math.inf:
