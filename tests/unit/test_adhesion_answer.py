@@ -8,6 +8,7 @@ from test_engineering import a_rough_map
 import asperity as asp
 from asperity import Case, run
 from asperity.cli.main import main
+from asperity.engineering.drawing import framed_part
 
 RUBBER = {"young": "5 MPa", "poisson": 0.49}
 
@@ -49,6 +50,14 @@ def test_approach_may_pull():
     answer = run(a_rough_map(), RUBBER, normal_approach=5e-9, adhesion={"work": 0.05, "steps": 4})
     assert answer["force"].value < 0
     assert answer["mean pressure"].value < 0
+
+
+def test_part_of_the_map_is_framed_where_all_spots_are_pulled():
+    height = asp.self_affine((24, 24), 0.8, 5e-5, 2e-5, rms_height=1e-7, seed=1, length=1e-4)
+    options = {"length": 1e-4, "normal_approach": 1e-8}
+    answer = run(height, {"young": 2e6, "poisson": 0.49}, adhesion={"work": 0.1, "steps": 4}, **options)
+    assert (answer.tables["contact_spots"]["load_N"] < 0).all()
+    assert framed_part(answer, "von_mises") is not None
 
 
 def case_of(body=RUBBER, load=None, work="50 mJ/m^2", **groups):

@@ -52,7 +52,7 @@ def framed_part(answer: AnswerData, field: str, body: str = "lower") -> Part | N
     if spots.empty:
         return None
     # Wider spots than the typical one carry half of the load.
-    load = spots["load_N"].cumsum().to_numpy()
+    load = spots["load_N"].clip(lower=0).cumsum().to_numpy()  # adhesion pulls at some
     typical = float(spots["width_m"].iloc[np.searchsorted(load, load[-1] / 2)]) / max(grid.spacing)
     half, found = round(min(max(WIDTHS * typical, FEWEST_PIXELS), MOST_PIXELS)), answer.extreme(field, body)
     each = zip((found.y, found.x), grid.spacing, answer.face.height.shape, strict=True)
