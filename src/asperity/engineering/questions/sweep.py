@@ -218,7 +218,10 @@ class Sweep(Question):
         for point, (name, records) in zip(points, stages.others.items(), strict=True):
             at = {f"at_{key}": value for key, value in zip(self.values, point, strict=True)}
             table = frame(records)[COLUMNS]
-            known = pd.DataFrame({**at, "case": name, "is_shown": table["quantity"].isin(shown)})
+            best = [each.best_text() for each in records]
+            known = pd.DataFrame(
+                {**at, "case": name, "is_shown": table["quantity"].isin(shown), "best": best}
+            )
             tables.append(known.join(table))
             for each in find(records, found.quantity, found.body) if found else ():
                 if math.isfinite(each.best):

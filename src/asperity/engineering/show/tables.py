@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.records import FRACTION, MODEL, POSITIONS, POSITIVE, UNBOUNDED, Record
+from asperity.engineering.records import POSITIONS, Record
 from asperity.results.tables import units
 
 SHOWN_ROWS = 40
@@ -90,15 +90,9 @@ def _of_sweep(table: pd.DataFrame) -> pd.DataFrame:
     shown = table[table["is_shown"]]
     several = len({*shown["body"]} - {""}) > 1
     for row in shown.to_dict("records"):
-        bounds = {each.reason: each for each in (FRACTION, POSITIVE)}.get(row["bound"], UNBOUNDED)
-        number = Record("", row["value"], row["unit"], extrapolated=row["extrapolated"], bounds=bounds)
-        # Words in place of a number, such as none, begin its text.
-        words = row["text"].partition(";")[0] if row["text"][:1].isalpha() else ""
         name = f"{row['quantity']}, {row['body']} body" if several and row["body"] else row["quantity"]
         at = re.sub(r"[\w.]+\.(?=\w+ = )", "", row["case"]).replace("_", " ")
-        found.setdefault(at, {"sweep": at})[name] = (
-            words or number.with_error(MODEL, row["error"]).best_text()
-        )
+        found.setdefault(at, {"sweep": at})[name] = row["best"]
     return pd.DataFrame(found.values()).fillna("")
 
 
