@@ -39,7 +39,7 @@ from asperity.core.errors import is_refusal
 from asperity.fourier.grid import boundary_on, with_mirror_images
 from asperity.surface.treatment.treatment import make_periodic
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bad_input
 import families

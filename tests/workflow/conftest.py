@@ -15,7 +15,7 @@ from project import STUDY, copy_project, environment, snakemake
 def place_in_order(item):
     """Rank of a test by its folder: the workflow takes longest, tests of single functions fill the gaps."""
     folder = item.path.parent.name
-    return folder != "workflow", folder in ("physics", "unit")
+    return folder != "workflow", folder == "physics" or "unit" in item.path.parts
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -15,7 +15,7 @@ import asperity as asp
 from asperity import Body, run
 from asperity.core import markup
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 LENGTH = (1.5e-4, 2e-4)
 HEIGHT = asp.self_affine((48, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=LENGTH)
 STEEL, SHEET = asp.Solid(210e9, 0.3), asp.Solid(110e9, 0.34, height=1e-3, bottom="free", lateral="free")

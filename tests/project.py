@@ -15,7 +15,7 @@ from snakemake import cli
 
 from asperity.results import dataset
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 OVERLAYS = ("tests/workflow/study.yaml", "tests/workflow/tiny.yaml")
 PARTS = ("Snakefile", "config", "workflow", "profiles", "tests/reference", *OVERLAYS)
 QUICK = ("--configfile", "config/quick.yaml", "tests/workflow/study.yaml")

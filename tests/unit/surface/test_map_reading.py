@@ -30,7 +30,7 @@ pytest.importorskip("SurfaceTopography")
 tifffile = pytest.importorskip("tifffile")
 Image = pytest.importorskip("PIL.Image")
 
-DATA = Path(__file__).parents[1] / "data"
+DATA = Path(__file__).parents[2] / "data"
 HEIGHT, VALID = make_maps.ground_steel()
 EDGES = tuple(make_maps.PIXEL * n for n in make_maps.SHAPE)
 ARRAY = {"physical_size": ("80 um", "96 um"), "unit": "um", "orientation": "peaks up"}

@@ -16,7 +16,7 @@ from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests/data"
 PAPER = str(ROOT / "config/config.yaml")
 LONG = "x" * 300 + ".nc"

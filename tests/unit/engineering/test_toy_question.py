@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from project import ROOT
 
-TOY = ROOT / "tests/unit/toy_question.py"
+TOY = ROOT / "tests/unit/engineering/toy_question.py"
 FACTS = """
 import json, sys
 import toy_question

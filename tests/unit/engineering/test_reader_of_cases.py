@@ -27,7 +27,7 @@ from asperity.settings.model import SettingsError
 
 STEEL = {"young": "210 GPa", "poisson": 0.3}
 PLAIN = {"map": "a.x3p", "body": STEEL, "load": {"mean_pressure": "50 MPa"}}
-FILES = sorted((Path(__file__).parents[2] / "docs" / "cases").glob("*.yaml"))
+FILES = sorted((Path(__file__).parents[3] / "docs" / "cases").glob("*.yaml"))
 SOURCES = [*FILES, *templates()]
 
 
