@@ -620,10 +620,9 @@ conduction: conductivity or resistivity of both bodies
 (counter_)?body\.layers\.\d\.(residual_stress|strength\.\w+): not accepted
 (counter_)?body\.fatigue_torsion: not accepted with several
 load_curve\.loads = .*: a list of rising values
-(counter_)?body\.hardness = .*: more than the pressure
 contact_area_fraction = .*: less is needed
 load\.normal_approach = .*: (less than|a length from)
-load\.(mean_pressure|force) = .*: a mean pressure of less
+load\.\w+ = .*: a mean pressure (of less|below the hardness)
 length = .*: spacings of the nodes
 """,
 }

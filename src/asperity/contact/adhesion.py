@@ -301,13 +301,16 @@ def solve(
         reaction = step.state.pressure
         extrapolated = len(history) > 1
         attraction = _extrapolated(history, adhesion.strength) if extrapolated else attraction + step.change
+    remedy = "a longer range, or a smaller change of the approach from the initial contact is needed"
+    if problem.hardness < math.inf:
+        remedy = f"a hardness further above the mean pressure, an elastic contact, or {remedy}"
     raise ConvergenceError(
         f"adhesion on {problem.grid.shape} nodes stopped",
         error,
         rtol,
         iterations,
         float((step.state.pressure - attraction).mean()),
-        "a longer range, or a smaller change of the approach from the initial contact is needed",
+        remedy,
     )
 
 

@@ -231,9 +231,10 @@ def solve_contact(
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
     most = approach_of_full_contact(values, solid, boundary)
     if control.kind == "approach" and control.value >= most:
+        most = most if abs(most) > 1e-12 * np.ptp(values) else 0.0
         raise ValueError(
-            f"approach = {shown(control.value)}: less than the mean height {most:.6g} is needed, "
-            "because this solid has no uniform displacement"
+            f"approach = {shown(control.value)}: less than {most:.6g}, the mean height, is needed, where a "
+            "periodic half-space is in full contact; impose a mean pressure in place of the approach"
         )
     units = solid_units.for_problem(values, control, limit, response)
     if method == "gfmd":  # whose time step depends on the heights out of reach

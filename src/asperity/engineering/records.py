@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from asperity.core.errors import did_you_mean, shown
+from asperity.core.errors import shown
 from asperity.core.markup import with_error
 from asperity.core.units import scaled_unit, shown_si
 
@@ -353,10 +354,12 @@ def find(records: Iterable[Record], quantity: str, body: str | None = None) -> I
 def record_of(records: Sequence[Record], quantity: str, body: str | None = None) -> Record:
     """The first record of a quantity, of one body or of any; `KeyError` if there is none."""
     if (found := next(find(records, quantity, body), None)) is None:
-        known = {each.quantity for each in records}
-        near = "" if quantity in known else did_you_mean(quantity, known)
+        near = get_close_matches(str(quantity), {each.quantity for each in records}, 3, 0.5)
+        if body and quantity in near:
+            near = [f"{quantity} of the {each.body} body" for each in find(records, quantity) if each.body]
+        names = f"; near are {', '.join(near)}" if near else "; see the attribute `records`"
         of = f" of the {body} body" if body else ""
-        raise KeyError(f"{shown(quantity)}{of}: no number of this answer{near}")
+        raise KeyError(f"{shown(quantity)}{of}: no number of this answer{names}")
     return found
 
 

@@ -32,6 +32,12 @@ if TYPE_CHECKING:
     from asperity.fourier.grid import Grid
     from asperity.stress.cycles.hertz_contact import HertzContact
 
+OF_BOTH_MAPS = {
+    *("s_filter", "l_filter", "wavelength_short", "points", "ends"),
+    *("radius", "radius_y", "form", "cylinder_axis"),
+}
+"""Settings of `map` that treat the composite roughness, not the map of one body."""
+
 MATERIALS = "materials.yaml"
 """Name of a user's own table of materials beside the case file."""
 
@@ -91,6 +97,10 @@ class Scene(Settings):
         """Settings of map, bodies and load that exclude each other, and loads that are too large."""
         if self.body.map is not None:
             yield "body.map", ": not accepted; the map of the body is the group `map`"
+        if self.counter_map is not None:
+            given = self.counter_map.model_dump(include=OF_BOTH_MAPS, exclude_unset=True, exclude_none=True)
+            for name in given:
+                yield f"counter_body.map.{name}", f": not accepted; it holds for both maps, give map.{name}"
         if "form" in self.map.model_fields_set and self.map.radius is None:
             yield "map.form", ": needs map.radius"
         if self.map.radius_y is not None and (self.map.radius is None or self.map.form == "cylinder"):
@@ -102,6 +112,12 @@ class Scene(Settings):
             yield from ((key, refused) for key in self.layers_and_coatings)
         if self.map.ends in ("y", "x") and self.map.periodic in ("windowed", "none"):
             yield "map.ends", f" = {self.map.ends}: needs map.periodic: mirrored or declared"
+        if self.map.form == "cylinder" and self.map.ends == self.map.cylinder_axis:
+            across = "x" if self.map.ends == "y" else "y"
+            yield (
+                "map.ends",
+                f" = {self.map.ends}: {across} or none is needed, a cylinder ends across its axis",
+            )
         load = self.load
         if isinstance(load, Hertz):
             needed = ": half-spaces are needed in a Hertz contact"
@@ -115,7 +131,7 @@ class Scene(Settings):
             yield from self.problems_of_pressure(self.cell_pressure)
 
     def problems_of_pressure(self, mean_pressure: float) -> Iterator[tuple[str, str]]:
-        """A mean pressure on the map that is too large, or not below the hardness."""
+        """A mean pressure on the map that is too high, or not below the hardness."""
         from asperity.elasticity.loaded_solid import LARGEST
 
         most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST)
@@ -129,9 +145,11 @@ class Scene(Settings):
         elif self.hardness and not self.hardness_is_estimated and not mean_pressure < self.hardness:
             bodies = self.groups_of_bodies.items()
             name = next(name for name, body in bodies if body.hardness == self.hardness)
-            needed = f"more than the pressure {shown_si(mean_pressure, 'Pa')} is needed"
-            text = f" = {shown_si(self.hardness, 'Pa')}: {needed}, the mean over the nominal area"
-            yield f"{name}.hardness", text
+            least, most = (shown_si(each, "Pa") for each in (mean_pressure, self.hardness))
+            needed = f"a mean pressure below the hardness {most} is needed"
+            needed += "" if given == least else f", it would be {least}"
+            remedy = f"check both units, or set {name}.hardness: inf for an elastic contact"
+            yield f"load.{self.load.kind}", f" = {given}: {needed}; {remedy}"
 
     @property
     def elastic_counter_body(self) -> Body | None:

@@ -23,13 +23,14 @@ WIDTH = 100
 """Characters of a line of comment."""
 
 WORDS = {
-    "load.radius_x": "ball radius roller",
+    "load.radius_x": "ball radius",
+    "map.form": "roller cylinder",
     "load.hertz_pressure": "bearing gear hertz",
     "body.layers.0.thickness": "coating layer thickness",
     "body.young": "e modulus",
     "film.lambda_ratio": "film_thickness",
     "map.s_filter": "filter",
-    "leak.pressure_difference": "leakage seal",
+    "leak.pressure_difference": "leakage",
     "map.detrend": "level",
     "cycles.fatigue_scatter": "life",
     "load.mean_pressure": "load",
@@ -159,9 +160,12 @@ def hint(word: str) -> str:
     known = [ALSO[word]] if word in ALSO else []
     if not known and len(word) > 2:
         known = keys_like(word, described(Case))
+    if named := [key for key in known if word in key.split(".")]:
+        known = named
     for name, each in templates().items():
-        if key := next((key for key, _ in leaves(each["case"]) if key in known), ""):
-            return f"{key}, given by --set or in a case file (asperity case {name})"
+        key = next((key for key, _ in leaves(each["case"]) if key in known), "")
+        if key or (known and name == word):
+            return f"{key or known[0]}, given by --set or in a case file (asperity case {name})"
     return f"{known[0]}, given by --set or in a case file" if known else ""
 
 

@@ -122,6 +122,8 @@ class Strength(Settings):
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         """Two values of the same property, or none."""
+        if not self.written():
+            yield "", ": one of shear, tension, energy and toughness is needed"
         if self.energy is not None and self.toughness is not None:
             yield "toughness", ": not accepted together with energy"
 

@@ -244,7 +244,7 @@ class CounterMap(Map):
     """Height map of the counter body, peaks upward as measured.
 
     It is turned over and laid on the map, middle on middle. Options that it does not give are taken from the
-    map.
+    map; filters, `points`, `ends` and the form are given for the map alone and hold for both.
     """
 
     turned_about: Literal["y", "x"] = setting("y")

@@ -398,7 +398,7 @@ def value_at(settings: Any, key: str) -> Any:
     """The setting of a dotted key, in which a number is a place in a list; None if a group is not given."""
     for part in key.split("."):
         if isinstance(settings, tuple):
-            settings = settings[int(part)] if int(part) < len(settings) else None
+            settings = settings[int(part)] if part.isdecimal() and int(part) < len(settings) else None
         else:
             settings = getattr(settings, part, None)
     return settings

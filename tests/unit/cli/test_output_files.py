@@ -90,7 +90,7 @@ def test_lost_file_is_refused_before_computing(folder, capsys, words, line):
     [
         ("--mean-pressure 1e60MPa", "--mean-pressure = 1e+54 TPa: a mean pressure of less than 230800 TPa"),
         ("--mean-pressure 1e80MPa", "--mean-pressure = '1e80MPa': a pressure > 0 with its unit"),
-        ("--force 1N --hardness 1kPa", "--hardness = 1 kPa: more than the pressure 976.6 MPa is needed"),
+        ("--force 1N --hardness 1kPa", "--force = 1 N: a mean pressure below the hardness 1 kPa is needed"),
         ("--normal-approach 1m", "--normal-approach = 1 m: less than"),
         ("--normal-approach 1e6m --periodic none", "--normal-approach = 1000000 m: a length from"),
         (f"--normal-approach 1e-60m {COATING}", "--normal-approach = 1e-45 fm: a length from"),

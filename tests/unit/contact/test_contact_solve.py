@@ -229,7 +229,10 @@ test_wrong_argument_is_refused = refuses(
         lambda: solve_contact(FLAT, HALF_SPACE, force=-1.0),
         r"force = -1.0: 0 or a number from 1e-150 to 1e\+150 is n",
     ),
-    (lambda: solve_contact(FLAT, HALF_SPACE, approach=1.0), "approach = 1.0: less than the mean height"),
+    (
+        lambda: solve_contact(FLAT, HALF_SPACE, approach=1.0),
+        "approach = 1.0: less than 0, the mean height, is needed",
+    ),
     (lambda: pressed(method="magic"), "method = 'magic'"),
     (lambda: pressed(rtol=0.0), "rtol = 0.0"),
     (lambda: pressed(threads=0), "threads = 0"),

@@ -140,7 +140,27 @@ test_wrong_load_is_refused = refuses(
         lambda: run(a_rough_map(), SLIPPING, force=1.0, sliding={"friction": 0.4}),
         "sliding.friction = 0.4: .*frictionless, which bears no shear",
     ),
+    (
+        lambda: run({"file": "a.x3p", "radius": 1.0, "form": "cylinder", "ends": "y"}, STEEL, force=1.0),
+        "map.ends = y: x or none is needed, a cylinder ends across its axis",
+    ),
+    (
+        lambda: run("a.x3p", STEEL, {"map": {"file": "b.x3p", "ends": "y"}}, force=1.0),
+        "counter_body.map.ends: not accepted; it holds for both maps, give map.ends",
+    ),
 )
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        (("contact, area", None), "no number of this answer; near are contact area, contact area fraction"),
+        (("maximum pressure", "upper"), "no number of this answer; see the attribute `records`"),
+    ],
+)
+def test_an_unknown_number_is_answered_with_near_ones(rough, key, message):
+    with pytest.raises(KeyError, match=message):
+        rough.record(*key)
 
 
 def test_stress_between_nodes_is_that_of_fourier_series(rough):

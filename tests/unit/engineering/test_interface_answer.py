@@ -132,7 +132,7 @@ test_bad_cases = refuses(
     (case_of(sliding={}), "partial_slip: needs sliding.friction, above 0"),
     (
         case_of(body={"hardness": "5 GPa"}),
-        "partial_slip: an elastic contact is needed; set body.hardness: inf",
+        r"partial_slip: requires an elastic contact; set body.hardness: inf \(the hardness is 5 GPa, given\)",
     ),
     (case_of(body=LIMITS), "partial_slip: not accepted with stress cycles"),
     (case_of(load=HERTZ), "partial_slip: not accepted with a map in a Hertz contact"),

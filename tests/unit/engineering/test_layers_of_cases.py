@@ -171,6 +171,10 @@ test_wrong_layers_are_refused = refuses(
         "body.layers.0.strength.energi: unknown key; did",
     ),
     (
+        body(**STEEL, layers=[HARD | {"strength": {}}]),
+        "body.layers.0.strength: one of shear, tension, energy",
+    ),
+    (
         lambda: asp.Case(map="a.x3p", load={"force": 1.0}, body=STEEL, strength={}),
         "strength: needs the strength",
     ),

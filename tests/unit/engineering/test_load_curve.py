@@ -156,14 +156,14 @@ def test_a_larger_force_than_any_hardness_is_answered_elastically():
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m")
     for load in ({"force": 4e6 * edge**2}, {"contact_area_fraction": 1.0}):
         assert np.isinf(run(surface, asp.Body(**soft), **load).contact.hardness)
-    with pytest.raises(asp.SettingsError, match="more than the pressure 4 MPa is needed"):
+    with pytest.raises(asp.SettingsError, match="a mean pressure below the hardness"):
         run(surface, asp.Body(**soft, hardness=3e6), force=4e6 * edge**2)
 
 
 test_wrong_hardness_is_refused = refuses(
     (
         lambda: run(a_rough_map(), STEEL.replaced(hardness=50e6), **LOAD),
-        "body.hardness = 50 MPa: more than the pressure 100 MPa is needed",
+        "load.mean_pressure = 100 MPa: a mean pressure below the hardness 50 MPa is needed; check both",
     ),
     (lambda: STEEL.replaced(hardness=0.0), "hardness = 0.0"),
 )

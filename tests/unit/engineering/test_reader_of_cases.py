@@ -326,5 +326,10 @@ def test_hint_names_key_and_template(word, key):
     assert key in dict(leaves(templates()[name]["case"]))
 
 
+def test_hint_names_a_key_before_keys_that_begin_with_the_word():
+    assert hint("--seal") == "leak.seal, given by --set or in a case file (asperity case seal)"
+    assert [hint(word).partition(",")[0] for word in ("--form", "--roller")] == ["map.form"] * 2
+
+
 def test_hint_on_other_words_is_empty():
     assert hint("--compare") == hint("-x") == hint("--nonsense") == ""

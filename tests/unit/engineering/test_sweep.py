@@ -87,6 +87,7 @@ test_wrong_sweep_is_refused_in_one_line = refuses(
     (sweeps(**{"body.base": ["bonded"]}), "sweep.body.base = 'bonded': a setting that is a number is needed"),
     (sweeps(**{"map.radius": [5]}), "sweep.map.radius = 5: a length with its unit is needed"),
     (sweeps(**{"body.layers.4.thickness": [1e-6]}), "sweep.body.layers.4.thickness: the case has no group"),
+    (sweeps(**{"body.layers.-1.thickness": [1e-6]}), "sweep.body.layers.-1.thickness: the case has no group"),
     (sweeps(**{"film.share": [0.5]}), "sweep.film.share: the case has no group film"),
     (sweeps(**{THICKNESS: ["-1 um"]}), f"sweep.{THICKNESS} = '-1 um': a length > 0"),
     (sweeps(**{"load.mean_pressure": [1e20]}), "sweep.load.mean_pressure = 100000000 TPa: load"),

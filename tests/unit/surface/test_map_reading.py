@@ -285,7 +285,10 @@ MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm
     ("content", "line"),
     [
         (points([(x**1.5, y) for x, y in SPOTS], range(63)), "the positions x are not equally spaced"),
-        (points([*SPOTS, SPOTS[0]], range(64)), "points 1 and 64 of the list have the same position"),
+        (
+            points([*SPOTS, SPOTS[0]], range(64)),
+            "points in lines 1 and 64 have the same position; delete one",
+        ),
         (points([(x, x) for x in range(40)], range(40)), "its points lie on one line"),
         (points([(n % 99, n % 97) for n in range(300)], range(300)), "300 points are too few for a grid"),
         (points(SPOTS, [0, "1.2.3", *range(61)]), "line 2: '1.2.3' is no number"),

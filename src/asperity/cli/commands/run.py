@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -145,6 +146,8 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
     from asperity.engineering.case_file import at
 
     key = problem.key
+    if not source:
+        problem = problem._replace(text=_with_flags(problem.text))
     if not key:
         return problem.text
     if key in ("map", "map.file") and not source:
@@ -158,6 +161,17 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
     if key == "out" or (key in FLAGS and not (in_file and at(content, key.split(".")) is not None)):
         return f"{FLAGS.get(key, f'--{key}')}{problem.text}"
     return f"{source}: {key}{problem.text}" if in_file else f"{key}{problem.text}"
+
+
+def _with_flags(text: str) -> str:
+    """A text in which flags stand for the keys that it names, with the values that it gives to them."""
+    groups = "map|body|counter_body|load|sliding|cycles|leak|film|running_in"
+
+    def written(found: re.Match[str]) -> str:
+        key, value = found["key"], found["value"]
+        return f"{FLAGS[key]} {value or ''}".strip() if key in FLAGS else f"--set {key}={value or '…'}"
+
+    return re.sub(rf"\b(?P<key>(?:{groups})(?:\.\w+)+)(?:: (?P<value>\w+))?", written, text)
 
 
 def _cost_in_words(jobs: Sequence[Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -78,11 +79,11 @@ class PartialSlip(Question):
         refused |= {"cycles": "stress cycles (fatigue limits, shifts)"} if "cycles" in refused else {}
         hertz = ["a map in a Hertz contact"] if case.hertz_contact is not None else []
         yield from (("partial_slip", f": not accepted with {words}") for words in [*hertz, *refused.values()])
-        if case.hardness:
-            yield (
-                "partial_slip",
-                ": an elastic contact is needed; set body.hardness: inf, also if a material gives it",
-            )
+        for name, body in case.groups_of_bodies.items():
+            if body.hardness not in (None, math.inf) and not body.hardness_is_estimated:
+                origin = "given" if body.gives("hardness") else "from its material"
+                hardness = f"the hardness is {shown_si(body.hardness, 'Pa')}, {origin}"
+                yield "partial_slip", f": requires an elastic contact; set {name}.hardness: inf ({hardness})"
         if self.tangential_displacement is not None and case.solid.uniform_compliance():
             needed = ": half-spaces are needed, or a tangential_force on layers"
             yield "partial_slip.tangential_displacement", needed

@@ -366,9 +366,11 @@ def propose(contacts: Sequence[PlannedContact], target: Target, factor: float | 
     affordable = [each for each in found if each.seconds <= seconds and each.memory <= memory]
     if not affordable:
         least = min(found, key=lambda each: each.seconds)
+        within = [f"{target.seconds:g} s"] if target.seconds else []
+        within += [f"{target.memory / 2**20:.3g} MiB"] if target.memory else []
         raise PlanError(
-            "not within this time and memory: the coarsest settings that were measured take "
-            f"{least.seconds:.2g} s and {least.memory / 2**20:.2g} MiB; give more, or larger wavelength_short"
+            f"not within {' and '.join(within)}: the coarsest measured settings take {least.seconds:.2g} s "
+            f"and {least.memory / 2**20:.2g} MiB; give more, or a larger wavelength_short"
         )
     best = min(affordable, key=lambda proposal: proposal.error(target.outputs))
     if target.error is None:

@@ -154,6 +154,8 @@ class NumberTable:
         Lines of the table and comments between them, with blanks between numbers.
     rows : list of list of float
         The numbers, NaN where one is missing. Rows on both sides of a comment may differ in length.
+    line_numbers : list of int
+        Number in the text of the line of each row, from 1.
 
     Raises
     ------
@@ -209,6 +211,7 @@ class NumberTable:
                 width = 0 if _is_comment(line) else len(row) or width
         self.lines = lines[begin:end]
         self.rows = [row for row in rows[begin:end] if row]
+        self.line_numbers = [begin + number + 1 for number, row in enumerate(rows[begin:end]) if row]
         if columns > 2 and heading.ends_with_validity(written[:begin], columns, dialect.separator):
             self.rows = [[*row[:-2], row[-2] if row[-1] else math.nan] for row in self.rows]
             self.columns, self.column_units = columns - 1, self.column_units[:-1]
@@ -244,6 +247,15 @@ class NumberTable:
                     f"its {side} {name}{self._how_read} holds numbers or positions of points; delete it"
                 )
         return heights
+
+    def refuse_repeated(self, node: Array) -> None:
+        """Refuse a list of points of which two belong to the same node."""
+        first = np.unique(node, return_index=True)[1]
+        if first.size < node.size:
+            later = int(np.setdiff1d(np.arange(node.size), first)[0])
+            earlier = int(np.flatnonzero(node == node[later])[0])
+            lines = f"{self.line_numbers[earlier]} and {self.line_numbers[later]}"
+            raise ValueError(f"points in lines {lines} have the same position; delete one of them")
 
     def with_headings(self) -> tuple[list[str], dict[str, float]]:
         """Header and lines as SurfaceTopography expects them, and edges along x and y without a unit.
@@ -348,12 +360,12 @@ def _is_comment(line: str) -> bool:
     return line.startswith(("#", "%")) and not re.match(_ERRORS, line, re.IGNORECASE)
 
 
-def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
+def grid_points(table: NumberTable) -> tuple[Array, tuple[float, float]]:
     """Map of points on a regular grid, with rows along y and columns along x, both increasing.
 
     Parameters
     ----------
-    points : (count, 3) array
+    table : NumberTable
         Columns x, y and z; z may be NaN.
 
     Returns
@@ -368,7 +380,7 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
     ValueError
         If the points are not on a regular grid, or lie on one line.
     """
-    x, y, z = points.T
+    x, y, z = table.numbers()[:, :3].T
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         raise ValueError("a point has no position")
     column, spacing_x, count_x = nodes(x, "x")
@@ -378,19 +390,10 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
     if z.size < FEWEST_PRESENT * count_x * count_y:
         raise ValueError(f"{z.size} points are too few for a grid of {count_y} x {count_x} nodes")
     node = row * count_x + column
-    refuse_repeated(node)
+    table.refuse_repeated(node)
     height = np.full(count_y * count_x, np.nan)
     height[node] = z
     return height.reshape(count_y, count_x), (count_y * spacing_y, count_x * spacing_x)
-
-
-def refuse_repeated(node: Array) -> None:
-    """Refuse a list of points of which two belong to the same node."""
-    first = np.unique(node, return_index=True)[1]
-    if first.size < node.size:
-        later = int(np.setdiff1d(np.arange(node.size), first)[0])
-        earlier = int(np.flatnonzero(node == node[later])[0])
-        raise ValueError(f"points {earlier + 1} and {later + 1} of the list have the same position")
 
 
 def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
