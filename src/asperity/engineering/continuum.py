@@ -12,6 +12,7 @@ import xarray as xr
 
 from asperity.contact import Contact
 from asperity.contact.half_grid import HALF_TOLERANCE, solve_on_half
+from asperity.contact.solve import approach_of_full_contact
 from asperity.core.types import FIELDS, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.analysis import analyse_stress
@@ -120,7 +121,9 @@ def solved_on_half(contact: Contact) -> HalfGrid:
     load: dict[str, Any] = {"force": contact.force}
     if contact.adhesion is not None:
         reason = "the faces attract each other, and the estimate is made for contacts without adhesion"
-        load = load if contact.contact_area_fraction == 1 else {"approach": contact.approach}
+        most = approach_of_full_contact(contact.height, contact.solid, contact.boundary)
+        if contact.contact_area_fraction < 1 and contact.approach < most:
+            load = {"approach": contact.approach}
     half, lost = solve_on_half(*given, **load, hardness=hardness, adhesion=contact.adhesion)
     return HalfGrid(half, lost, reason)
 

@@ -145,9 +145,9 @@ class Scene(Settings):
         elif self.hardness and not self.hardness_is_estimated and not mean_pressure < self.hardness:
             bodies = self.groups_of_bodies.items()
             name = next(name for name, body in bodies if body.hardness == self.hardness)
-            least, most = (shown_si(each, "Pa") for each in (mean_pressure, self.hardness))
-            needed = f"a mean pressure below the hardness {most} is needed"
-            needed += "" if given == least else f", it would be {least}"
+            mean = shown_si(mean_pressure, "Pa")
+            needed = f"a mean pressure below the hardness {shown_si(self.hardness, 'Pa')} is needed"
+            needed += "" if given == mean else f", it would be {mean}"
             remedy = f"check both units, or set {name}.hardness: inf for an elastic contact"
             yield f"load.{self.load.kind}", f" = {given}: {needed}; {remedy}"
 

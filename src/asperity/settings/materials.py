@@ -119,9 +119,11 @@ def material(name: str) -> Material:
     if _plain(name) in names:
         return names[_plain(name)]
     near = did_you_mean(_plain(name), names)
-    words = f"known are {', '.join(dict.fromkeys(found.name for found in names.values()))}"
-    if near:
-        words = f"did you mean {names[near.split()[-1].rstrip('?')].name}?"
+    words = (
+        f"did you mean {names[near.split()[-1].rstrip('?')].name}?"
+        if near
+        else "asperity case --materials lists them"
+    )
     raise ContradictionError(("material", f" = {shown(name)}: the name of a material is needed; {words}"))
 
 

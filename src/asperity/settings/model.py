@@ -572,6 +572,8 @@ def _unknown(word: str, group: str, entry: Entry, root: Entry) -> str:
         return f": does not exist any more; {entry['removed'][word]}"
     if "names" in entry:
         return f": {entry['names']} is needed"
+    if not entry["properties"]:
+        return ": unknown key; the group has no keys, write {}"
     near = did_you_mean(word, entry["properties"])
     if not near and (keys := keys_like(word, root)):
         near = f"; did you mean {keys[0]}?"

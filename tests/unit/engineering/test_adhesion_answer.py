@@ -60,6 +60,17 @@ def test_part_of_the_map_is_framed_where_all_spots_are_pulled():
     assert framed_part(answer, "von_mises") is not None
 
 
+def test_a_load_just_below_the_hardness_is_refused_with_a_remedy():
+    surface = asp.HeightMap(
+        asp.self_affine((16, 16), 0.8, 4e-5, 1e-5, 3e-7, seed=1, length=8e-5), (8e-5, 8e-5)
+    )
+    soft = {"young": 3e6, "poisson": 0.49, "hardness": 5.05e4}
+    with pytest.raises(
+        asp.SettingsError, match=r"adhesion: .* beyond full contact, .*a higher hardness is needed"
+    ):
+        asp.run(surface, soft, load={"mean_pressure": 5e4}, adhesion={"work": 0.05, "steps": 4})
+
+
 def case_of(body=RUBBER, load=None, work="50 mJ/m^2", **groups):
     known = {"map": "a.x3p", "load": load or {"force": "2 N"}, "adhesion": {"work": work}, "body": body}
     return lambda: Case.read(known | groups)

@@ -195,7 +195,7 @@ def test_all_problems_are_found_at_once():
     ("groups", "key", "text"),
     [
         ({"sliding": {"direction": "nan"}}, "sliding.direction", "x, y or an angle in degrees"),
-        ({"yielding": {}}, "yielding", "a yield_stress of a body is needed"),
+        ({"yielding": {}}, "yielding", "needs the yield stress of a body"),
         ({"cycles": {}}, "cycles", "needs shifts, or fatigue limits"),
         ({"conduction": {}}, "conduction", "a counter_body is needed"),
         ({"load": {"hertz_pressure": "1 GPa"}}, "load.hertz_pressure", "needs radius_x"),

@@ -18,7 +18,7 @@ from asperity.engineering.records import POSITIVE, SEARCH, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.interface import FIT, Attraction
 from asperity.settings.load import Hertz
-from asperity.settings.model import Whole, setting
+from asperity.settings.model import Problem, SettingsError, Whole, setting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,11 +140,18 @@ class Adhesion(Attraction, Question):
         """The path as a table, the pull-off force, and its error by the steps of the approach."""
         import pandas as pd
 
+        from asperity.contact.solve import approach_of_full_contact
+
         contact = stages.contact
         lowest = float(contact.height.min())
         forward = np.linspace(lowest - FAR * law.range, contact.approach, self.steps).tolist()
         if contact.contact_area_fraction == 1 and not contact.solid.uniform_compliance():
             forward[-1] -= 1e-3 * (forward[-1] - forward[-2])  # full contact has no approach of its own
+        if forward[-1] >= approach_of_full_contact(contact.height, contact.solid, contact.boundary):
+            found = ": the load flattens the map beyond full contact, where approaches are not computed"
+            raise SettingsError(
+                "", [Problem("adhesion", f"{found}; a lower load or a higher hardness is needed")]
+            )
         step, most, rows = forward[1] - forward[0], MOST_STEPS * self.steps, []
         ahead = [*forward, *forward[-2::-1], *(forward[0] - step * np.arange(1, most)).tolist()]
         last, before, least = None, None, 0

@@ -104,7 +104,7 @@ class Yielding(Question):
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Bodies without a yield stress."""
         if not self.is_implied(case):
-            yield "yielding", ": a yield_stress of a body is needed"
+            yield "yielding", ": needs the yield stress of a body, body.yield_stress or body.material"
 
     def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> YieldedParts:
         """The volumes above yield of the materials."""

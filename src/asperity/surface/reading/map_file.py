@@ -46,6 +46,7 @@ from asperity.surface.reading.number_table import (
     find_dialect,
     grid_points,
     nodes,
+    refuse_repeated,
 )
 from asperity.surface.reading.x3p import read_x3p
 
@@ -281,7 +282,7 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
     lists_points = options.format == points.name or table.names_points
     if 3 < table.columns <= FEW_COLUMNS and len(table.rows) >= ELONGATED * table.columns:
-        lists_points |= _are_points(table)
+        lists_points |= _are_points(np.array(table.rows))
     if options.format == PROFILE:
         return profile, _profile(table)
     if table.columns < 3:
@@ -289,7 +290,7 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     if not lists_points and (found := _matrix(table, matrix, options)):
         return matrix, found
     try:
-        height, (y, x) = grid_points(table)
+        height, (y, x) = grid_points(table.numbers()[:, :3], table.line_numbers)
     except ValueError as error:
         raise ValueError(
             f"three columns of numbers that are no points x, y, z on a regular grid ({_first_line(error)})"
@@ -302,10 +303,10 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     return points, FileContent(height, "z", length=length, length_unit=length_unit, unit=unit)
 
 
-def _are_points(table: NumberTable) -> bool:
-    """True if the first columns of a table hold positions on a regular grid."""
+def _are_points(numbers: Array) -> bool:
+    """True if the first columns of a list hold positions on a regular grid."""
     with suppress(ValueError):
-        return bool(grid_points(table)[0].size)
+        return bool(grid_points(numbers[:, :3])[0].size)
     return False
 
 
@@ -353,7 +354,7 @@ def _profile(table: NumberTable) -> FileContent:
     line, length = numbers[:, -1], None
     if numbers.shape[1] == 2:
         index, spacing, count = nodes(numbers[:, 0], "x")
-        table.refuse_repeated(index)
+        refuse_repeated(index, table.line_numbers)
         line = np.full(count, np.nan)
         line[index] = numbers[:, 1]
         if np.median(np.diff(np.sort(index))) > 1:

@@ -10,6 +10,7 @@ import csv
 import math
 import re
 from collections import Counter
+from collections.abc import Sequence
 from contextlib import suppress
 from itertools import chain
 from typing import NamedTuple
@@ -155,7 +156,7 @@ class NumberTable:
     rows : list of list of float
         The numbers, NaN where one is missing. Rows on both sides of a comment may differ in length.
     line_numbers : list of int
-        Number in the text of the line of each row, from 1.
+        Number of the line of each row in the text, from 1.
 
     Raises
     ------
@@ -247,15 +248,6 @@ class NumberTable:
                     f"its {side} {name}{self._how_read} holds numbers or positions of points; delete it"
                 )
         return heights
-
-    def refuse_repeated(self, node: Array) -> None:
-        """Refuse a list of points of which two belong to the same node."""
-        first = np.unique(node, return_index=True)[1]
-        if first.size < node.size:
-            later = int(np.setdiff1d(np.arange(node.size), first)[0])
-            earlier = int(np.flatnonzero(node == node[later])[0])
-            lines = f"{self.line_numbers[earlier]} and {self.line_numbers[later]}"
-            raise ValueError(f"points in lines {lines} have the same position; delete one of them")
 
     def with_headings(self) -> tuple[list[str], dict[str, float]]:
         """Header and lines as SurfaceTopography expects them, and edges along x and y without a unit.
@@ -360,13 +352,15 @@ def _is_comment(line: str) -> bool:
     return line.startswith(("#", "%")) and not re.match(_ERRORS, line, re.IGNORECASE)
 
 
-def grid_points(table: NumberTable) -> tuple[Array, tuple[float, float]]:
+def grid_points(points: Array, lines: Sequence[int] = ()) -> tuple[Array, tuple[float, float]]:
     """Map of points on a regular grid, with rows along y and columns along x, both increasing.
 
     Parameters
     ----------
-    table : NumberTable
+    points : (count, 3) array
         Columns x, y and z; z may be NaN.
+    lines : sequence of int
+        Number of the line of each point, for messages; by default points are counted.
 
     Returns
     -------
@@ -380,7 +374,7 @@ def grid_points(table: NumberTable) -> tuple[Array, tuple[float, float]]:
     ValueError
         If the points are not on a regular grid, or lie on one line.
     """
-    x, y, z = table.numbers()[:, :3].T
+    x, y, z = points.T
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         raise ValueError("a point has no position")
     column, spacing_x, count_x = nodes(x, "x")
@@ -390,10 +384,21 @@ def grid_points(table: NumberTable) -> tuple[Array, tuple[float, float]]:
     if z.size < FEWEST_PRESENT * count_x * count_y:
         raise ValueError(f"{z.size} points are too few for a grid of {count_y} x {count_x} nodes")
     node = row * count_x + column
-    table.refuse_repeated(node)
+    refuse_repeated(node, lines)
     height = np.full(count_y * count_x, np.nan)
     height[node] = z
     return height.reshape(count_y, count_x), (count_y * spacing_y, count_x * spacing_x)
+
+
+def refuse_repeated(node: Array, lines: Sequence[int] = ()) -> None:
+    """Refuse a list of points of which two belong to the same node."""
+    first = np.unique(node, return_index=True)[1]
+    if first.size < node.size:
+        later = int(np.setdiff1d(np.arange(node.size), first)[0])
+        earlier = int(np.flatnonzero(node == node[later])[0])
+        earlier, later = (lines[each] if lines else each + 1 for each in (earlier, later))
+        what = "points in lines" if lines else "points"
+        raise ValueError(f"{what} {earlier} and {later} have the same position; delete one of them")
 
 
 def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
