@@ -11,6 +11,7 @@ their own true errors. Truth is a solution at an estimated error of 1e-10. Each 
 
 import json
 import os
+import sys
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -48,7 +49,7 @@ TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7)
 """Of asperity, in turns with other programs."""
 
 REFERENCE_TOLERANCE, DEFAULT_TOLERANCE = 1e-10, 1e-6
-MOST_PAIRS, SECONDS_OF_PAIRS = 5, 12.0
+MOST_PAIRS, SECONDS_OF_PAIRS = 5, 10.0
 
 GFMD, SINGLE = "GFMD (asperity)", "ASPHER, single precision"
 RIVALS: dict[str, tuple[float, ...]] = {
@@ -79,7 +80,7 @@ CASES = [
     Case(512, 0.8, "periodic", FRACTION, 1e-6, (GFMD, "ASPHER", "tamaas", "ContactMechanics")),
     Case(1024, 0.2, "periodic", FRACTION, 1e-6, (GFMD, "ASPHER")),
     Case(1024, 0.8, "periodic", FRACTION, 1e-6, (GFMD, "ASPHER")),
-    Case(512, 0.8, "free", FRACTION, 1e-6, ("ASPHER", "tamaas")),
+    Case(512, 0.8, "free", FRACTION, 1e-6, ("ASPHER",)),
     *(Case(1024, 0.8, "periodic", load, 1e-5, ("ASPHER",)) for load in LOADS),
     *(Case(1024, 0.8, "free", load, 1e-5, CANDIDATES) for load in LOADS[:3]),
     *(Case(512, 0.8, "free", load, 1e-5, ("ASPHER",)) for load in LOADS[3:]),
@@ -110,7 +111,7 @@ def solve(program: str, height: Array, load: float, setting: float, boundary: st
     """Pressure by another program."""
     if program == GFMD:
         return own(height, load, setting, boundary, method="gfmd").pressure
-    return peers.SOLVERS[program](height, load, setting, boundary)[0]
+    return peers.SOLVERS[program](height, load, setting, boundary)
 
 
 def relative_error(pressure: Array, truth: Array) -> float:
@@ -206,6 +207,8 @@ def main() -> None:
         for row in measure(*every[options.case]):
             print(json.dumps(row), flush=True)
         return
+    if options.part == "rivals" and not any(map(peers.is_installed, peers.SOLVERS)):
+        sys.exit("no other program is installed: pip install '.[peers]'")
     rows = []
     for number, case in enumerate(every):
         if case[0] <= options.largest:

@@ -37,6 +37,12 @@ PAGES = {"performance": FOLDER.with_suffix(".md"), "summary": ROOT / "docs/perfo
 MARKERS = {"asperity": "o-", "ASPHER": "s--", "ASPHER, candidate nodes": "^:"}
 """Program → marker and line of its times against the area."""
 
+COLUMNS = ["command", "wall", "seconds", "memory_GB", "promised", "ratio", "low", "high"]
+"""Of the tables of commands."""
+
+NEEDED = ("rivals", "grids", "stress", "options")
+"""Tables without which there is no page."""
+
 
 class Part(NamedTuple):
     """A part of the measurement: its command, the minutes that it takes, and whether it runs by default."""
@@ -175,11 +181,14 @@ def shown(table: pd.DataFrame, **columns: str) -> str:
 def commands() -> pd.DataFrame:
     """Rows of all commands that were measured."""
     names = [name for name, part in PARTS.items() if part.command.startswith("commands.py")]
-    return pd.concat([read(name).assign(part=name) for name in names if (FOLDER / f"{name}.csv").exists()])
+    tables = [read(name).assign(part=name) for name in names if (FOLDER / f"{name}.csv").exists()]
+    return pd.concat([pd.DataFrame(columns=COLUMNS), *tables])
 
 
 def write_pages() -> None:
     """Write the pages from the tables."""
+    if missing := [name for name in NEEDED if not (FOLDER / f"{name}.csv").exists()]:
+        sys.exit(f"no pages: {', '.join(missing)} were never measured")
     draw_areas(over_area(), ROOT / "docs/performance_area.png")
     table = read("rivals")
     values = {
