@@ -5,7 +5,6 @@ MINUTES ?=
 SEED ?=
 CONFIG ?=
 RESULTS ?=
-GRIDS ?=
 PARTS ?=
 UPDATE ?=
 # Options of snakemake for the study that CONFIG and RESULTS name, by default the paper's.
@@ -110,8 +109,8 @@ replication: ## Build the article on what of the paper holds, paper/replication.
 	.venv-article/bin/pip install --quiet --disable-pip-version-check --editable ".[article]"
 	.venv-article/bin/python paper/replication.py
 
-bench: $(VENV)/ready ## Measure speed and memory, and write the pages of performance; GRIDS="512 1024 2048" PARTS="contact stress" for less
-	python benchmarks/page.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
+bench: $(VENV)/ready ## Measure speed and memory in 20 minutes, and write the pages of performance; goes on where it was ended; PARTS="rivals stress" for less
+	python benchmarks/page.py $(if $(PARTS),--parts $(PARTS))
 
 tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and its page (ten minutes)
 	python benchmarks/tradeoff.py

@@ -1,9 +1,8 @@
 """Contact solvers and stresses of other programs (`pip install 'asperity[peers]'`).
 
 The solvers are called as asperity's, for a rough surface on a half-space with E* = 1 and a cell of edge 1,
-under a mean pressure, on one thread; they return the pressure and the number of iterations on the finest
-grid. Each has its own definition of the tolerance. ASPHER is built by pip from its source, which takes cmake,
-a C++17 compiler and Eigen (Debian: libeigen3-dev).
+under a mean pressure, on one thread, and return the pressure. Each has its own definition of the tolerance.
+ASPHER is built by pip from its source, which takes cmake, a C++17 compiler and Eigen (Debian: libeigen3-dev).
 
 slippy 0.5.2 is not among them: it needs numpy before 1.21, which Python 3.11 cannot install, and its import
 ends with an error on today's scipy.
@@ -15,6 +14,7 @@ import os
 import time
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -23,26 +23,30 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Fourier
 
 
-def aspher(
-    height: Array, load: float, tolerance: float, boundary: str, hierarchical: bool = False
-) -> tuple[Array, float]:
+def aspher(height: Array, load: float, setting: float, boundary: str, mode: str = "fft") -> Array:
     """Pressure by the nested grids of ASPHER, identified in single and polished in double precision.
 
-    The tolerance holds for its certificate: Frank–Wolfe gap, penetration and load. Over a free boundary it
-    transforms the padded map, or sums hierarchically over candidate nodes, which is faster where little
-    touches.
+    The setting is the tolerance of its certificate: Frank–Wolfe gap, penetration and load. Over a free
+    boundary it transforms the padded map, or sums hierarchically over candidate nodes, which is faster where
+    little touches. Its fastest mode, in single precision, has no tolerance; the setting is the order of the
+    sums.
     """
     os.environ["OMP_NUM_THREADS"] = "1"  # read when the extension module is loaded
     import aspher
 
-    backend = {"periodic": "periodic", "free": "h2" if hierarchical else "fft"}[boundary]
-    settings = {"backend": backend, "active_set": hierarchical, "tol": tolerance}
-    settings["precision"] = "double" if hierarchical else "float_then_double"  # which candidates do not have
+    settings: dict[str, Any] = {"backend": mode if boundary == "free" else "periodic", "tol": setting}
+    if mode == "fft":
+        settings["precision"] = "float_then_double"  # which candidates do not have
+    else:
+        settings["active_set"] = True
+    if mode == "single":
+        settings = {"backend": "h2", "active_set": True, "single_precision": True, "q": int(setting)}
+        settings |= {"allow_tolerance_relaxation": True, "light_result": True}
     result = aspher.solve_nested(len(height), height.ravel(), load, **settings)
-    return np.asarray(result.pressure).reshape(height.shape), result.iterations
+    return np.asarray(result.pressure).reshape(height.shape)
 
 
-def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
+def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> Array:
     """Pressure by the conjugate gradients of Polonsky and Keer in tamaas."""
     import tamaas
 
@@ -56,12 +60,12 @@ def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> tuple
     solver.max_iter = 20_000
     solver.dump_freq = 20_001
     solver.solve(load)
-    return np.array(model.traction), np.nan
+    return np.array(model.traction)
 
 
 def contact_mechanics(
     height: Array, load: float, tolerance: float, boundary: str, hardness: float | None = None
-) -> tuple[Array, float]:
+) -> Array:
     """Pressure by the conjugate gradients of Polonsky and Keer in ContactMechanics.
 
     The tolerance holds for the penetration, relative to the rms height.
@@ -81,7 +85,7 @@ def contact_mechanics(
     result = system.minimize_proxy(
         external_force=load, pentol=tolerance * height.std(), thermotol=tolerance, maxiter=20_000
     )
-    return np.asarray(result.jac) * height.size, result.nit
+    return np.asarray(result.jac) * height.size
 
 
 def tamaas_adhesion(height: Array, adhesion: asp.Adhesion, mean_gap: float, tolerance: float) -> Array:
@@ -101,9 +105,10 @@ def tamaas_adhesion(height: Array, adhesion: asp.Adhesion, mean_gap: float, tole
     return np.array(model.traction)
 
 
-SOLVERS: dict[str, Callable[[Array, float, float, str], tuple[Array, float]]] = {
-    "aspher": aspher,
-    "aspher h2": partial(aspher, hierarchical=True),
+SOLVERS: dict[str, Callable[[Array, float, float, str], Array]] = {
+    "ASPHER": aspher,
+    "ASPHER, candidate nodes": partial(aspher, mode="h2"),
+    "ASPHER, single precision": partial(aspher, mode="single"),
     "tamaas": tamaas,
     "ContactMechanics": contact_mechanics,
 }
@@ -143,9 +148,10 @@ def stress_difference(contact: asp.LoadedSolid, depths: Array) -> float:
     return worst / float(smooth.pressure.max())
 
 
-def is_installed(solver: str) -> bool:
-    """True if the program of a solver can be run here."""
-    return importlib.util.find_spec(solver.split()[0]) is not None
+def is_installed(program: str) -> bool:
+    """True if a program can be run here."""
+    name = program.split(",")[0]
+    return importlib.util.find_spec(name.lower() if name == "ASPHER" else name) is not None
 
 
 def adhesion_times(nodes: int, work: float, repeats: int = 3) -> list[tuple[str, float, float]]:

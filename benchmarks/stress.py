@@ -1,31 +1,25 @@
 """Cost of the stress in the whole solid by grid, and its accuracy.
 
-    python benchmarks/stress.py --points 1024 2048 4096 --threads 1 2 --out results/benchmarks
+    python benchmarks/stress.py --points 1024 2048 4096 --out results/benchmarks/stress.csv
     python benchmarks/stress.py --accuracy
-    python benchmarks/stress.py --layers --points 512
 
-The first writes ``stress.csv``: the whole analysis on each grid and number of threads, in a process of its
-own, with the load of the machine. A plane equivalent is the work of eight real transforms of the contact's
-grid, one for each linear part of the stress; all transforms are counted by their nodes, also for the
-covariances. The second prints error and bound of coarse planes by depth. The third
-presses one coating and a stack of four layers in turns, and prints the time of contact and stress of both.
+The first writes the time of the whole analysis on each grid, on one thread and on two in turns, in a process
+of its own. A plane equivalent is the work of eight real transforms of the contact's grid, one for each linear
+part of the stress; all transforms are counted by their nodes, also for the covariances. The second prints
+error and bound of coarse planes by depth.
 """
 
-from __future__ import annotations
-
-import argparse
 import json
 import os
-import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads would count as processor time
 
 import numpy as np
-import pandas as pd
 from contact import rough
-from measuring import in_own_process, parser_of, peak_memory
+from measuring import alternately, in_own_process, paired, parser_of, peak_memory, write
 
 import asperity as asp
 from asperity.core.types import Array
@@ -35,7 +29,7 @@ RATIOS = [0.0, 0.1, 0.25, 0.33, 0.5]
 LAYER = asp.Solid(young=1.0, poisson=0.33)
 HURST = 0.8
 TOLERANCE = 1e-4
-REPEATS = 3
+MOST_PAIRS, SECONDS_OF_PAIRS = 3, 20.0
 
 
 def under(pressure: Array) -> asp.LoadedSolid:
@@ -50,39 +44,31 @@ def press(points: int) -> asp.LoadedSolid:
     )
 
 
-def measure_once(path: Path, threads: int) -> None:
-    """Print the cost of the whole analysis under a pressure in a file, the least of some runs, as JSON."""
-    contact, settings = under(np.load(path)), {"poisson": RATIOS, "tolerance": TOLERANCE, "threads": threads}
+def measure(points: int) -> None:
+    """Print the cost of the whole analysis on a grid as JSON."""
+    contact, settings = press(points), {"poisson": RATIOS, "tolerance": TOLERANCE, "covariances": True}
     y, x = asp.Grid((64, 64)).coordinates()
     small = np.maximum(np.sin(40 * y)[:, None] * np.sin(40 * x)[None, :] - 0.5, 0)
-    asp.analyse_stress(under(small), **settings)  # compiles
-    before, times, walls = peak_memory(), [], []
-    for _ in range(REPEATS):
-        work, start, begun = Work(), time.process_time(), time.perf_counter()
-        data = asp.analyse_stress(contact, **settings, work=work, covariances=True)
-        times.append(time.process_time() - start)
-        walls.append(time.perf_counter() - begun)
-    cost = {"planes": data.sizes["plane"], "equivalents": work.nodes / contact.grid.size / 8}
-    cost |= {"seconds": min(times), "wall": min(walls), "load_average": os.getloadavg()[0]}
-    cost |= {"memory_GiB": 1e6 * peak_memory() / 2**30, "before_GiB": 1e6 * before / 2**30}
-    print(json.dumps(cost))
+    for threads in (1, 2):
+        asp.analyse_stress(under(small), **settings, threads=threads)  # compiles
+    works: list[Work] = []
 
+    def analyse(threads: int) -> None:
+        works.append(Work())
+        asp.analyse_stress(contact, **settings, threads=threads, work=works[-1])
 
-def measure(grids: list[int], threads: list[int], out: Path) -> None:
-    """Measure the whole analysis by grid and threads, each in a process of its own, and keep the table."""
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for points in grids:
-            path = Path(folder) / "pressure.npy"
-            np.save(path, press(points).pressure)
-            for count in threads:
-                cost = in_own_process(__file__, "--run", path, "--threads", count)
-                row = {"points": points, "threads": count, **cost}
-                rows.append(row | {"date": time.strftime("%Y-%m-%d")})
-                print(rows[-1], flush=True)
-    out.mkdir(parents=True, exist_ok=True)
-    table = pd.DataFrame(rows)
-    table.to_csv(out / "stress.csv", index=False, float_format="%.3g", lineterminator="\n")
+    calls = [partial(analyse, threads) for threads in (1, 2)]
+    times = alternately(calls, MOST_PAIRS, SECONDS_OF_PAIRS, time.perf_counter)
+    row = {
+        "points": points,
+        "equivalents": works[0].nodes / contact.grid.size / 8,
+        "seconds": times[:, 0].min(),
+        "two_threads": times[:, 1].min(),
+        **paired(times[:, 1], times[:, 0]),
+        "memory_GiB": 1e6 * peak_memory() / 2**30,
+        "load_average": os.getloadavg()[0],
+    }
+    print(json.dumps(row))
 
 
 def against_depth(contact: asp.LoadedSolid) -> None:
@@ -104,43 +90,21 @@ def against_depth(contact: asp.LoadedSolid) -> None:
         )
 
 
-def against_coating(points: int) -> None:
-    """Print the least times of contact and stress of a coating and of four layers, measured alternately."""
-    base, moduli = asp.Solid(1.0, 0.3), (2.0, 0.5, 3.0, 1.5)
-    solids = [asp.Solid.stack([(0.04, 2.0, 0.25)], base)]
-    solids += [asp.Solid.stack([(0.01, young, 0.25) for young in moduli], base)]
-    height, times = rough(points, HURST), np.full((REPEATS, 2, 2), np.inf)
-    asp.analyse_stress(asp.solve_contact(rough(64, HURST), solids[1], contact_area_fraction=0.1))  # compiles
-    for repeat, solid in np.ndindex(REPEATS, 2):
-        begun = time.process_time()
-        contact = asp.solve_contact(height, solids[solid], mean_pressure=0.01)
-        solved = time.process_time()
-        asp.analyse_stress(contact.in_body("lower"), tolerance=TOLERANCE)
-        times[repeat, solid] = solved - begun, time.process_time() - solved
-    for stage, both in zip(("contact", "stress"), times.min(0).T, strict=True):
-        print(f"{stage}: {both[0]:.2f} s, four layers {both[1]:.2f} s, {both[1] / both[0]:.2f} times")
-    total = times.sum(-1).min(0)
-    print(f"both: {total[1] / total[0]:.2f} times")
-
-
 def main() -> None:
-    """Measure the cost, or print the tables of the accuracy."""
+    """Measure the cost, or print the table of the accuracy."""
     parser = parser_of(__doc__)
     parser.add_argument("--points", type=int, nargs="+", default=[1024], help="nodes on an edge")
-    parser.add_argument("--threads", type=int, nargs="+", default=[1])
-    parser.add_argument("--accuracy", action="store_true", help="print the tables of the accuracy instead")
-    parser.add_argument("--layers", action="store_true", help="compare a stack with a coating instead")
-    parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
-    parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--accuracy", action="store_true", help="print the table of the accuracy instead")
+    parser.add_argument("--out", type=Path, help="without it the rows are printed as JSON")
     options = parser.parse_args()
-    if options.run:
-        measure_once(options.run, options.threads[0])
-    elif options.layers:
-        against_coating(options.points[0])
-    elif not options.accuracy:
-        measure(options.points, options.threads, options.out)
-    else:
+    if options.accuracy:
         against_depth(press(2048))
+    elif options.out is None:
+        for points in options.points:
+            measure(points)
+    else:
+        each = (in_own_process(__file__, "--points", points) for points in options.points)
+        write([row for rows in each for row in rows], options.out)
 
 
 if __name__ == "__main__":
