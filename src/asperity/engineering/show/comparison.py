@@ -19,6 +19,7 @@ from markupsafe import escape
 from asperity.core.markup import html_table, with_error
 from asperity.core.types import Array
 from asperity.engineering.answer_data import AnswerData, case_in_words, heading, without_repeats
+from asperity.engineering.case_file import leaves
 from asperity.engineering.folder import COMPARISON, COMPARISON_DATA, locked, replacing
 from asperity.engineering.places import CONFIDENCE
 from asperity.engineering.records import POSITIONS, Record
@@ -46,6 +47,15 @@ SIGNIFICANT = 0.05
 SHOWN_SURFACES = 4
 """Surfaces whose pictures are shown."""
 
+LEAST_CHANCE = 1e-3
+"""Smallest probability that is shown: a smaller one depends on the tails of the assumed distribution."""
+
+OF_FILES = {"file", "channel", "name"}
+"""Settings of a map in which surfaces differ."""
+
+SHOWN_KEYS = 4
+"""Keys that are named of those in which cases differ."""
+
 
 class Difference(NamedTuple):
     """Difference of a number of two surfaces, second less first.
@@ -57,8 +67,8 @@ class Difference(NamedTuple):
         Half of the 95 % interval of the difference, by all known causes; NaN without any, 0 of numbers that
         are equal on all maps of a sample.
     chance : float
-        Probability of such a difference between maps of one surface; NaN where it is not known how positions
-        differ.
+        Probability of such a difference between maps of one surface; NaN unless there are several maps of
+        each.
     """
 
     first: Record
@@ -159,13 +169,16 @@ class Comparison:
 
     @cached_property
     def verdict(self) -> str:
-        """The best of the items in the first number that decides; empty if no number can."""
+        """The best of the items in the first number that decides, and what differs in their cases.
+
+        It is empty if no number can decide.
+        """
         if not self.decisive:
             return ""
         record = self.decisive[0]
         values = {name: records[key_of(record)].best for name, records in self.records.items()}
         order = sorted(values, key=lambda name: values[name], reverse=record.better == "more")
-        return self._judged(key_of(record), order)
+        return f"{self._judged(key_of(record), order)} {self._different}".strip()
 
     def _judged(self, key: Key, order: Sequence[str]) -> str:
         """Sentence about the best of the items, which are in falling order."""
@@ -186,7 +199,23 @@ class Comparison:
         chance = min(1.0, found.chance * math.comb(len(order), 2))
         judged = f"{best} is better" if chance < SIGNIFICANT else "No significant difference"
         wider = max(found.first, found.second, key=lambda each: each.error)
-        return f"{judged}: {numbers}; p = {chance:.2g}; most of the interval comes from {cause_of(wider)}."
+        shown = f"p = {chance:.2g}" if chance >= LEAST_CHANCE else f"p < {LEAST_CHANCE:g}"
+        return f"{judged}: {numbers}; {shown}; most of the interval comes from {cause_of(wider)}."
+
+    @cached_property
+    def _different(self) -> str:
+        """Sentence about keys in which the cases differ, the map apart; empty if there are none."""
+        each = [
+            dict(leaves(item.case.model_dump(mode="json", exclude={"map": OF_FILES, "materials": True})))
+            for item in self.items.values()
+        ]
+        keys = dict.fromkeys(key for settings in each for key in settings)
+        found = [key for key in keys if any(of.get(key) != each[0].get(key) for of in each)]
+        if not found:
+            return ""
+        more = f" and {len(found) - SHOWN_KEYS} more" if len(found) > SHOWN_KEYS else ""
+        named = ", ".join(found[:SHOWN_KEYS])
+        return f"The cases differ in {named}{more}: the difference is not one of the surfaces alone."
 
     def frame(self) -> pd.DataFrame:
         """All numbers, and differences to the first; the columns are described in ``docs/tables.md``."""
@@ -289,15 +318,9 @@ def _folder_of(answer: AnswerData, folder: Path) -> str:
 
 
 def _of_errors(first: Record, second: Record) -> Difference:
-    """Difference of two numbers, whose errors are taken to be normally distributed."""
-    from scipy.stats import norm
-
+    """Difference of two numbers by their errors; one map does not show the chance of a difference."""
     error = float(np.linalg.norm(np.nan_to_num([first.error, second.error]))) or math.nan
-    chance = math.nan
-    if all(POSITIONS in each.errors for each in (first, second)):
-        size = abs(second.best - first.best) / error
-        chance = 2 * float(norm.sf(norm.ppf((1 + CONFIDENCE) / 2) * size))
-    return Difference(first, second, error, chance)
+    return Difference(first, second, error, math.nan)
 
 
 def _of_samples(first: Record, second: Record, values: Sequence[Array]) -> Difference:
