@@ -37,12 +37,14 @@ DIMENSIONS = {
     "volume": Dimension("m^3", ("um^3", "mm^3", "m^3")),
     "pressure": Dimension("Pa", ("kPa", "MPa", "GPa", "N/mm^2")),
     "force": Dimension("N", ("mN", "N", "kN")),
+    "viscosity": Dimension("Pa s", ("mPa s", "Pa s")),
     "work of adhesion": Dimension("J/m^2", ("mJ/m^2", "J/m^2")),
 }
 
 # pint evaluates arithmetic in a text, and a long power takes hours: only a number with a unit is passed on.
 _NUMBER_AND_UNIT = re.compile(
-    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ]+(?:\^?[2-4])?(?:[*/·][A-Za-zµμ]+(?:\^?[2-4])?)*)"
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*"
+    r"([A-Za-zµμ]+(?:\^?[2-4])?(?:[*/· ][A-Za-zµμ]+(?:\^?[2-4])?)*)"
 )
 _HARDNESS_NUMBER = re.compile(r"(\d+(?:\.\d+)?)\s*(HV|HB|HBW|HK)[\d.]*")
 

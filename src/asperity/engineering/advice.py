@@ -146,15 +146,22 @@ class _Units(Formatter):
         return shown_si(value, format_spec, 3) if format_spec in ("m", "Pa") else format(value, format_spec)
 
 
+def _most_pressure(young: float, ratio: float) -> float:
+    """Pressure at a strain of about 1; nearly incompressible solids bear a larger one in full contact."""
+    confined = (1 + ratio) * (1 - 2 * ratio)
+    return max(young, young * (1 - ratio) / confined if confined > 0 else math.inf)
+
+
 def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on missing contact, impossible pressures or heights, a missed area, an inaccurate solution."""
     numbers, case, face = stages.numbers, stages.asked, stages.face
     if not numbers.contact_nodes:
         yield True, "no_contact", {}
-    young = min(body.layer.young for body in stages.bodies.values())
     if numbers.pressure_on_spike:
         yield True, "pressure_on_spike", {"count": len(stages.rough.spikes), "size": SPIKE_SIZE}
-    if numbers.maximum_pressure > young:
+    layers = [body.layer for body in stages.bodies.values()]
+    borne, young = min((_most_pressure(each.young, each.poisson), each.young) for each in layers)
+    if numbers.maximum_pressure > borne:
         yield True, "beyond_modulus", {"young": young}
     surfaces = [next(iter(body.parts.values())) for body in case.bodies.values()]
     suggested = HARDNESS_OVER_YIELD * min(each.yield_stress or math.inf for each in surfaces)

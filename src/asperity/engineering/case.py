@@ -73,7 +73,7 @@ class Case(Scene):
     yielding: Yielding | None = optional("asked if a body or its material has a yield stress")
     """Yield."""
     strength: LayerStrength | None = optional("asked if a layer has a strength")
-    """Strength of the layers and of their interfaces."""
+    """Strength of the layers and of their interfaces, by `strength` of each layer."""
     cycles: Cycles | None = optional("asked if a body gives fatigue limits or a residual stress itself")
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
     sensitivity: Sensitivity | None = optional("asked if an input has a tolerance, such as `210 GPa ± 5 %`")

@@ -87,6 +87,7 @@ def contact_records(
     """
     is_elastic = math.isinf(contact.hardness)
     most = POSITIVE if is_elastic else Bounds(0.0, contact.hardness, "the hardness")
+    least = max(numbers.nominal_pressure, 0.0)
     for each in fields(ContactNumbers):
         if not each.metadata or math.isnan(getattr(numbers, each.name)):
             continue
@@ -103,7 +104,10 @@ def contact_records(
             row, column = np.unravel_index(contact.pressure.argmax(), contact.pressure.shape)
             place = row * contact.grid.spacing[0], column * contact.grid.spacing[1]
             note = AT_LINE if contact.grid.at_mirror_line(*place) else ""
-            bounds = record.bounds if may_pull else most
+            between = Bounds(min(least, most.high), most.high, "the mean contact pressure")
+            if not is_elastic:
+                between = between._replace(reason=most.reason)
+            bounds = record.bounds if may_pull else between
             record = replace(record, bounds=bounds, note=note, varies=True, better="less")
         elif each.name == "normal_approach" and (free := BOUNDARIES[contact.boundary]).count(True) == 1:
             distance = shown_si(contact.grid.length[free.index(True)], "m")
@@ -117,6 +121,7 @@ def contact_records(
             estimate = value * area["on_grid"] / area["estimate"] if area["estimate"] else math.nan
             record = replace(record, bounds=record.bounds if may_pull else most, extrapolated=estimate)
             record = record.with_error(DISCRETISATION, area["error"] * estimate)
+            least = max(least, np.nan_to_num(record.interval[0]))
         record = _extrapolated(record, limits, quantity)
         if each.name in ("contact_area_fraction", "contact_area", "mean_pressure"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)

@@ -67,6 +67,9 @@ ANYWHERE, UNBOUNDED = Position(), Bounds()
 FRACTION = Bounds(0.0, 1.0, "a fraction")
 """Bounds of a fraction; a number with them is shown in per cent."""
 
+LEAST_FRACTION = 1e-8
+"""Smallest fraction that is shown as a number."""
+
 POSITIVE = Bounds(0.0, math.inf, "a size")
 
 
@@ -204,6 +207,8 @@ class Record:
         """The value with its unit as text, with the digits that its error leaves, or at most so many."""
         if self.words:
             return self.words
+        if self.bounds == FRACTION and 0 < self.value < LEAST_FRACTION:
+            return f"less than {per_cent(LEAST_FRACTION)}"
         factor, symbol = self.scale(units)
         text = _digits(self.value / factor, digits)
         if 1e-3 * abs(self.value) < self.error < abs(self.value):

@@ -119,11 +119,12 @@ def material(name: str) -> Material:
     if _plain(name) in names:
         return names[_plain(name)]
     near = did_you_mean(_plain(name), names)
-    words = (
-        f"did you mean {names[near.split()[-1].rstrip('?')].name}?"
-        if near
-        else "asperity case --materials lists them"
-    )
+    of_group = [each.name for each in known if _plain(name) in _plain(each.group)]
+    words = "asperity case --materials lists them"
+    if of_group:
+        words = f"did you mean one of {', '.join(of_group)}?"
+    elif near:
+        words = f"did you mean {names[near.split()[-1].rstrip('?')].name}?"
     raise ContradictionError(("material", f" = {shown(name)}: the name of a material is needed; {words}"))
 
 

@@ -30,12 +30,15 @@ class Quantity:
         True if ``inf`` is accepted.
     word : str
         A word that is accepted, too, and stays as it is.
+    bare : bool
+        True if a number in the SI unit is accepted everywhere.
     """
 
     dimension: str
     positive: bool = True
     infinite: bool = False
     word: str = ""
+    bare: bool = False
 
     def __call__(self, value: Any, info: core_schema.ValidationInfo) -> Any:
         """The value in SI; `NeededError` if it is not accepted."""
@@ -48,7 +51,7 @@ class Quantity:
             return math.inf
         try:
             bare = isinstance(value, Real) and not isinstance(value, bool)
-            if bare and not (info.context or {}).get("units"):
+            if bare and (self.bare or not (info.context or {}).get("units")):
                 found = float(value)
             elif self.dimension != "force" and misread(value, self.dimension):  # 50 mPa, where MPa is meant
                 raise ValueError
@@ -68,6 +71,7 @@ class Quantity:
         units = ", ".join(DIMENSIONS[self.dimension].examples)
         sign = " > 0" if self.positive else ""
         other = " or inf" if self.infinite else f" or {self.word}" if self.word else ""
+        other += f" or a number in {DIMENSIONS[self.dimension].unit}" if self.bare else ""
         return (
             f"{article} {self.dimension}{sign} with its unit ({units}{misread(value, self.dimension)}){other}"
         )
@@ -79,7 +83,9 @@ class Quantity:
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         """Description of the quantity as text."""
-        return {"type": "string", "format": self.dimension, "accepts": self.needed()}
+        text = {"type": "string", "format": self.dimension}
+        kinds = {"anyOf": [text, {"type": "number"}]} if self.bare else text
+        return {**kinds, "accepts": self.needed()}
 
     def written(self, value: float) -> Any:
         """The value as text with its unit."""
@@ -134,6 +140,7 @@ Pressure = Annotated[float, Quantity("pressure")]
 Hardness = Annotated[float, Quantity("pressure", infinite=True)]
 STRESS = Quantity("pressure", positive=False)
 Stress = Annotated[float, STRESS]
+Viscosity = Annotated[float, Quantity("viscosity", bare=True)]
 Force = Annotated[float, Quantity("force")]
 LengthOrNumber = Annotated[Number, Field(gt=0), Written("length", "512 um")]
 """A length with its unit, or a number whose unit the setting states; both stay as they are written."""

@@ -128,7 +128,9 @@ class Cycles(Question):
         if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
             yield "cycles", ": both fatigue_scatter and fatigue_volume are needed, or none"
         if self.area is not None and self.fatigue_scatter is None:
-            yield "cycles.area", ": needs fatigue_scatter and fatigue_volume"
+            more = "" if limited else ", and fatigue limits of a body (body.fatigue_torsion, fatigue_bending)"
+            example = "asperity case rolling has all of them"
+            yield "cycles.area", f": requires fatigue_scatter and fatigue_volume{more}; {example}"
         if self.fatigue_scatter is not None and not limited:
             text = f" = {self.fatigue_scatter:g}: fatigue limits of a body are needed"
             yield "cycles.fatigue_scatter", text
@@ -268,7 +270,9 @@ class Cycles(Question):
             yield Record(CRACKS, cracks, "1/m^2", bounds=POSITIVE, note=note, **of)
             for where, area in (("track", self.area), ("map", stages.numbers.nominal_area)):
                 if area is not None:
-                    note = f"on {shown_si(area, 'm^2')}; one starts with {-math.expm1(-cracks * area):.2g}"
+                    note = (
+                        f"on {shown_si(area, 'm^2')}; a crack starts with {-math.expm1(-cracks * area):.2g}"
+                    )
                     none, name = math.exp(-cracks * area), f"probability of no crack on the {where}"
                     yield fraction(name, none, better="more", note=note, **of)
 
@@ -283,7 +287,9 @@ class Cycles(Question):
                 yield Advice(size > FEW_SHIFTS, "number of shifts", text, f"shifts: {error}", size)
         for body, constants in case.different_bodies.items():
             if constants.fatigue_torsion is None:
-                name = constants.material or f"the {body} body"
+                name = (
+                    f"the {body} body" if len(case.different_bodies) > 1 else constants.material or "the body"
+                )
                 left = "shear stress ranges alone" if body in found else "no numbers of its cycles"
                 if body in found and constants.yield_stress is not None:
                     left = "shear stress ranges and shakedown factors"

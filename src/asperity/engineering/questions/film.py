@@ -140,8 +140,8 @@ class Film(Question):
         ]
         return Findings(
             records=records,
-            verdict=f"the film carries {per_cent(share)} of the load, and the asperities the rest",
+            verdict=f"the asperities carry {per_cent(1 - share)} of the load, and the film the rest",
             warnings=warnings,
-            assumption=f"A film carries {per_cent(share)} of the load as the smooth part of the pressure, "
-            "without a shear traction; numbers of the contact hold for the asperities under the rest.",
+            assumption=f"The asperities carry {per_cent(1 - share)} of the load, on which the numbers of the "
+            "contact depend; the film carries the rest as the smooth part of the pressure, without shear.",
         )

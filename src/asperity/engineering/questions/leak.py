@@ -27,8 +27,8 @@ from asperity.engineering.records import (
     Record,
 )
 from asperity.engineering.scene import Scene
-from asperity.settings.model import Number, YesNo, optional, setting
-from asperity.settings.quantities import Pressure
+from asperity.settings.model import YesNo, optional, setting
+from asperity.settings.quantities import Pressure, Viscosity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +37,9 @@ if TYPE_CHECKING:
     from asperity.contact.reynolds import FilmFlow
     from asperity.engineering.face import RoughFace
     from asperity.surface.treatment.treatment import TreatedMap
+
+GASES = 1e-4
+"""Viscosity in Pa s below which a fluid is a gas."""
 
 TOPIC = "gap"
 
@@ -80,9 +83,7 @@ class Leak(Question):
 
     direction: Literal["x", "y"] = setting("x")
     """Direction in which the fluid leaks."""
-    viscosity: Number | None = optional(
-        "percolation alone, no leakage", unit="Pa s", gt=0, le=1e20, example=0.03
-    )
+    viscosity: Viscosity | None = optional("percolation alone, no leakage", example="30 mPa s")
     """Dynamic viscosity of the fluid; needs `asperity[flow]`."""
     pressure_difference: Pressure | None = optional("percolation alone, no leakage", example="5 bar")
     """Fall of the pressure of the fluid over the length of the map."""
@@ -154,6 +155,10 @@ class Leak(Question):
             records = [leakage, *elastic, per_width, factor, *records]
             verdict = f"leaks {leakage.best_text()} along {self.direction} through a seal {through}, "
             verdict += f"{per_width.best_text()}, with the discretisation error"
+            if self.viscosity is not None and self.viscosity < GASES:
+                text = "the leakage is that of a fluid of constant volume, at the mean pressure of the gap: a "
+                text += "gas expands, and slips through constrictions as narrow as its mean free path."
+                warnings.append(Advice(True, "gas", text, "model: a gas expands, and this fluid does not"))
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
             datasets["leak"] = _fields(contact, flow)
         if is_sought:

@@ -50,8 +50,10 @@ SHOWN_SURFACES = 4
 LEAST_CHANCE = 1e-3
 """Smallest probability that is shown: a smaller one depends on the tails of the assumed distribution."""
 
-OF_FILES = {"file", "channel", "name"}
-"""Settings of a map in which surfaces differ."""
+OF_FILES = {"file", "channel", "unit", "physical_size", "height_factor", "missing"} | {
+    *("mask", "orientation", "format", "max_memory", "periodic")
+}
+"""Settings of a map that say how to read its file, in which surfaces may differ."""
 
 SHOWN_KEYS = 4
 """Keys that are named of those in which cases differ."""
