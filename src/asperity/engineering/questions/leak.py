@@ -156,8 +156,8 @@ class Leak(Question):
             verdict = f"leaks {leakage.best_text()} along {self.direction} through a seal {through}, "
             verdict += f"{per_width.best_text()}, with the discretisation error"
             if self.viscosity is not None and self.viscosity < GASES:
-                text = "the leakage is that of a fluid of constant volume, at the mean pressure of the gap: a "
-                text += "gas expands, and slips through constrictions as narrow as its mean free path."
+                text = "the leakage is that of a fluid of constant volume, at the mean pressure of the gap: "
+                text += "a gas expands, and slips through constrictions as narrow as its mean free path."
                 warnings.append(Advice(True, "gas", text, "model: a gas expands, and this fluid does not"))
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
             datasets["leak"] = _fields(contact, flow)
