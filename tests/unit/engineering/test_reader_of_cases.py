@@ -200,17 +200,18 @@ def test_value_of_any_type_is_refused_in_one_line(key, tmp_path):
             assert any(word in line for line in lines for word in known), (value, lines)
 
 
+def residual(stress):
+    return {"body": STEEL | {"residual_stress": stress}}
+
+
 @pytest.mark.parametrize(
     ("groups", "message"),
     [
         (
-            {"body": STEEL | {"residual_stress": {"depth": ["0 um"], "stress": ["1 Pa"], "deep": 1}}},
-            r"^body.residual_stress.deep: unknown key",
+            residual({"depth": ["0 um"], "stress": ["1 Pa"], "deep": 1}),
+            "^body.residual_stress.deep: unknown key",
         ),
-        (
-            {"body": STEEL | {"residual_stress": [1]}},
-            r"body.residual_stress = \[1\]: a pressure with its unit",
-        ),
+        (residual([1]), r"body.residual_stress = \[1\]: a pressure with its unit"),
         ({"map": 5}, "map.file = 5: the name of a file is needed"),
         ({"map": "a\0b"}, r"map.file = 'a\\x00b': the name of a file is needed"),
         ({"counter_body": {"map": 5}}, "counter_body.map.file = 5: the name of a file is needed"),
