@@ -39,6 +39,7 @@ extensions = [
 exclude_patterns = ["_build", "gallery/**/*.ipynb", "gallery/**/*.md5", "gallery/**/*.py"]
 templates_path = ["_templates"]
 nitpicky = True
+suppress_warnings = ["sphinx_gallery.space_in_filename"]  # of the folder of the clone, which no link names
 
 # Markdown
 myst_enable_extensions = ["amsmath", "dollarmath"]

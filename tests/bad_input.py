@@ -100,6 +100,29 @@ HUGE = "9" * 5000
 SPECTRUM = '{"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}'
 RUN = "run {surface} --young 1GPa --poisson 0.3 --unit m --out {folder}/out"
 
+RUNS = [
+    ("--force 1N --force=2N", "--force: given 2 times"),
+    (f"--force 1N --set load_curve.loads=[{','.join(map(str, range(1, 101)))}]", "load_curve.loads = "),
+    ("--force 1N --set sliding", "--set 'sliding': KEY=VALUE is needed, such as body.hardness="),
+    ("--force 1N --set slidng.friction=0.1", "slidng: unknown key; did you mean sliding?"),
+    ("--force 1N --set body.layers=2", "body.layers = 2: a list of groups of keys is needed"),
+    ("--mean-pressure 1,2GPa", "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma: 1.2GPa) is need"),
+    ("--mean-pressure 1MPa --hardness 700HV", "(kPa, MPa, GPa, N/mm^2; 700 HV is 6.865 GPa) or in"),
+    ("--mean-pressure 5Mpa", "(kPa, MPa, GPa, N/mm^2; did you mean 5 MPa?) is needed"),
+    (
+        "--normal-approach -3nm",
+        "--normal-approach = '-3nm': a length > 0 with its unit (nm, um, mm, m) is need",
+    ),
+    ("--force -.5 N", "--force = '-.5 N': a force > 0 with its unit (mN, N, kN) is needed"),
+    ("--contact-area-fraction -1e-3", "--contact-area-fraction = -0.001: a number > 0 and ≤ 1 is needed"),
+    ("--set load.hertz_pressure=1GPa", "--hertz-pressure: needs radius_x"),
+    (
+        "--set load.radius_x=5mm --contact-area-fraction 0.1",
+        "--contact-area-fraction: hertz_pressure, force or",
+    ),
+]
+"""What follows the map, the body and the folder of a run, and the line that refuses it."""
+
 COMMANDS = [
     ("polish", 2, "'polish': one of run, compare"),
     ("solve s.nc", 2, "'solve': one of run, compare"),
@@ -119,21 +142,6 @@ COMMANDS = [
     # names that are too long for a file
     (f"view {{contact}} gap --out {{folder}}/{LONG}", 1, "File name too long"),
     ("info {surface} --unit 7", 1, "--unit = '7': a unit of length such as nm, um, mm or m"),
-    (f"{RUN} --force 1N --force=2N", 2, "--force: given 2 times"),
-    (
-        f"{RUN} --force 1N --set load_curve.loads={[*range(1, 101)]}".replace(", ", ","),
-        2,
-        "load_curve.loads = ",
-    ),
-    (f"{RUN} --force 1N --set sliding", 2, "--set 'sliding': KEY=VALUE is needed, such as body.hardness="),
-    (f"{RUN} --force 1N --set slidng.friction=0.1", 2, "slidng: unknown key; did you mean sliding?"),
-    (f"{RUN} --force 1N --set body.layers=2", 2, "body.layers = 2: a list of groups of keys is needed"),
-    (
-        f"{RUN} --mean-pressure 1,2GPa",
-        2,
-        "(kPa, MPa, GPa, N/mm^2; with a decimal point, not a comma: 1.2GPa) is need",
-    ),
-    (f"{RUN} --mean-pressure 1MPa --hardness 700HV", 2, "(kPa, MPa, GPa, N/mm^2; 700 HV is 6.865 GPa) or in"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
     ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as"),
     ('plan {"hurst":[', 1, "YAML is needed; "),
@@ -143,25 +151,7 @@ COMMANDS = [
         2,
         "--material, or --young and --poisson: missing",
     ),
-    (f"{RUN} --mean-pressure 5Mpa", 2, "(kPa, MPa, GPa, N/mm^2; did you mean 5 MPa?) is needed"),
     ("run map.x3p --pressure 5MPa", 2, "--pressure: not accepted; did you mean --mean-pressure?"),
-    (
-        f"{RUN} --normal-approach -3nm",
-        2,
-        "--normal-approach = '-3nm': a length > 0 with its unit (nm, um, mm, m) is needed",
-    ),
-    (f"{RUN} --force -.5 N", 2, "--force = '-.5 N': a force > 0 with its unit (mN, N, kN) is needed"),
-    (
-        f"{RUN} --contact-area-fraction -1e-3",
-        2,
-        "--contact-area-fraction = -0.001: a number > 0 and ≤ 1 is needed",
-    ),
-    (f"{RUN} --set load.hertz_pressure=1GPa", 2, "--hertz-pressure: needs radius_x"),
-    (
-        f"{RUN} --set load.radius_x=5mm --contact-area-fraction 0.1",
-        2,
-        "--contact-area-fraction: hertz_pressure, force or m",
-    ),
     # exports
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
     ("export {folder} --peaks p.csv", 1, "{folder}: the folder of an answer of asperity run is needed"),
@@ -177,6 +167,7 @@ COMMANDS = [
     ("view {contact} height x=3", 1, "x = '3': a range such as 0-0.1 is needed"),
     ("view {contact} height --field xx", 1, "--field: not for height, only for section, plane and peaks"),
     ("view {contact_in_si} section y=205", 1, "y = '205': a number with a unit of length"),
+    *((f"{RUN} {words}", 2, line) for words, line in RUNS),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"
@@ -221,20 +212,18 @@ def loaded(of):
     return asp.LoadedSolid(of("contact").pressure.values, asp.Grid((64, 64)), HALF_SPACE)
 
 
+def covering(surface, fraction):
+    return asp.solve_contact(surface.height, HALF_SPACE, contact_area_fraction=fraction)
+
+
 BAND = {"hurst": 0.8, "wavelength_long": 0.25, "wavelength_short": 0.05, "rms_height": 0.001, "seed": 1}
 CALLS = [
     (lambda of: asp.self_affine((64, 64), **BAND | {"wavelength_short": 0.5}), "wavelength_short = 0.5: "),
     (lambda of: asp.self_affine((16, 16), **BAND), "wavelength_short = 0.05: "),
     (lambda of: asp.surface.with_moments(asp.self_affine((64, 64), **BAND), 1.0, 2.0), "no Johnson curve"),
     (lambda of: press_surface(of("surface"), LAYER, STEP), "normal_approach = 0.9: less than 0.0"),
-    (
-        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, contact_area_fraction=10**400),
-        "contact_area_fraction = 1",
-    ),
-    (
-        lambda of: asp.solve_contact(of("surface").height, HALF_SPACE, contact_area_fraction=-0.1),
-        "contact_area_fraction = -0.1",
-    ),
+    (lambda of: covering(of("surface"), 10**400), "contact_area_fraction = 1"),
+    (lambda of: covering(of("surface"), -0.1), "contact_area_fraction = -0.1"),
     (lambda of: asp.analyse_stress(loaded(of), poisson=[0.2, 0.2]), "poisson = 0.2: given 2 times"),
     (lambda of: asp.stress.pool_peaks([of("stress")] * 2, [0.1], bins=20), "gradients"),
     (lambda of: asp.read_result("none.nc"), "none.nc: no such file"),

@@ -87,6 +87,12 @@ def checked_answers():
     stages.AnswerData = made
 
 
+@pytest.fixture
+def without_pictures(monkeypatch):
+    """Answers are written without pictures, which take most of the time."""
+    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Let one process run the tests of a module that share a fixture, unless they have a group already."""

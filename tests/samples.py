@@ -1,9 +1,12 @@
-"""Surfaces, loaded solids, measures and a test of refused arguments that several modules of tests share."""
+"""Surfaces, loaded solids, maps, commands, measures and refused arguments that many tests share."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.cli.main import main
 
 HALF_SPACE, LAYER = asp.Solid(1.0, 0.3), asp.Solid(1.0, 0.3, height=0.2)
 PAIR = asp.TwoBodies(HALF_SPACE, asp.Solid(0.1, 0.4, height=0.02))
@@ -29,6 +32,13 @@ def hardened(height, share, solid=HALF_SPACE, **settings):
     settings = {"mean_pressure": load_of(height)} | settings
     largest = asp.solve_contact(height, solid, **settings).maximum_pressure
     return asp.solve_contact(height, solid, hardness=share * largest, **settings)
+
+
+def with_gap(gap, boundary="periodic", length=1.0):
+    """A contact with a gap that is given, closed where it is 0."""
+    contact = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
+    grid, pressure = asp.Grid(gap.shape, length), np.where(gap > 0, 0.0, 1.0)
+    return replace(contact, gap=gap, pressure=pressure, grid=grid, boundary=boundary)
 
 
 def centred(grid):
@@ -68,6 +78,21 @@ def order(points, errors):
 def difference(found, exact):
     """Norm of the difference of two fields over the norm of the second."""
     return np.linalg.norm(found - exact) / np.linalg.norm(exact)
+
+
+def write_map(path, height, edges):
+    """Write heights in µm as text, with the edges y, x of their map in µm; its name."""
+    head = "# Channel: Height\n# Width: {1:g} um\n# Height: {0:g} um\n# Value units: um".format(*edges)
+    np.savetxt(path, height, header=head, comments="", fmt="%.6f")
+    return str(path)
+
+
+def status(*words):
+    """Exit status of a command."""
+    try:
+        return main([*map(str, words)])
+    except SystemExit as ended:
+        return ended.code
 
 
 def refuses(*rows):

@@ -12,32 +12,17 @@ import signal
 import numpy as np
 import pytest
 import yaml
-
-from asperity.cli.main import main
+from samples import status, write_map
 
 STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "50 MPa"]
 NAMES = ("a", "b")
+pytestmark = pytest.mark.usefixtures("without_pictures")
 
 
-def write_map(path, seed, pixel=(1.0, 1.0)):
-    """A rough map of 16 x 16 points, with edges in µm, as text."""
+def made_map(path, seed, pixel=(1.0, 1.0)):
+    """A rough map of 16 x 16 points, with edges of the pixels in µm."""
     height = np.random.default_rng(seed).normal(scale=0.01, size=(16, 16))
-    head = f"# Channel: Height\n# Width: {16 * pixel[1]} um\n# Height: {16 * pixel[0]} um\n# Value units: um"
-    np.savetxt(path, height, header=head, comments="", fmt="%.6f")
-    return str(path)
-
-
-@pytest.fixture(autouse=True)
-def without_pictures(monkeypatch):
-    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
-
-
-def status(*command):
-    """Exit status of a command."""
-    try:
-        return main([*map(str, command)])
-    except SystemExit as ended:
-        return ended.code
+    return write_map(path, height, (16 * pixel[0], 16 * pixel[1]))
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +31,8 @@ def kept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("kept")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
-        maps = [write_map(folder / f"{name}.txt", seed) for seed, name in enumerate(NAMES)]
-        assert main(["run", *maps, *STEEL, "--pooled", "--out", str(folder / "pool")]) == 0
+        maps = [made_map(folder / f"{name}.txt", seed) for seed, name in enumerate(NAMES)]
+        assert status("run", *maps, *STEEL, "--pooled", "--out", folder / "pool") == 0
     return folder
 
 
@@ -136,7 +121,7 @@ def exchanged_answers(pool):
 
 
 def answer_of_a_changed_map(pool):
-    write_map(pool.parent / "b.txt", 7)
+    made_map(pool.parent / "b.txt", 7)
     assert status("run", pool.parent / "b.txt", *STEEL, "--out", pool / "b") == 0
 
 
@@ -161,7 +146,7 @@ def test_verify_finds_what_is_wrong_in_a_pool(pool, damage):
 def test_changed_material_is_named(tmp_path, capsys):
     """The case keeps the constants with which it was computed."""
     (tmp_path / "materials.yaml").write_text("mine: {young: 70 GPa, poisson: 0.3}")
-    case = {"map": write_map(tmp_path / "a.txt", 1), "body": {"material": "mine"}}
+    case = {"map": made_map(tmp_path / "a.txt", 1), "body": {"material": "mine"}}
     (tmp_path / "own.yaml").write_text(yaml.safe_dump(case | {"load": {"mean_pressure": "50 MPa"}}))
     out = tmp_path / "out"
     assert status("run", tmp_path / "own.yaml", "--out", out) == status("verify", out) == 0
@@ -219,14 +204,14 @@ def test_damaged_list_of_a_sample_is_one_line(pool, text, capsys):
 
 @pytest.mark.parametrize("setting", ["out=5", "out.a=5", "map.points=65536", "checksums=5", "map=5"])
 def test_setting_of_another_type_is_one_line(tmp_path, setting, capsys):
-    command = ["run", write_map(tmp_path / "a.txt", 1), *STEEL, "--check", "--set", setting]
+    command = ["run", made_map(tmp_path / "a.txt", 1), *STEEL, "--check", "--set", setting]
     refused = setting != "checksums=5"  # a map that is named has no checksum
     assert status(*command) == 2 * refused
     assert len(capsys.readouterr().err.splitlines()) == refused
 
 
 def test_setting_of_counter_maps_is_that_of_the_flag(tmp_path, capsys):
-    maps = [write_map(tmp_path / f"{name}.txt", seed) for seed, name in enumerate("abcd")]
+    maps = [made_map(tmp_path / f"{name}.txt", seed) for seed, name in enumerate("abcd")]
     command = ["run", *maps[:2], *STEEL, "--pooled", "--check"]
     assert status(*command, "--counter-map", *maps[2:]) == 0
     for given, expected in (("[{2}, {3}]", 0), ("{2}", 0), ("[{1}, {2}, {3}]", 2), ("5", 2)):
@@ -254,13 +239,13 @@ def test_manifest_that_is_no_file_is_not_read(pool):
 @pytest.mark.parametrize("name", ["..", "sample.csv", "case.yaml", ".complete"])
 def test_maps_named_like_files_of_answers_are_refused(tmp_path, name):
     """Before anything is computed: the answer would be outside the folder, or in the way of another file."""
-    maps = [write_map(tmp_path / f"{stem}.txt", seed) for seed, stem in enumerate(("a", name))]
+    maps = [made_map(tmp_path / f"{stem}.txt", seed) for seed, stem in enumerate(("a", name))]
     out = tmp_path / "answers/pool"
     assert status("run", *maps, *STEEL, "--pooled", "--out", out, "--check") == 2
 
 
 def test_folder_in_a_loop_of_links_is_one_line(tmp_path, capsys):
-    write_map(tmp_path / "map.txt", 0)
+    made_map(tmp_path / "map.txt", 0)
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     assert status("run", tmp_path / "map.txt", *STEEL, "--out", tmp_path / "loop") == 1
     assert "loop: cannot be written" in capsys.readouterr().err
@@ -268,7 +253,7 @@ def test_folder_in_a_loop_of_links_is_one_line(tmp_path, capsys):
 
 def test_folder_that_is_not_utf_8_is_refused(tmp_path, monkeypatch, capsys):
     """Before anything is computed, also where the working folder has such a name."""
-    file, folder = write_map(tmp_path / "a.txt", 1), tmp_path / os.fsdecode(b"d\xe4")
+    file, folder = made_map(tmp_path / "a.txt", 1), tmp_path / os.fsdecode(b"d\xe4")
     try:
         folder.mkdir()
     except OSError:
@@ -288,6 +273,6 @@ def test_folder_that_is_not_utf_8_is_refused(tmp_path, monkeypatch, capsys):
 )
 def test_check_refuses_what_run_refuses(tmp_path, pixel, options):
     """Pixels that are not square, and a force above friction times load, 2.6 mN; or both commands answer."""
-    command = ["run", write_map(tmp_path / "map.txt", 1, pixel), *STEEL, *options, "--out", tmp_path / "out"]
+    command = ["run", made_map(tmp_path / "map.txt", 1, pixel), *STEEL, *options, "--out", tmp_path / "out"]
     checked = status(*command, "--check")
     assert checked == status(*command)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from samples import write_map
 
 from asperity import Body, run
 from asperity.cli.main import main
@@ -32,17 +33,9 @@ def steel():
     return height
 
 
-def save(height, file):
-    """Write a map of pixels of 1 µm, heights in µm, as text; its path."""
-    ny, nx = height.shape
-    head = f"# Channel: Height\n# Width: {nx} um\n# Height: {ny} um\n# Value units: um"
-    np.savetxt(file, height, header=head, comments="", fmt="%.6f")
-    return file
-
-
 @pytest.fixture(scope="module")
 def path(steel, tmp_path_factory):
-    return save(steel, tmp_path_factory.mktemp("maps") / "steel.asc")
+    return Path(write_map(tmp_path_factory.mktemp("maps") / "steel.asc", steel, steel.shape))
 
 
 COMMAND = ["--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "50 MPa", "--yield-stress", "1.5 GPa"]
@@ -105,11 +98,6 @@ def two_answers():
 
 class Killed(BaseException):
     """Raised in place of a kill: no code of asperity catches it."""
-
-
-@pytest.fixture
-def without_pictures(monkeypatch):
-    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
 
 
 def test_killed_run_leaves_old_or_new_answer(two_answers, tmp_path, monkeypatch, without_pictures):
@@ -253,7 +241,7 @@ def test_a_case_file_can_say_the_materials(path, tmp_path, capsys, refused):
 
 def test_a_saved_case_is_repeated(steel, tmp_path, refused, without_pictures):
     """With every kind of option: texts, numbers, lists, files; from another folder than it was saved in."""
-    path = save(steel[:32, :32], tmp_path / "steel.asc")
+    path = write_map(tmp_path / "steel.asc", steel[:32, :32], (32, 32))
     shutil.copy(path, tmp_path / "lapped.asc")
     given = (
         "--despike 8 --periodic none --friction 0.2 --sliding-direction 30 --counter-young 70GPa "
@@ -277,7 +265,7 @@ def test_a_saved_case_is_repeated(steel, tmp_path, refused, without_pictures):
 def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):
     """Twice the heights: the second of two columns; the page shows the pictures of both."""
     maps = {"steel": steel[:64, :64], "rough": 2 * steel[:64, :64]}
-    files = [str(save(height, tmp_path / f"{name}.asc")) for name, height in maps.items()]
+    files = [write_map(tmp_path / f"{name}.asc", height, (64, 64)) for name, height in maps.items()]
     command = ["run", *files, *COMMAND, "--out", str(tmp_path / "both")]
     assert main(command) == 0
     _, _, compared = capsys.readouterr().out.rpartition("report.html\n\n")

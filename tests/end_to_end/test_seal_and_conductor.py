@@ -59,6 +59,7 @@ def test_sealed_gap_is_an_answer_with_the_load_that_seals(folder, capsys):
         "--mean-pressure", "1 MPa", "--set", "load_curve.loads=[10 kPa]", "--set", "load_curve.steps=4"
     )
     assert found["leakage along x"] == 0
+    assert "pressure flow factor" not in found
     assert "0, sealed" in capsys.readouterr().out
     curve = pd.read_csv("out/curve.csv")
     assert len(curve) == 4
@@ -130,6 +131,9 @@ def test_leakage_leads_and_is_per_width():
     assert answer.tiles[0] is leakage
     again = film_flow(answer.contact, 0.03, 5e5)
     assert leakage.value == pytest.approx(again.flow_rate, rel=1e-8)  # from another start
+    assert answer["pressure flow factor"].value == pytest.approx(again.flow_factor, rel=1e-8)
+    pressure = answer.datasets["leak"]["film_pressure"].values
+    np.testing.assert_allclose(pressure, again.pressure, atol=1e-3 * 5e5)
 
 
 @flows

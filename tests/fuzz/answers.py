@@ -11,9 +11,9 @@ from pathlib import Path
 from unittest import mock
 
 import bad_input
-import numpy as np
 from hypothesis import strategies as st
 from inputs import LONGEST_MESSAGE, PromiseError, require
+from samples import write_map
 
 import asperity as asp
 from asperity.cli import main as cli
@@ -124,9 +124,8 @@ def made_folder():
     """A new folder with maps, a case, and files of the user's."""
     folder = Path(tempfile.mkdtemp(dir=FOLDER))
     height = asp.self_affine((POINTS, POINTS), 0.8, 8e-6, 3e-6, rms_height=5e-8, seed=3, length=EDGE) * 1e6
-    head = "# Channel: Height\n# Width: 16 um\n# Height: 16 um\n# Value units: um"
-    np.savetxt(folder / "mine.txt", height, header=head, comments="", fmt="%.6f")
-    np.savetxt(folder / "other.txt", 2 * height[::-1], header=head, comments="", fmt="%.6f")
+    for name, values in (("mine.txt", height), ("other.txt", 2 * height[::-1])):
+        write_map(folder / name, values, (16, 16))
     (folder / "case.yaml").write_text(CASE)
     (folder / "foreign.yaml").write_text("contact: {contact_area_fraction: 0.1}\n")
     (folder / "notes.txt").write_text("precious\n")

@@ -1,10 +1,8 @@
 """Flow of a thin film through the gap, against closed forms, direct solutions, and symmetry."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from samples import HALF_SPACE, refuses, rough
+from samples import HALF_SPACE, refuses, rough, with_gap
 
 import asperity as asp
 from asperity.contact.gap import open_gap
@@ -12,13 +10,6 @@ from asperity.core.packages import MissingPackageError, absent
 
 flows = pytest.mark.skipif(bool(absent(["pyamg"])), reason='pip install "asperity[flow]"')
 CONTACT = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
-
-
-def with_gap(gap, boundary="periodic", length=1.0):
-    """A contact with a gap that is given, closed where it is 0."""
-    grid = asp.Grid(gap.shape, length)
-    pressure = np.where(gap > 0, 0.0, 1.0)
-    return replace(CONTACT, gap=gap, pressure=pressure, grid=grid, boundary=boundary)
 
 
 WAVE = 1.0 + 0.6 * np.cos(2 * np.pi * np.arange(64) / 64)

@@ -1,24 +1,13 @@
 """Percolation and constrictions of the gap, against known thresholds, duality, and a spanning tree."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from samples import HALF_SPACE, rough
+from samples import HALF_SPACE, rough, with_gap
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
 import asperity as asp
 from asperity.contact.gap import open_gap, spanned
-
-CONTACT = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
-
-
-def with_gap(gap, boundary="periodic", length=1.0):
-    """A contact with a gap that is given, closed where it is 0."""
-    grid = asp.Grid(gap.shape, length)
-    pressure = np.where(gap > 0, 0.0, 1.0)
-    return replace(CONTACT, gap=gap, pressure=pressure, grid=grid, boundary=boundary)
 
 
 def test_white_noise_percolates_at_the_known_threshold():

@@ -383,13 +383,16 @@ def faced(top, bottom=None, layer=LAYER):
     return layer_fields(layer, FACES, top, bottom)
 
 
+TWICE, MODES = {"traction_x": 0, "displacement_x": 0}, 1j * FIELD[:, :3]
+UNEQUAL = " and 0 on the bottom: equal ones are needed"
+
 test_wrong_argument_is_refused = refuses(
     (lambda: layer_fields(None, FACES, {}), "layer = None, grid = .*: a Solid and a Grid are needed"),
     (lambda: layer_fields(LAYER, (7, 5), {}), "layer = .*, grid = .*: a Solid and a Grid are needed"),
     (lambda: faced(FIELD), "top = .*: a mapping from displacement_x, .* is needed"),
     (lambda: faced({"load": 1}), "a key of top = 'load': one of displacement_x, .* is needed"),
     (
-        lambda: faced({}, {"traction_x": 0, "displacement_x": 0}),
+        lambda: faced({}, TWICE),
         "bottom: traction_x and displacement_x are given; only one of them is accepted",
     ),
     (lambda: faced({"pressure": 0, "traction_z": 0}), "top: pressure and traction_z are given; only one"),
@@ -398,39 +401,25 @@ test_wrong_argument_is_refused = refuses(
     (lambda: faced({"pressure": 1j}), r"top\['pressure'\] = 1j: a finite number or a field"),
     (lambda: faced({"pressure": FIELD[1:]}), r"top\['pressure'\] has the shape \(6, 5\): .*\(7, 5\)"),
     (lambda: faced({"pressure": 1j * FIELD}), r"top\['pressure'\] has the shape .*\(7, 3\) is n"),
-    (
-        lambda: faced({"pressure": 1j * FIELD[:, :3]}),
-        r"top\['pressure'\]: the coefficients of a real field are needed",
-    ),
-    (
-        lambda: faced({"pressure": np.full((7, 3), np.nan + 0j)}),
-        r"top\['pressure'\]: 21 of 21 nodes are not finite",
-    ),
+    (lambda: faced({"pressure": MODES}), r"top\['pressure'\]: the coefficients of a real field are needed"),
+    (lambda: faced({"pressure": np.nan * MODES}), r"top\['pressure'\]: 21 of 21 nodes are not finite"),
     (lambda: faced({"pressure": "high"}), r"top\['pressure'\] = 'high': a finite number"),
     (lambda: layer_fields(Solid(1.0, 0.3), FACES, {}, {}), "bottom = {}: None is needed for a half-space"),
-    (
-        lambda: layer_fields(Solid(1.0, 0.3, 1e-61), FACES, {}),
-        "height = 1e-61: 1e-60 of the cell or more is needed",
-    ),
+    (lambda: faced({}, layer=Solid(1.0, 0.3, 1e-61)), "height = 1e-61: 1e-60 of the cell or more is needed"),
     (lambda: faced({}).planes(0.3), "depth = 0.3: a finite depth from 0 to 0.2 is needed"),
     (lambda: faced({}).planes([0.1, np.nan]), "depth = nan: a finite depth"),
+    (lambda: faced({"pressure": 0.1}, layer=FREE), f"mean σ_zz = -0.1 on top{UNEQUAL} for no net force"),
     (
-        lambda: faced({"pressure": 0.1}, layer=FREE),
-        "mean σ_zz = -0.1 on top and 0 on the bottom: equal ones are needed for no net force",
+        lambda: faced({"traction_y": 1}, {"displacement_z": 0}),
+        f"mean σ_yz = 1 on top{UNEQUAL} for no net force",
     ),
     (
-        lambda: faced({"traction_y": FIELD}, {"displacement_z": 0}),
-        "mean σ_yz = 1 on top and 0 on the bottom: equal ones are needed for no net force",
-    ),
-    (
-        lambda: layer_fields(
-            Solid(1.0, 0.3, 0.2, lateral="free"), FACES, {"traction_x": 0.1}, {"traction_x": -0.1}
-        ),
+        lambda: faced({"traction_x": 0.1}, {"traction_x": -0.1}, Solid(1.0, 0.3, 0.2, lateral="free")),
         "mean σ_xz, σ_yz = 0.1, 0: 0 is needed, as nothing bears their moment with lateral = 'free'",
     ),
     (
         lambda: faced(HELD | {"displacement_z": 0.1}, layer=Solid(1.0, 0.5, 0.2)),
-        "mean displacement_z = 0.1 on top and 0 on the bottom: equal ones are needed for poisson = 0.5",
+        f"mean displacement_z = 0.1 on top{UNEQUAL} for poisson = 0.5",
     ),
 )
 

@@ -173,47 +173,23 @@ def test_tangential_compliance_solves_equilibrium(poisson, height):
         )
 
 
-CONTACT = asp.solve_contact(rough((32, 32)), HALF_SPACE, mean_pressure=1e-3)
-LIMIT = FRICTION * CONTACT.force
+def slipped(solid=HALF_SPACE, share=None, friction=FRICTION, **settings):
+    contact = asp.solve_contact(rough((32, 32)), solid, mean_pressure=1e-3)
+    if share is not None:
+        settings["tangential_force"] = share * FRICTION * contact.force
+    return asp.contact.partial_slip(contact, friction, **settings)
 
+
+SLIPPERY, DISPLACED = asp.Solid(1.0, 0.3, 0.2, "frictionless"), {"tangential_displacement": 1e-5}
 test_bad_arguments = refuses(
-    (lambda: asp.contact.partial_slip(CONTACT, 0.0, tangential_force=1e-4), "friction = 0"),
-    (
-        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_force=1.1 * LIMIT),
-        "tangential_force = 0.00044",
-    ),
-    (
-        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_force=-1e-5),
-        "tangential_force = -1e-05",
-    ),
-    (
-        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_displacement=1.0),
-        "tangential_displacement = 1: at mo",
-    ),
-    (
-        lambda: asp.contact.partial_slip(CONTACT, FRICTION),
-        "exactly one of tangential_force and tangential_displacem",
-    ),
+    (lambda: slipped(share=0.5, friction=0.0), "friction = 0"),
+    (lambda: slipped(share=1.1), "tangential_force = 0.00044"),
+    (lambda: slipped(tangential_force=-1e-5), "tangential_force = -1e-05"),
+    (lambda: slipped(tangential_displacement=1.0), "tangential_displacement = 1: at mo"),
+    (lambda: slipped(), "exactly one of tangential_force and tangential_displacem"),
     (lambda: asp.contact.partial_slip(rough(), FRICTION, tangential_force=0.0), "contact = "),
     (lambda: asp.contact.partial_slip(hardened(rough(), 0.5), FRICTION, tangential_force=0.0), "hardness = "),
-    (
-        lambda: asp.contact.partial_slip(CONTACT, FRICTION, tangential_force=0.0, sliding_direction="z"),
-        "sliding_direction =",
-    ),
-    (
-        lambda: asp.contact.partial_slip(
-            asp.solve_contact(rough((32, 32)), LAYER, mean_pressure=1e-3),
-            FRICTION,
-            tangential_displacement=1e-5,
-        ),
-        "tangential_displacement = 1e-05: half-spaces",
-    ),
-    (
-        lambda: asp.contact.partial_slip(
-            asp.solve_contact(rough((32, 32)), asp.Solid(1.0, 0.3, 0.2, "frictionless"), mean_pressure=1e-3),
-            FRICTION,
-            tangential_force=0.0,
-        ),
-        "bottom = 'frictionless'",
-    ),
+    (lambda: slipped(share=0.0, sliding_direction="z"), "sliding_direction ="),
+    (lambda: slipped(LAYER, **DISPLACED), "tangential_displacement = 1e-05: half-spaces"),
+    (lambda: slipped(SLIPPERY, share=0.0), "bottom = 'frictionless'"),
 )

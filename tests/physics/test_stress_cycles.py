@@ -8,6 +8,7 @@ from samples import refuses
 from scipy.optimize import minimize, nnls
 
 import asperity as asp
+from asperity.reference.hertz import LineHertz
 from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor, reduce_rows
 from asperity.stress.cycles.smallest_sphere import smallest_sphere
 from asperity.stress.cycles.stress_cycles import Cycles
@@ -144,20 +145,6 @@ def test_line_contact_without_friction(line):
     assert cycles.attrs["worst_shakedown_lower"][0] * largest < 4.0
 
 
-def closed_form(x, z, friction, poisson):
-    """Stress under a line contact over p₀, lengths over b: E. McEwen, see Johnson (1985), Eqs. 4.49, 7.8."""
-    square = 1 - x**2 + z**2
-    root = np.sqrt(square**2 + 4 * x**2 * z**2)
-    m = np.sqrt((root + square) / 2)
-    n = np.sign(x) * np.sqrt(np.maximum(root - square, 0) / 2)
-    ratio = (z**2 + n**2) / (m**2 + n**2)
-    xx = -(m * (1 + ratio) - 2 * z)
-    zz, xz = -m * (1 - ratio), -n * (m**2 - z**2) / (m**2 + n**2)
-    shear = friction * (n * (2 - (z**2 - m**2) / (m**2 + n**2)) - 2 * x)
-    xx, zz, xz = xx + shear, zz + friction * xz, xz + friction * xx
-    return np.stack([xx, poisson * (xx + zz), zz, 0 * x, xz, 0 * x])
-
-
 @pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
 def test_line_contact_with_friction(line, friction):
     """Factors against McEwen's closed form in the same depths; images change 0.25 %."""
@@ -165,7 +152,8 @@ def test_line_contact_with_friction(line, friction):
     depths = half * np.linspace(0.2, 0.6, 9)
     cycles = asp.stress.stress_cycles(contact, depths, yield_stress=np.sqrt(3), friction=friction)
     x = np.linspace(-10, 10, 4001)
-    radii = [reduced(closed_form(x, depth / half, friction, 0.3))[2:4] for depth in depths]
+    exact = LineHertz(1.0, 1.0)
+    radii = [reduced(exact.stress(x, depth / half, 0.3, (friction, 0.0)).T)[2:4] for depth in depths]
     exact = np.sqrt(2 / np.array(radii)).min(axis=0)
     for name, value in zip(("upper", "line"), exact, strict=True):
         assert cycles.attrs[f"worst_shakedown_{name}"][0] * largest == pytest.approx(value, rel=1e-2)

@@ -34,9 +34,3 @@ def chain_in_si(chain, tmp_path_factory):
     for stage, path in paths.items():
         dataset.write(results[stage].assign_attrs(unit_system="SI"), path, "SI", {"name": "small"})
     return paths
-
-
-@pytest.fixture
-def without_pictures(monkeypatch):
-    """Answers are written without pictures, which take most of the time."""
-    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])

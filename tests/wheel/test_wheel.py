@@ -41,7 +41,7 @@ COMMANDS = (
     ("", ["study", "init", "study"]),
     ("plot", ["view", "c.nc", "height"]),
     ("maps", ["info", str(STEEL.with_suffix(".gwy"))]),
-    ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --mean-pressure 50MPa --out steel".split()),
+    ("maps", ["run", str(STEEL), "--material", "100Cr6", "--mean-pressure", "50MPa", "--out", "steel"]),
 )
 """Extra that a command needs, and the command."""
 

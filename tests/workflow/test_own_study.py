@@ -90,6 +90,7 @@ def test_claims_are_not_about_surfaces_of_the_user(project):
     assert not figures & {"fig16.png", "fig17.png", "fig18.png"}
 
 
+AREA = "contact_area_fraction"
 REFUSED = [
     ({"results": "/scratch/x"}, {}, "results = '/scratch/x': `results` or a folder below it is needed"),
     ({"results": "results"}, {}, "this one holds the results of the paper"),
@@ -103,21 +104,9 @@ REFUSED = [
     ({"claims": True}, {}, "claims = true needs figures = 'paper'"),
     ({"based_on": "none.yaml"}, {}, "based_on = 'none.yaml': none.yaml: no such file"),
     ({"based_on": 5}, {}, "based_on = 5: the name of a configuration, such as"),
-    (
-        {"contact": {"contact_area_fraction": [0.1, 2]}},
-        {},
-        "contact.contact_area_fraction = 2: a number > 0 and ≤ 1",
-    ),
-    (
-        {"contact": {"contact_area_fraction": [0.1, 0.2, 0.3]}},
-        {},
-        "contact.contact_area_fraction = [0.1, 0.2, 0.3]: study a",
-    ),
-    (
-        {"surfaces": {"a": {**SURFACE, "contact": {}}}},
-        {},
-        "surfaces.a.contact = {}: one of contact_area_fraction, m",
-    ),
+    ({"contact": {AREA: [0.1, 2]}}, {}, f"contact.{AREA} = 2: a number > 0 and ≤ 1"),
+    ({"contact": {AREA: [0.1, 0.2, 0.3]}}, {}, f"contact.{AREA} = [0.1, 0.2, 0.3]: study a"),
+    ({"surfaces": {"a": SURFACE | {"contact": {}}}}, {}, f"surfaces.a.contact = {{}}: one of {AREA}, m"),
     ({"surfaces": dict.fromkeys("abcde", SURFACE)}, {}, "studies: missing; with 5 surfaces, studies of at"),
     ({"studies": {"My": ["a"]}}, {}, "studies.'My': a name of at most 40 lower-case letters"),
 ]

@@ -3,25 +3,11 @@
 import shlex
 
 import pytest
-import yaml
 
 from asperity.app import form
 from asperity.app.session import _words
 from asperity.cli.commands.run import FLAGS
-from asperity.engineering.case import Case
-from asperity.engineering.templates import template, templates
 from asperity.settings.model import SettingsError
-
-
-@pytest.mark.parametrize("name", [*templates()])
-def test_every_template_survives_the_form(name):
-    content = yaml.safe_load(template(name))
-    again = form.content_of(form.values_of(content))
-    if isinstance(content["map"]["file"], list):
-        assert again["map"]["file"] == content["map"]["file"]
-        for each in (content, again):
-            each["map"]["file"] = each["map"]["file"][0]
-    assert Case.read(again).written() == Case.read(content).written()
 
 
 def test_settings_that_are_switched_off_keep_their_texts_and_are_not_used():

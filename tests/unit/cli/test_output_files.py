@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from samples import status, write_map
 
 import asperity as asp
 from asperity import Body
-from asperity.cli.main import main
 from asperity.contact import METHODS
 from asperity.core import system
 from asperity.core.errors import DatasetError
@@ -27,9 +27,8 @@ def folder(tmp_path, monkeypatch):
     """Working directory with two small maps."""
     monkeypatch.chdir(tmp_path)
     height = asp.self_affine((32, 32), 0.8, 16.0, 4.0, rms_height=0.1, seed=1, length=32.0)
-    head = "# Channel: Height\n# Width: 32 um\n# Height: 32 um\n# Value units: um"
     for name, values in (("mine.txt", height), ("other.txt", 2 * height)):
-        np.savetxt(name, values, header=head, comments="", fmt="%.6f")
+        write_map(name, values, (32, 32))
     return tmp_path
 
 
@@ -42,14 +41,6 @@ def never(monkeypatch):
 
     monkeypatch.setitem(METHODS, "active_set", fail)
     monkeypatch.setattr("asperity.surface.treatment.treatment.available_memory", lambda: 25e3)
-
-
-def status(*words):
-    """Exit status of a command."""
-    try:
-        return main([*map(str, words)])
-    except SystemExit as ended:
-        return ended.code
 
 
 RUN = ["run", "mine.txt", *STEEL, "--out", "out"]

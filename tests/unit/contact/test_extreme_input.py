@@ -5,6 +5,7 @@ import pytest
 from samples import HALF_SPACE, difference, refuses, rough
 
 import asperity as asp
+from asperity.stress import probability_density, stress_box
 
 HUGE = 10**400
 """A whole number beyond floating point."""
@@ -86,35 +87,21 @@ def loaded(size=1.0):
     return asp.LoadedSolid(size * np.random.default_rng(0).random((8, 8)), asp.Grid((8, 8)), HALF_SPACE)
 
 
+def covering(height):
+    return asp.solve_contact(height, HALF_SPACE, contact_area_fraction=0.1)
+
+
 test_argument_out_of_range_is_refused = refuses(
     (lambda: asp.stress_planes(loaded(), [0.0], fields=[np.zeros(2)]), "fields = array.*: names from xx, yy"),
-    (
-        lambda: asp.solve_contact([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1),
-        "height = .*: real numbers are neede",
-    ),
+    (lambda: covering([[HUGE, 1], [1, 2]]), "height = .*: real numbers are neede"),
     (lambda: asp.Body(young=HUGE, poisson=0.3), r"young = 10+\.\.\.: a pressure > 0 with its unit"),
-    (
-        lambda: asp.solve_contact(1e80 * EIGHT, HALF_SPACE, contact_area_fraction=0.1),
-        "height: numbers from -1e",
-    ),
-    (
-        lambda: asp.solve_contact(1e-80 * EIGHT, HALF_SPACE, contact_area_fraction=0.1),
-        "height: heights that differ by 1e-75",
-    ),
+    (lambda: covering(1e80 * EIGHT), "height: numbers from -1e"),
+    (lambda: covering(1e-80 * EIGHT), "height: heights that differ by 1e-75"),
     (lambda: asp.surface.with_moments(np.empty((0, 0)), 0.0, 3.0), r"height of shape \(0, 0\): an array"),
     (lambda: next(iter(asp.stress_planes(loaded(1e150), [0.0]))), "pressure: numbers from -1e"),
-    (
-        lambda: asp.stress.stress_box(loaded(), [0.0], spacing=5e-324),
-        "spacing = 5e-324: a number of at least 1e-05",
-    ),
-    (
-        lambda: asp.stress.probability_density(EIGHT, 10, (0.0, 5e-324)),
-        r"limits = \(0.0, 5e-324\): a pair of finit",
-    ),
-    (
-        lambda: asp.prepare_map(asp.HeightMap(np.ones(8), (1.0, 1.0), True)),
-        r"height has the shape \(8,\): at",
-    ),
+    (lambda: stress_box(loaded(), [0.0], spacing=5e-324), "spacing = 5e-324: a number of at least 1e-05"),
+    (lambda: probability_density(EIGHT, 10, (0.0, 5e-324)), r"limits = \(0.0, 5e-324\): a pair of finit"),
+    (lambda: asp.prepare_map(asp.HeightMap(np.ones(8), (1.0, 1.0))), r"height has the shape \(8,\): at"),
     (lambda: asp.analyse_stress(loaded(), friction=1e20), r"friction = 1e\+20: a number from 0 to 1000"),
 )
 

@@ -79,32 +79,19 @@ def test_odd_prime_and_oblong_maps(shape):
     require_equal(*both(shape, HALF_SPACE, LOADS[0]), 100 * TOLERANCE)
 
 
+@pytest.mark.parametrize("settings", [{"method": "gfmd", "rtol": 1e-6}, {"dtype": "float32", "rtol": 1e-4}])
+def test_damped_dynamics_and_single_precision(settings):
+    found, expected = both((20, 33), LAYER, LOADS[0], **settings)
+    assert found.pressure.dtype == settings.get("dtype", "float64")
+    require_equal(found, expected, 1e-4 if "method" in settings else 1e-3)
+
+
 def test_imposed_area():
     """The area fixes the load no closer than the interval in which the same nodes touch."""
     found, expected = both((40, 44), HALF_SPACE, LOADS[-1])
     assert found.contact_area_fraction == expected.contact_area_fraction
     least, most = expected.load_interval
     assert least * (1 - 1e-6) < found.mean_pressure < most * (1 + 1e-6)
-
-
-def test_damped_dynamics():
-    found, expected = both((20, 33), LAYER, LOADS[0], method="gfmd", rtol=1e-6)
-    require_equal(found, expected, 1e-4)
-
-
-def test_single_precision():
-    found, expected = both((40, 33), HALF_SPACE, LOADS[0], dtype="float32", rtol=1e-4)
-    assert found.pressure.dtype == np.float32
-    require_equal(found, expected, 1e-3)
-
-
-def test_threads_change_no_bit():
-    height, grid = rough((130, 150)), asp.Grid((130, 150), mirrored=True)
-    one, two = (
-        asp.solve_contact(height, HALF_SPACE, grid, mean_pressure=0.03, threads=threads) for threads in (1, 2)
-    )
-    for name in ("pressure", "displacement", "gap"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
 
 
 def test_certificate_of_the_map_is_that_of_the_cell():

@@ -76,28 +76,20 @@ def case_of(body=RUBBER, load=None, work="50 mJ/m^2", **groups):
     return lambda: Case.read(known | groups)
 
 
+FAR, HERTZ = {"work": "1 J/m^2", "range": "far"}, {"hertz_pressure": "1 MPa", "radius_x": "9 mm"}
+HARD = RUBBER | {"hardness": "5 MPa"}
+
+
 test_bad_cases = refuses(
     (case_of(work="50 mPa"), "adhesion.work = '50 mPa': a work of adhesion > 0 with its unit"),
-    (
-        case_of(adhesion={"work": "1 J/m^2", "range": "far"}),
-        "adhesion.range = 'far': a length > 0 .* or fit is",
-    ),
-    (
-        case_of(load={"contact_area_fraction": 0.1}),
-        "load.contact_area_fraction: a pressure, a force or an app",
-    ),
-    (
-        case_of(load={"hertz_pressure": "1 MPa", "radius_x": "9 mm"}),
-        "load.radius_x: not accepted with adhesion",
-    ),
+    (case_of(adhesion=FAR), "adhesion.range = 'far': a length > 0 .* or fit is"),
+    (case_of(load={"contact_area_fraction": 0.1}), "load.contact_area_fraction: a pressure, a force or an a"),
+    (case_of(load=HERTZ), "load.radius_x: not accepted with adhesion"),
     (case_of(sliding={"friction": 0.3}), "sliding: not accepted with adhesion"),
     (case_of(film={"load_fraction": 0.3}), "film: not accepted with adhesion"),
     (case_of(load_curve={"loads": ["1 N"]}), "load_curve: not accepted with adhesion"),
     (case_of(leak={"seal": True}), "leak.seal: not accepted with adhesion"),
-    (
-        case_of(RUBBER | {"hardness": "5 MPa"}, running_in={"loads": 1}),
-        "running_in: not accepted with adhesion",
-    ),
+    (case_of(HARD, running_in={"loads": 1}), "running_in: not accepted with adhesion"),
     (case_of(RUBBER | {"fatigue_torsion": "3 MPa", "fatigue_bending": "4 MPa"}), "cycles: not accepted with"),
     (
         lambda: run(a_rough_map(), RUBBER, force=1e-3, adhesion={"work": 0.05, "range": "1 nm"}),

@@ -91,52 +91,45 @@ STRESS, BODY, RECORD = "records.maximum von Mises stress.value", "bodies.lower.b
 FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
 
 
+WARNINGS = [
+    ({STRESS: 2.1e9}, "stress beyond yield"),
+    ({STRESS: 2.1e9, "asked.body.hardness": 6e9}, "stress beyond yield"),
+    ({"numbers.nominal_pressure": 6.1e9, "contact.hardness": math.inf}, "load beyond the hardness"),
+    ({f"{BODY}.yield_stress": None, f"{BODY}.young": 6e9}, "stress beyond any yield stress"),
+    ({"numbers.rms_gradient": 1.5}, "steep slopes"),
+    ({"numbers.contact_area_fraction": 0.4, "asked.load.contact_area_fraction": 0.4}, "large contact area"),
+    ({"numbers.contact_area_fraction": 0.25}, "another contact area"),
+    ({f"{RECORD}.edge_step": 8.0}, "edges do not match"),
+    (FREE, "contact at the edge of the map"),
+    ({"numbers.load_on_small_patches": 0.7, "numbers.typical_patch_width": 1.1}, "spikes carry the load"),
+    ({"numbers.typical_patch_width": 2.6}, "contact spots of few pixels"),
+    ({"numbers.contact_nodes": 0}, "no contact"),
+    ({"numbers.pressure_on_spike": True}, "maximum pressure on a spike"),
+    ({"numbers.maximum_pressure": 300e9}, "pressure above Young's modulus"),
+    ({"rough.doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "unit of the map"),
+    ({"numbers.peak_to_valley": 3e-4}, "heights as large as the map"),
+    ({f"{BODY}.young": 210e12}, "Young's modulus"),
+    ({f"{BODY}.young": 210e6}, "Young's modulus"),
+    ({f"{BODY}.poisson": 0.5}, "Poisson's ratio"),
+    ({f"{BODY}.yield_stress": 1.5e11}, "yield stress"),
+    ({"numbers.violation": float("nan")}, "accuracy of the solution"),
+]
+NOTES = [
+    ({"numbers.rms_gradient": 0.5}, "steep slopes"),
+    ({f"{RECORD}.altered_fraction": 0.36}, "altered heights"),
+    ({f"{RECORD}.filled_fraction": 0.05}, "altered heights"),
+    ({"bodies.lower.limits.reason": "8 nodes"}, "no extrapolation to zero pixel size"),
+    ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "detrend of the map"),
+    ({f"{BODY}.young": 210e6, f"{BODY}.yield_stress": None}, "Young's modulus"),
+    ({f"{BODY}.poisson": -0.2}, "Poisson's ratio"),
+]
+
+
 @pytest.mark.parametrize(
-    ("changes", "level", "subject"),
-    [
-        ({STRESS: 2.1e9}, "warning", "stress beyond yield"),
-        ({STRESS: 2.1e9, "asked.body.hardness": 6e9}, "warning", "stress beyond yield"),
-        (
-            {"numbers.nominal_pressure": 6.1e9, "contact.hardness": math.inf},
-            "warning",
-            "load beyond the hardness",
-        ),
-        ({f"{BODY}.yield_stress": None, f"{BODY}.young": 6e9}, "warning", "stress beyond any yield stress"),
-        ({"numbers.rms_gradient": 1.5}, "warning", "steep slopes"),
-        (
-            {"numbers.contact_area_fraction": 0.4, "asked.load.contact_area_fraction": 0.4},
-            "warning",
-            "large contact area",
-        ),
-        ({"numbers.contact_area_fraction": 0.25}, "warning", "another contact area"),
-        ({f"{RECORD}.edge_step": 8.0}, "warning", "edges do not match"),
-        (FREE, "warning", "contact at the edge of the map"),
-        (
-            {"numbers.load_on_small_patches": 0.7, "numbers.typical_patch_width": 1.1},
-            "warning",
-            "spikes carry the load",
-        ),
-        ({"numbers.typical_patch_width": 2.6}, "warning", "contact spots of few pixels"),
-        ({"numbers.contact_nodes": 0}, "warning", "no contact"),
-        ({"numbers.pressure_on_spike": True}, "warning", "maximum pressure on a spike"),
-        ({"numbers.maximum_pressure": 300e9}, "warning", "pressure above Young's modulus"),
-        ({"rough.doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "warning", "unit of the map"),
-        ({"numbers.peak_to_valley": 3e-4}, "warning", "heights as large as the map"),
-        ({f"{BODY}.young": 210e12}, "warning", "Young's modulus"),
-        ({f"{BODY}.young": 210e6}, "warning", "Young's modulus"),
-        ({f"{BODY}.poisson": 0.5}, "warning", "Poisson's ratio"),
-        ({f"{BODY}.yield_stress": 1.5e11}, "warning", "yield stress"),
-        ({"numbers.violation": float("nan")}, "warning", "accuracy of the solution"),
-        ({"numbers.rms_gradient": 0.5}, "note", "steep slopes"),
-        ({f"{RECORD}.altered_fraction": 0.36}, "note", "altered heights"),
-        ({f"{RECORD}.filled_fraction": 0.05}, "note", "altered heights"),
-        ({"bodies.lower.limits.reason": "8 nodes"}, "note", "no extrapolation to zero pixel size"),
-        ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "note", "detrend of the map"),
-        ({f"{BODY}.young": 210e6, f"{BODY}.yield_stress": None}, "note", "Young's modulus"),
-        ({f"{BODY}.poisson": -0.2}, "note", "Poisson's ratio"),
-    ],
+    ("level", "changes", "subject"),
+    [*(("warning", *row) for row in WARNINGS), *(("note", *row) for row in NOTES)],
 )
-def test_advice_is_given(sound, changes, level, subject):
+def test_advice_is_given(sound, level, changes, subject):
     assert subject in subjects(changed(sound, changes), level)
 
 

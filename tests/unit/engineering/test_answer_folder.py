@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from project import ROOT
+from samples import write_map
 
 import asperity as asp
 from asperity.core.errors import DatasetError
@@ -38,9 +39,7 @@ def small_case(source, folder):
         if at(content, keys) is not None:
             file = folder / f"map_{seed}.txt"
             height = 1e6 * asp.self_affine((PIXELS, PIXELS), 0.8, EDGE / 2, 8e-6, 1e-7, seed, length=EDGE)
-            size = "\n".join(f"# {name}: {1e6 * EDGE:g} um" for name in ("Width", "Height"))
-            np.savetxt(file, height, header=f"{size}\n# Value units: um", comments="")
-            put(content, keys, str(file))
+            put(content, keys, write_map(file, height, (1e6 * EDGE, 1e6 * EDGE)))
     content["map"].pop("points", None)
     if "shifts" in content.get("cycles", {}):
         content["cycles"]["shifts"] = FEW_SHIFTS

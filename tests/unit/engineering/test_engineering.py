@@ -10,7 +10,7 @@ from samples import invariants, refuses
 import asperity as asp
 from asperity import Body, run
 from asperity.engineering.contact_numbers import contact_spots
-from asperity.fourier.grid import Fourier, Grid, resample
+from asperity.fourier.grid import Grid
 from asperity.reference.hertz import Hertz, LineHertz
 from asperity.reference.sliding_sphere import SlidingSphere
 from asperity.surface.reading.height_map import HeightMap
@@ -161,20 +161,6 @@ test_wrong_load_is_refused = refuses(
 def test_an_unknown_number_is_answered_with_near_ones(rough, key, message):
     with pytest.raises(KeyError, match=message):
         rough.record(*key)
-
-
-def test_stress_between_nodes_is_that_of_fourier_series(rough):
-    """It lies between nodes, whose largest stress is 1 % lower."""
-    solid = rough.contact.in_body("lower")
-    grid = solid.grid
-    fine = asp.Grid((4 * grid.shape[0], 4 * grid.shape[1]), grid.length, grid.mirrored)
-    series = Fourier(fine).inverse(resample(Fourier(grid).forward(solid.pressure), grid, fine))
-    depths = np.linspace(0.4e-6, 1.2e-6, 9)
-    planes = asp.stress_planes(replace(solid, pressure=series, grid=fine), depths, tolerance=0)
-    exact = max(plane.fields["von_mises"].max() for plane in planes)
-    at_nodes = float(rough.stress["lower"]["maximum_von_mises"].max())
-    assert rough["maximum von Mises stress"].value == pytest.approx(exact, rel=0.04)
-    assert at_nodes < 0.99 * exact
 
 
 def test_neighbouring_balls_are_compared_with_one_alone():

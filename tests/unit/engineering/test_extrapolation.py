@@ -246,12 +246,6 @@ def test_fewer_contact_nodes_leave_the_error_unknown():
     assert np.isnan(extreme_error(found, "von_mises"))
 
 
-def test_no_estimate_on_flat_faces():
-    found = asp.continuum_limit(asp.solve_contact(np.zeros((16, 16)), LAYER, mean_pressure=1e-3))
-    assert "flat or stepped" in found.attrs["reason"]
-    assert found.sel(kind=["estimate", "error"]).to_array().isnull().all()
-
-
 @pytest.mark.parametrize(("points", "phase"), [(80, 0.0), (100, 0.3), (128, 0.0), (128, 0.3), (256, 0.0)])
 def test_straight_ridges_are_within_the_error(points, phase):
     """Contact of 3 % of a wave (Westergaard, J. Appl. Mech. 6 (1939) A49), 2 to 9 nodes wide."""

@@ -9,7 +9,7 @@ from test_engineering import STEEL, a_rough_map
 
 import asperity as asp
 from asperity import Body, Case, run
-from asperity.core.packages import MissingPackageError, absent
+from asperity.core.packages import MissingPackageError
 
 LOAD, FRICTION, AREA = 100e6, 0.3, (64e-6) ** 2
 LIMIT = FRICTION * LOAD * AREA
@@ -82,23 +82,6 @@ def test_percolation_is_that_of_the_map():
     for axis, width in zip("yx", asp.contact.percolation(alone).constriction, strict=True):
         assert found[f"narrowest constriction along {axis}"] == pytest.approx(width, rel=1e-12)
     assert "leakage along y" not in found
-
-
-@pytest.mark.skipif(bool(absent(["pyamg"])), reason='pip install "asperity[flow]"')
-def test_leak_through_a_mirrored_map(tmp_path):
-    """Its edges across the flow are reservoirs, the others are sealed: as without surroundings; solver."""
-    answer = run(a_rough_map(), SOFT, mean_pressure=2e6, **LEAK)
-    found, contact = values(answer, "gap"), answer.contact
-    alone = replace(contact, grid=answer.face.map_alone().grid, boundary="free")
-    flow = asp.contact.film_flow(alone, 1e-3, 1e5, "x")
-    assert found["leakage along x"] == pytest.approx(flow.flow_rate, rel=1e-6)
-    assert found["pressure flow factor"] == pytest.approx(flow.flow_factor, rel=1e-6)
-    pressure = answer.datasets["leak"]["film_pressure"].values
-    np.testing.assert_allclose(pressure, flow.pressure, atol=1e-3 * 1e5)
-    assert (tmp_path / "flow.png") in answer.write(tmp_path)
-    sealed = values(run(a_rough_map(), SOFT, contact_area_fraction=1.0, **LEAK), "gap")
-    assert sealed["leakage along x"] == sealed["gap percolates along x"] == 0
-    assert "pressure flow factor" not in sealed
 
 
 def test_missing_solver_is_named_before_the_contact(monkeypatch):

@@ -156,26 +156,15 @@ def body(**more):
     return lambda: asp.Case(map="a.x3p", load={"force": 1.0}, body={"layers": [HARD, BOND]} | more)
 
 
+BOTH, MISSPELT, UNSAID = {"energy": 1, "toughness": 1}, {"strength": {"energi": 1}}, {"strength": {}}
 PEELS, LIMITS = {"shear": 1e6}, {"fatigue_torsion": 1e8, "fatigue_bending": 2e8}
 test_wrong_layers_are_refused = refuses(
     (body(), "2 problems:\n  body.young: missing"),
     (body(base="bonded", **LIMITS), "body.fatigue_torsion: not accepted with several layers on a rigid base"),
     (body(base="bonded", layers=[HARD, BOND | {"strength": PEELS}]), "body.layers.1.strength.shear: not"),
     (body(**STEEL, layers=[HARD, {"young": 1e9}]), r"2 problems:\n  body.layers.1.poisson: missing"),
-    (
-        body(**STEEL, layers=[HARD, BOND | {"strength": {"energy": 1, "toughness": 1}}]),
-        "body.layers.1.strength.t",
-    ),
-    (
-        body(**STEEL, layers=[HARD | {"strength": {"energi": 1}}]),
-        "body.layers.0.strength.energi: unknown key; did",
-    ),
-    (
-        body(**STEEL, layers=[HARD | {"strength": {}}]),
-        "body.layers.0.strength: one of shear, tension, energy",
-    ),
-    (
-        lambda: asp.Case(map="a.x3p", load={"force": 1.0}, body=STEEL, strength={}),
-        "strength: needs the strength",
-    ),
+    (body(**STEEL, layers=[HARD, BOND | {"strength": BOTH}]), "body.layers.1.strength.t"),
+    (body(**STEEL, layers=[HARD | MISSPELT]), "body.layers.0.strength.energi: unknown key; did"),
+    (body(**STEEL, layers=[HARD | UNSAID]), "body.layers.0.strength: one of shear, tension, energy"),
+    (lambda: asp.Case(map="a", load={"force": 1.0}, body=STEEL, strength={}), "strength: needs the strength"),
 )

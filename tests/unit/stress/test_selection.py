@@ -63,34 +63,23 @@ def test_selections_are_what_they_are_called(source, quantity):
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("chosen", "message"),
     [
-        (
-            lambda data: asp.stress.select_peaks(data, "yy"),
-            "quantity = 'yy': one of pressure, von_mises, xx, zz, xz is",
-        ),
-        (
-            lambda data: asp.stress.select_peaks(data, "von_mises"),
-            r"poisson: one of 0, 0\.33, 0\.5 is needed, there are",
-        ),
-        (
-            lambda data: asp.stress.select_peaks(data, "zz", 0.3),
-            r"poisson = 0\.3: one of 0, 0\.33, 0\.5 is needed",
-        ),
-        (
-            lambda data: asp.stress.select_peaks(data, "xz", 0, "inside"),
-            "selection = 'inside': one of all, at_contact,",
-        ),
-        (
-            lambda data: asp.stress.select_peaks(data.drop_vars("peak_quantity"), "xx"),
-            "stress = .*: the result of a str",
-        ),
-        (lambda data: asp.stress.select_peaks(numbered(data), "xx"), "stress: made by another version"),
+        (("yy",), "quantity = 'yy': one of pressure, von_mises, xx, zz, xz is"),
+        (("von_mises",), r"poisson: one of 0, 0\.33, 0\.5 is needed, there are"),
+        (("zz", 0.3), r"poisson = 0\.3: one of 0, 0\.33, 0\.5 is needed"),
+        (("xz", 0, "inside"), "selection = 'inside': one of all, at_contact,"),
     ],
 )
-def test_wrong_name_or_dataset_is_refused(stress, call, message):
-    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
-        call(stress)
+def test_wrong_name_is_refused(stress, chosen, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        asp.stress.select_peaks(stress, *chosen)
+
+
+def test_wrong_dataset_is_refused(stress):
+    for data, message in ((stress.drop_vars("peak_quantity"), "the result"), (numbered(stress), "made by")):
+        with pytest.raises((ValueError, TypeError), match=f"^stress.*: {message}"):
+            asp.stress.select_peaks(data, "xx")
 
 
 def numbered(stress):

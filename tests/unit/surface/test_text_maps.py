@@ -280,40 +280,23 @@ def cube(path):
 
 
 @pytest.mark.parametrize(
-    ("name", "write", "line"),
+    ("name", "content", "line"),
     [
         ("m.xls", workbook, "it looks like a workbook of Excel; save the table of heights as CSV"),
         ("m.nc", cube, "its variable t lies over time, y, x: a map over two axes is needed"),
-        (
-            "m.grd",
-            lambda path: path.write_bytes(b"DSRB\4\0\0\0"),
-            "it looks like a binary grid of Surfer; save it as",
-        ),
-        (
-            "m.asc",
-            lambda path: path.write_text("Zygo ASCII Data File - Format 2\n1 2 3\n"),
-            "it looks like phase data of Zygo in ASCII",
-        ),
-        (
-            "m.grd",
-            lambda path: path.write_text("DSAA\n6 8\n0 1\n0 1\n0 1\n1 2 3\n"),
-            "its heading says 8 x 6 heights",
-        ),
-        ("m.asc", lambda path: path.write_text("ncols 6\nnrows 8\n1 2 3\n"), "its heading has no cellsize"),
-        (
-            "m.gsf",
-            lambda path: path.write_text("Gwyddion Simple Field 1.0\nXRes = 6\n"),
-            "its heading has no YRes",
-        ),
-        (
-            "m.txt",
-            lambda path: path.write_text("1.25 " * 2**18),
-            "a line of text has more than 900,000 characters",
-        ),
+        ("m.grd", "DSRB\4\0\0\0", "it looks like a binary grid of Surfer; save it as"),
+        ("m.asc", "Zygo ASCII Data File - Format 2\n1 2 3\n", "it looks like phase data of Zygo in ASCII"),
+        ("m.grd", "DSAA\n6 8\n0 1\n0 1\n0 1\n1 2 3\n", "its heading says 8 x 6 heights"),
+        ("m.asc", "ncols 6\nnrows 8\n1 2 3\n", "its heading has no cellsize"),
+        ("m.gsf", "Gwyddion Simple Field 1.0\nXRes = 6\n", "its heading has no YRes"),
+        ("m.txt", "1.25 " * 2**18, "a line of text has more than 900,000 characters"),
     ],
 )
-def test_other_formats_are_named_in_a_line(tmp_path, name, write, line):
-    write(tmp_path / name)
+def test_other_formats_are_named_in_a_line(tmp_path, name, content, line):
+    if callable(content):
+        content(tmp_path / name)
+    else:
+        (tmp_path / name).write_text(content)
     with pytest.raises(MapError, match=re.escape(line)) as caught:
         read_map(tmp_path / name)
     assert len(caught.value.problems) == 1

@@ -226,32 +226,25 @@ def test_a_histogram_of_equal_peaks_has_few_bars(read, scatter):
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("name", "given", "message"),
     [
-        (lambda of: asp.views.plot_pressure(of("surface")), "pressure: the result has height"),
-        (
-            lambda of: asp.views.plot_height([of("contact"), of("contact", si=True)]),
-            "one unit system are needed",
-        ),
-        (
-            lambda of: asp.views.plot_section(of("surface")),
-            "contact: the result of a contact, with its pressure",
-        ),
-        (lambda of: asp.views.plot_height(3), "result = 3: a result of stage surface or contact"),
-        (lambda of: asp.views.plot_peaks(of("contact")), "stress: a result of stage stress"),
-        (
-            lambda of: asp.views.plot_section(of("contact", si=True), y=600e-6),
-            "y = 600 µm: a position from 0 to 5",
-        ),
-        (
-            lambda of: asp.views.plot_gap([of("contact")] * 2, axes=Figure().add_subplot()),
-            "axes: 2 are needed",
-        ),
+        ("pressure", lambda of: of("surface"), "pressure: the result has height"),
+        ("height", lambda of: [of("contact"), of("contact", si=True)], "one unit system are needed"),
+        ("section", lambda of: of("surface"), "contact: the result of a contact, with its pressure"),
+        ("height", lambda of: 3, "result = 3: a result of stage surface or contact"),
+        ("peaks", lambda of: of("contact"), "stress: a result of stage stress"),
     ],
 )
-def test_unsuitable_results_are_refused(read, call, message):
+def test_unsuitable_results_are_refused(read, name, given, message):
     with pytest.raises((ValueError, TypeError), match=message):
-        call(read)
+        getattr(asp.views, f"plot_{name}")(given(read))
+
+
+def test_unsuitable_options_are_refused(read):
+    with pytest.raises(ValueError, match="y = 600 µm: a position from 0 to 5"):
+        asp.views.plot_section(read("contact", si=True), y=600e-6)
+    with pytest.raises(ValueError, match="axes: 2 are needed"):
+        asp.views.plot_gap([read("contact")] * 2, axes=Figure().add_subplot())
 
 
 @pytest.mark.parametrize(
