@@ -31,7 +31,7 @@ from asperity.core.units import shown_si
 from asperity.core.version import __version__
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.advice import Compared, advise
-from asperity.engineering.answer_data import ON_INTERFACE, AnswerData, Origin
+from asperity.engineering.answer_data import ON_INTERFACE, AnswerData, Origin, asked_first
 from asperity.engineering.body_stress import BodyStress, body_stress
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import case_text
@@ -314,8 +314,8 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
 
     The force of friction, which decides nothing, is last.
     """
-    asked = sorted(found, key=lambda name: name not in stages.asked.model_fields_set)
-    texts = [found[name].verdict for name in asked if name != "sliding"]
+    asked, implied = asked_first(stages.asked)
+    texts = [found[name].verdict for name in (*asked, *implied) if name != "sliding"]
     for name in stages.asked.different_bodies:
         body = stages.bodies[name]
         for face, stresses in zip(body.body.interfaces, body.interfaces, strict=True):
