@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -15,7 +16,7 @@ from asperity.core.units import shown_si
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import MAP_FILES, at, case_of_map
 from asperity.engineering.face import RoughFace, read_face
-from asperity.engineering.jobs import Job, arranged
+from asperity.engineering.jobs import SMALL, Job, arranged
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
@@ -102,10 +103,16 @@ class MapJob:
         found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
         if not at(content, MAP_FILES[0]):
             return found | {"problems": [("map.file", ": missing")]}
-        arrangement = arranged(contents_of(content), out, pooled="sample" in content, read=self._read)
-        first, jobs = arrangement.jobs[0], arrangement.jobs
-        problems = [*(each for job in jobs for each in job.problems), *arrangement.problems]
-        found["problems"] = [*dict.fromkeys(map(tuple, problems))]
+        for small in (SMALL, math.inf):  # problems of the settings before a large map is read
+            arrangement = arranged(
+                contents_of(content), out, pooled="sample" in content, read=self._read, small=small
+            )
+            first, jobs = arrangement.jobs[0], arrangement.jobs
+            problems = [*(each for job in jobs for each in job.problems), *arrangement.problems]
+            found["problems"] = [*dict.fromkeys(map(tuple, problems))]
+            if first.case is not None or first.rough is not None:
+                break
+            self._reply("check", found)
         if first.rough is not None:
             face = first.rough.face
             if self._drawn is not first.rough:
@@ -135,7 +142,7 @@ class MapJob:
             self._described = key, describe_map(options.file, MapOptions(**own)).properties
         return self._described[1]
 
-    def _read(self, options: Map, counter: CounterMap | None, shared: bool) -> RoughFace:
+    def _read(self, options: Map, counter: CounterMap | None, shared: bool, _: Any) -> RoughFace:
         """The face that is pressed, read again only after a change."""
         times = [os.stat(each.file).st_mtime_ns for each in (options, counter) if each is not None]
         key = repr((options, counter, shared, times))

@@ -267,18 +267,26 @@ class AnswerData:
 
 
 def tile_names(case: Scene) -> list[tuple[str, ...]]:
-    """Quantities at the top of a page: of the questions asked for, of those implied, of the contact."""
-    asked = sorted(case.questions.items(), key=lambda item: item[0] not in case.model_fields_set)
+    """Quantities at the top of a page: of each question, of the interfaces, and of the contact."""
+    asked, implied = ([case.questions[name].TILES for name in names] for names in asked_first(case))
     faces = [face for body in case.bodies.values() for face in body.interfaces]
     of_faces = tuple(f"{words} {face}" for face in faces for words in ON_INTERFACE.values())
-    strength = case.questions.get("strength")
-    first = () if strength is None else strength.TILES
-    return [first, of_faces, *(each.TILES for _, each in asked if each is not strength), CONTACT_TILES]
+    return [*asked, of_faces, *implied, CONTACT_TILES]
+
+
+def asked_first(case: Scene) -> tuple[list[str], list[str]]:
+    """Names of the questions that a case asks, and of those that a material alone implies."""
+    given = case.model_fields_set
+    implied = [name for name, each in case.questions.items() if each.BY_MATERIAL and name not in given]
+    return [name for name in case.questions if name not in implied], implied
 
 
 def at_the_top(case: Scene, records: Sequence[Record]) -> list[Record]:
-    """Records at the top of a page, one of each question in turn."""
+    """Records at the top of a page: two of the first question that is asked, and one of each in turn."""
     found = [[each for name in names for each in find(records, name)] for names in tile_names(case)]
+    count = len(asked_first(case)[0])
+    if asked := [*filter(None, found[:count])]:
+        found = [asked[0][:1], asked[0][1:], *asked[1:], *found[count:]]
     in_turn = [each for one in zip_longest(*found) for each in one if each is not None]
     return list({(each.quantity, each.body): each for each in in_turn}.values())
 

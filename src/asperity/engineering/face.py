@@ -1,7 +1,7 @@
 """The rough face that is pressed: one map, or the composite roughness of two, read, treated and measured."""
 
 import os
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -80,11 +80,16 @@ class RoughFace(NamedTuple):
     unfiltered: TreatedMap | None = None
 
 
-def read_face(options: Map, counter: CounterMap | None = None, shared: bool = False) -> RoughFace:
+def read_face(
+    options: Map,
+    counter: CounterMap | None = None,
+    shared: bool = False,
+    check: Callable[[Sequence[float]], None] | None = None,
+) -> RoughFace:
     """Read a map and prepare it, with the map of the counter body if that is rough too.
 
     The counter map takes options that it does not give itself from the map. The file overrides options that
-    are shared with other maps.
+    are shared with other maps. `check` is called with the edges (y, x) of a map alone, before its treatment.
 
     Raises
     ------
@@ -95,7 +100,9 @@ def read_face(options: Map, counter: CounterMap | None = None, shared: bool = Fa
     given = options.model_fields_set - {"file"}
     inherited = set() if counter is None else given - counter.model_fields_set
     of_map = {each: getattr(options, each) for each in inherited}
-    name, surface, doubts, spikes, options = _read(options, given if shared else inherited)
+    name, surface, doubts, spikes, options = _read(
+        options, given if shared else inherited, None if counter else check
+    )
     files = _read_file(options.file)
     if counter is None:
         whole = _completed(options, surface)
@@ -141,7 +148,9 @@ def _read_file(source: Any) -> tuple[ReadFile, ...]:
     return (ReadFile(os.path.abspath(source), os.path.getsize(source), sha256_of(source)),)
 
 
-def _read(options: Map, shared: Set[str]) -> tuple[str, HeightMap, tuple[str, ...], Array, Map]:
+def _read(
+    options: Map, shared: Set[str], check: Callable[[Sequence[float]], None] | None = None
+) -> tuple[str, HeightMap, tuple[str, ...], Array, Map]:
     """Name and heights of a map, its doubts, places of spikes, and options; checks that none is missing.
 
     The file overrides the options that are `shared` with other maps.
@@ -157,6 +166,8 @@ def _read(options: Map, shared: Set[str]) -> tuple[str, HeightMap, tuple[str, ..
         name, surface, options = Path(source).stem, found.map, found.options  # type: ignore[assignment]
     if options.crop is not None:
         surface = surface.cropped(options.crop, options.crop_at)
+    if check is not None:
+        check(surface.length)
     measured = MapMeasures(surface, options)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:

@@ -42,12 +42,15 @@ from asperity.engineering.folder import (
 )
 from asperity.engineering.question import part_of
 from asperity.engineering.sample import check_alike
-from asperity.engineering.stages import problems_on_map
+from asperity.engineering.stages import check_edges, problems_on_map
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.model import Problem, SettingsError
 from asperity.stress.statistics.largest import check_area
 
 ReadFace = Callable[..., RoughFace]
+
+SMALL = 1e7
+"""Bytes of the files of a map that are read in about a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +122,7 @@ def arranged(
     pooled: bool = False,
     only: str = "",
     read: ReadFace = read_face,
+    small: float = SMALL,
 ) -> Arrangement:
     """The jobs of the contents of one or several cases, each with one map.
 
@@ -134,6 +138,8 @@ def arranged(
         Name of the one map whose answer is computed.
     read : callable
         Reads the rough face of a map as `read_face` does.
+    small : float
+        Bytes up to which a map is read although its settings are wrong, to list all problems at once.
     """
     maps = [str(at(content, MAP_FILES[0]) or "map") for content in contents]
     several = len(contents) > 1 or pooled
@@ -147,7 +153,7 @@ def arranged(
     for name, file, content in zip(names_of_maps(maps), maps, contents, strict=True):
         own = whole / name if whole else Path(given or f"{Path(file).stem}_run")
         if not only or name == only:
-            jobs.append(_job(name, dict(content), own, pooled, several, read))
+            jobs.append(_job(name, dict(content), own, pooled, several, read, small))
     if pooled and all(job.case is not None for job in jobs):
         sliding = jobs[0].case.sliding if jobs else None  # all slide along the lay of the first map
         jobs = [replace(job, case=job.case.replaced(sliding=sliding)) for job in jobs]
@@ -159,7 +165,15 @@ def arranged(
     return Arrangement(tuple(jobs), whole, pooled, tuple(Problem("", text) for text in found))
 
 
-def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared: bool, read: ReadFace) -> Job:
+def _job(
+    name: str,
+    content: dict[str, Any],
+    folder: Path,
+    pooled: bool,
+    shared: bool,
+    read: ReadFace,
+    small: float,
+) -> Job:
     """The job of one map, with everything that is wrong with its settings, its map and its folder."""
     changed = [*changed_files(content)]
     content = {key: group for key, group in content.items() if key not in (OUT, CHECKSUMS)}
@@ -178,13 +192,14 @@ def _job(name: str, content: dict[str, Any], folder: Path, pooled: bool, shared:
     ]
     surface: Map | None = None if case is None else case.pressed_map
     counter: CounterMap | None = None if case is None else case.counter_map
-    if case is None:  # problems of map and case are reported together
+    if case is None and not missing and sum(map(os.path.getsize, files.values())) <= small:
         with suppress(SettingsError):
             surface = Map.read(content.get("map", {}))
             surface = surface.replaced(crop=None, crop_at=None) if surface.crop == "fit" else surface
     if surface is not None and not missing:
         try:
-            rough = read(surface, counter, shared=shared)
+            check = None if case is None else partial(check_edges, case)
+            rough = read(surface, counter, shared, check)
             if case is not None:
                 case = case.on_face(rough)
                 found += problems_on_map(case, rough)

@@ -163,6 +163,8 @@ class Question(Settings):
     """How the form asks it; empty for `sliding` and `sample`, which stand elsewhere in the form."""
     TILES: ClassVar[tuple[str, ...]] = ()
     """Quantities that answer it, which stand at the top of the report."""
+    BY_MATERIAL: ClassVar[bool] = False
+    """True if a material of the table implies it, so that other questions are answered first."""
     LEAD: ClassVar[str] = ""
     """Name of the picture that stands beside them."""
     FILES: ClassVar[tuple[str, ...]] = ()

@@ -7,10 +7,12 @@ stages before it.
 from __future__ import annotations
 
 import json
+import math
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
+from functools import partial
 from hashlib import sha256
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -29,7 +31,7 @@ from asperity.core.units import shown_si
 from asperity.core.version import __version__
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.advice import Compared, advise
-from asperity.engineering.answer_data import ON_INTERFACE, AnswerData, Origin
+from asperity.engineering.answer_data import ON_INTERFACE, AnswerData, Origin, asked_first
 from asperity.engineering.body_stress import BodyStress, body_stress
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import case_text
@@ -110,7 +112,7 @@ def answer_of(
     SettingsError, MapError, ConvergenceError
         As for `asperity.run`.
     """
-    rough = rough or read_face(case.pressed_map, case.counter_map)
+    rough = rough or read_face(case.pressed_map, case.counter_map, check=partial(check_edges, case))
     asked = case.on_face(rough)
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
@@ -312,8 +314,8 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
 
     The force of friction, which decides nothing, is last.
     """
-    asked = sorted(found, key=lambda name: name not in stages.asked.model_fields_set)
-    texts = [found[name].verdict for name in asked if name != "sliding"]
+    asked, implied = asked_first(stages.asked)
+    texts = [found[name].verdict for name in (*asked, *implied) if name != "sliding"]
     for name in stages.asked.different_bodies:
         body = stages.bodies[name]
         for face, stresses in zip(body.body.interfaces, body.interfaces, strict=True):
@@ -437,12 +439,12 @@ class _Parts:
             self._progress(1.0, 1.0)
 
 
-def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
-    """Settings of a case that do not go with its map."""
+def check_edges(case: Case, edges: Sequence[float]) -> None:
+    """Raise `SettingsError` if the load of a case does not go with the edges (y, x) of its map."""
     found: list[tuple[str, str]] = []
     if (contact := case.hertz_contact) is not None:
         widths = 2 * contact.half_width_y, 2 * contact.half_width_x
-        for axis, width, edge in zip("yx", widths, rough.face.grid.length, strict=True):
+        for axis, width, edge in zip("yx", widths, edges, strict=True):
             if width < edge:
                 given = f"{shown_si(width, 'm')} wide under {shown_si(contact.maximum_pressure, 'Pa')}"
                 part = case.part_in_hertz_contact["yx".index(axis)]
@@ -452,6 +454,15 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
                 text += ", or press the whole form with its force or pressure: map.radius and map.radius_y "
                 text += "with map.periodic = none"
                 found.append((f"load.radius_{axis}", text))
+    elif case.load.kind == "force":
+        found += case.problems_of_pressure(case.load.value / math.prod(edges))
+    if found:
+        raise SettingsError("", [Problem(*each) for each in found])
+
+
+def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
+    """Settings of a case that do not go with its map."""
+    found: list[tuple[str, str]] = []
     ny, nx = rough.face.grid.shape
     if min(ny, nx) < FEWEST_NODES:
         found.append(("map", f": at least {FEWEST_NODES} nodes on each edge are needed, it has {ny} × {nx}"))
@@ -460,10 +471,14 @@ def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
         for other, each in question.other_cases(case).items():
             if each.map == case.map:
                 found += [(f"{name}.{other}", f": {wrong}") for wrong in problems_on_map(each, rough)]
-    try:
-        imposed_load(rough.face, case)
-    except SettingsError as error:
-        found += error.found
+    for check in (
+        partial(check_edges, case, rough.face.grid.length),
+        partial(imposed_load, rough.face, case),
+    ):
+        try:
+            check()
+        except SettingsError as error:
+            found += error.found
     return [Problem(*each) for each in dict.fromkeys(map(tuple, found))]
 
 

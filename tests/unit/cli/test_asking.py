@@ -215,6 +215,26 @@ def test_the_check_refuses_all_that_a_run_refuses(body, groups, refused, tmp_pat
         assert answer_of(job.case, job.rough).records
 
 
+@pytest.mark.parametrize(
+    ("load", "key"),
+    [
+        ({}, "load"),
+        ({"pressure": "1 MPa"}, "load"),
+        (ROLLER, "load.radius_x"),
+        ({"force": "90 N"}, "body.hardness"),
+    ],
+)
+def test_settings_are_checked_before_a_map_is_treated(load, key, tmp_path, monkeypatch):
+    """A load that is missing or misspelled is refused without the file, others by the edges of the map."""
+    np.save(tmp_path / "map.npy", ground(16).height)
+    monkeypatch.setattr("asperity.engineering.face.treat_map", None)
+    options = {"unit": "m", "physical_size": ["200 um", "200 um"], "orientation": "peaks up"}
+    content = {"map": {"file": str(tmp_path / "map.npy"), **options}, "body": STEEL | {"hardness": "2 GPa"}}
+    (job,) = arranged([content | {"load": load}], tmp_path / "out", small=0).jobs
+    assert any(each.key.startswith(key) for each in job.problems)
+    assert job.rough is None
+
+
 def test_numbers_that_follow_from_each_other_have_one_relative_error():
     answer = asp.run(ground(128), STEEL, mean_pressure=400e6)
     names = ("contact area fraction", "contact area", "mean contact pressure")

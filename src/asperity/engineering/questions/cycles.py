@@ -76,8 +76,8 @@ class Cycles(Question):
 
     ASKS = "Does it fatigue, sliding or rolling?"
     TILES = (
-        *("maximum Dang Van stress over limit", "shakedown factor, at least"),
-        *("probability of no crack on the track", "probability of no crack on the map"),
+        *("maximum Dang Van stress over limit", "probability of no crack on the track"),
+        *("shakedown factor, at least", "probability of no crack on the map"),
     )
     LEAD = "cycles"
     FILES = ("cycles", "fatigue")

@@ -52,6 +52,7 @@ class Film(Question):
     """
 
     ASKS = "Does a lubricant film carry a part?"
+    TILES = ("load fraction of the film",)
 
     load_fraction: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7, varied=True)
     """Fraction of the load that the film carries; the asperities carry the rest."""

@@ -44,6 +44,7 @@ class RunningIn(Question):
     """
 
     ASKS = "What remains after running-in?"
+    TILES = ("maximum flattening of the first load",)
 
     loads: Whole = setting(1, ge=1, le=20, example=1)
     """Number of loads that flatten the map before the answer."""

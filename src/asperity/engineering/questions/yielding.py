@@ -94,6 +94,7 @@ class Yielding(Question):
     ASKS = "Where does it yield?"
     TILES = ("maximum von Mises stress", "volume above yield per area", "volume fraction above yield")
     LEAD = "section"
+    BY_MATERIAL = True
 
     @classmethod
     def is_implied(cls, case: Scene) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from asperity.core.units import shown_si
-from asperity.engineering.answer_data import FADED, ON_INTERFACE, AnswerData
+from asperity.engineering.answer_data import FADED, ON_INTERFACE, AnswerData, asked_first
 from asperity.engineering.drawing import (
     draw_framed,
     framed_part,
@@ -71,10 +71,7 @@ def lead_of(answer: AnswerData, of: Any = None) -> Picture | None:
         By default they are drawn until it is found.
     """
     case = answer.case
-    asked = [question.LEAD for name, question in case.questions.items() if name in case.model_fields_set]
-    implied = [
-        question.LEAD for name, question in case.questions.items() if name not in case.model_fields_set
-    ]
+    asked, implied = ([case.questions[name].LEAD for name in names] for names in asked_first(case))
     # Where the picture of a question asked for is missing, as of a closed gap, the contact answers it.
     names = [*reversed(asked), "interface", *(["pressure"] if any(asked) else reversed(implied)), "pressure"]
     names = [*filter(None, names)]
