@@ -65,6 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ["MPLBACKEND"] = "agg"  # a notebook sets one that may not be installed here
         # They are looked for in all installed packages, which takes a tenth of a second.
         os.environ["PYDANTIC_DISABLE_PLUGINS"] = "true"
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads took a fifth of a seal's time
         gc.set_threshold(RARELY, 50, 50)
     try:
         _run(arguments)
