@@ -76,14 +76,16 @@ def settings_table(rows: Iterable[tuple[str, Entry]]) -> str:
             value = entry["default"]
             default_text = f"`{str(value).lower() if isinstance(value, bool) else value}`"
         unit = f", in {entry['unit']}" if entry.get("unit") else ""
-        values = accepted(entry) + unit
-        cells = (f"`{key}`", _KINDS.get(values, _short(values)), default_text, entry["description"])
+        values = ", ".join(entry["enum"]) if "enum" in entry else accepted(entry) + unit
+        cells = (f"`{key}`", _short(values), default_text, entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
 def _short(values: str) -> str:
-    """Accepted numbers as ranges: "whole, 1 to 20", "> 0, ≤ 1"."""
+    """Accepted numbers as ranges: "whole, 1 to 20", "> 0, ≤ 1", and the short names of `_KINDS`."""
+    for text, name in _KINDS.items():
+        values = values.replace(text, name)
     values = re.sub(r"a whole number ≥ (\S+) and ≤ (\S+)", r"whole, \1 to \2", values)
     values = re.sub(r"a number ≥ (\S+) and ≤ (\S+?)(?=,|$)", r"\1 to \2", values)
     return re.sub(r"a number ([>≥] \S+) and ([<≤] \S+)", r"\1, \2", values)
