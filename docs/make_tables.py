@@ -164,7 +164,7 @@ def tables(of_answers: bool) -> str:
         other = max(common, key=lambda each: len(common[each]), default="")
         repeated = common[other] if len(common.get(other, ())) >= REPEATED else []
         lines = [
-            f"- `{column}`{f' ({unit})' if unit not in ('', 'see unit') else ''}: {content}"
+            f"- `{column}`{_unit(column, unit)}: {content}"
             for column, (unit, content, *_) in columns.items()
             if column not in repeated
         ]
@@ -175,6 +175,12 @@ def tables(of_answers: bool) -> str:
         parts.append("\n".join([head, *lines]))
         shown[name] = columns
     return "\n\n".join(parts) + "\n"
+
+
+def _unit(column: str, unit: str) -> str:
+    """The unit in parentheses, unless the name of the column ends with it."""
+    is_named = f"_{column}".endswith(f"_{re.sub('[^A-Za-z0-9]+', '_', unit)}")
+    return "" if unit in ("", "see unit") or is_named else f" ({unit})"
 
 
 PAGES: dict[str, Callable[[], str]] = {
