@@ -36,7 +36,7 @@ NAME = r"^(?!(con|prn|aux|nul|com[0-9]|lpt[0-9])\Z)[a-z][a-z0-9_]{0,39}\Z"
 
 NAMES = "a name of at most 40 lower-case letters, digits and underscores that begins with a letter"
 
-_OTHER_LOAD = "another quantity is imposed"
+_OTHER_LOAD = "another load is given"
 _OWN_STUDY = "Surfaces of a study of your own; `[]` for none, as with every study."
 _OTHER_HEIGHTS = "another distribution is given"
 
@@ -68,21 +68,17 @@ Solver = Literal["gfmd", "active_set"]
 LengthOrCells = Annotated[Number, Field(gt=0), Written("length", "8 um")]
 Names = Annotated[list[Text], Strict(), Field(min_length=0, max_length=4), DISTINCT]
 
-_AREA_FRACTION = (
-    "Real over nominal contact area at which the stress is analysed. One of `contact_area_fraction`, "
-    "`mean_pressure` and `normal_approach` is given."
-)
+_AREA_FRACTION = "Real over nominal contact area. Exactly one load is given."
 _MEAN_PRESSURE: Any = optional(
     _OTHER_LOAD,
-    "Load over the nominal area, in place of `contact_area_fraction`.",
+    "Load over the nominal area.",
     unit="effective modulus",
     gt=0,
     le=1000,
 )
 _NORMAL_APPROACH: Any = optional(
     _OTHER_LOAD,
-    "Approach of the bodies since their first touch (δ − min h, docs/glossary.md), in place of "
-    "`contact_area_fraction`.",
+    "Normal approach since first contact (δ − min h, docs/glossary.md).",
     unit="cell length",
 )
 _LABEL: Any = setting(..., "Name of the surface in figures; mathematics stands between dollar signs.")
@@ -103,11 +99,11 @@ class Johnson(Settings):
     gamma: Number = setting(..., ge=-10, le=10)
     """γ, sign and size of the asymmetry. Positive values make blunt contacts."""
     delta: Annotated[Number, Field(gt=0, le=100)] = setting(...)
-    """δ, shape; smaller values make the heights more skewed. The paper does not give its value."""
+    """δ, shape; smaller values make the heights more skewed."""
     zeta: Annotated[Number, Field(ge=-100, le=100)] = setting(...)
-    """ζ, lower bound of the transformed heights before they are scaled back to `rms_height`."""
+    """ζ, lower bound of the transformed heights before scaling to `rms_height`."""
     lam: Number = setting(..., gt=0, le=200)
-    """λ, width of the interval of the transformed heights before they are scaled back."""
+    """λ, width of the interval of the transformed heights before scaling."""
 
 
 class Moments(Settings):
@@ -271,8 +267,8 @@ class Layer(Settings):
     """Lateral state under the mean pressure: `confined` (no lateral strain) or `free` (no mean lateral
     stress)."""
     half_space_tolerance: Number = optional("preset", ge=0, le=1)
-    """Largest difference between layer and half-space, relative to the pressure of a mode, at which the
-    half-space replaces the layer. Every result records which of the two was used."""
+    """Maximum difference between layer and half-space, relative to the pressure of a mode, at which the
+    half-space replaces the layer."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         if self.base and self.bottom != "bonded":
