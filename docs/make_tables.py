@@ -76,14 +76,16 @@ def settings_table(rows: Iterable[tuple[str, Entry]]) -> str:
             value = entry["default"]
             default_text = f"`{str(value).lower() if isinstance(value, bool) else value}`"
         unit = f", in {entry['unit']}" if entry.get("unit") else ""
-        values = accepted(entry) + unit
-        cells = (f"`{key}`", _KINDS.get(values, _short(values)), default_text, entry["description"])
+        values = ", ".join(entry["enum"]) if "enum" in entry else accepted(entry) + unit
+        cells = (f"`{key}`", _short(values), default_text, entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
 def _short(values: str) -> str:
-    """Accepted numbers as ranges: "whole, 1 to 20", "> 0, ≤ 1"."""
+    """Accepted numbers as ranges: "whole, 1 to 20", "> 0, ≤ 1", and the short names of `_KINDS`."""
+    for text, name in _KINDS.items():
+        values = values.replace(text, name)
     values = re.sub(r"a whole number ≥ (\S+) and ≤ (\S+)", r"whole, \1 to \2", values)
     values = re.sub(r"a number ≥ (\S+) and ≤ (\S+?)(?=,|$)", r"\1 to \2", values)
     return re.sub(r"a number ([>≥] \S+) and ([<≤] \S+)", r"\1, \2", values)
@@ -162,7 +164,7 @@ def tables(of_answers: bool) -> str:
         other = max(common, key=lambda each: len(common[each]), default="")
         repeated = common[other] if len(common.get(other, ())) >= REPEATED else []
         lines = [
-            f"- `{column}`{f' ({unit})' if unit not in ('', 'see unit') else ''}: {content}"
+            f"- `{column}`{_unit(column, unit)}: {content}"
             for column, (unit, content, *_) in columns.items()
             if column not in repeated
         ]
@@ -173,6 +175,12 @@ def tables(of_answers: bool) -> str:
         parts.append("\n".join([head, *lines]))
         shown[name] = columns
     return "\n\n".join(parts) + "\n"
+
+
+def _unit(column: str, unit: str) -> str:
+    """The unit in parentheses, unless the name of the column ends with it."""
+    is_named = f"_{column}".endswith(f"_{re.sub('[^A-Za-z0-9]+', '_', unit)}")
+    return "" if unit in ("", "see unit") or is_named else f" ({unit})"
 
 
 PAGES: dict[str, Callable[[], str]] = {

@@ -54,31 +54,33 @@ class Case(Scene):
 
     adhesion: Adhesion | None = optional("no adhesion")
     """Adhesion: the faces attract each other, and a force pulls them off."""
-    film: Film | None = optional("not asked")
+    film: Film | None = optional("not computed")
     """A film carries a part of the load."""
-    running_in: RunningIn | None = optional("not asked")
+    running_in: RunningIn | None = optional("not computed")
     """Running-in: first loads flatten the map."""
     sliding: Sliding | None = optional("no friction")
     """Gross sliding."""
     conduction: Conduction | None = optional(
-        "asked if both bodies give a conductivity or resistivity themselves"
+        "computed if both bodies give a conductivity or resistivity themselves"
     )
     """Contact conductance."""
-    leak: Leak | None = optional("not asked")
+    leak: Leak | None = optional("not computed")
     """Percolation and leakage through the gap."""
-    partial_slip: PartialSlip | None = optional("not asked")
+    partial_slip: PartialSlip | None = optional("not computed")
     """Partial slip."""
-    load_curve: LoadCurve | None = optional("not asked")
+    load_curve: LoadCurve | None = optional("not computed")
     """Load curve."""
-    yielding: Yielding | None = optional("asked if a body or its material has a yield stress")
+    yielding: Yielding | None = optional("computed if a body or its material has a yield stress")
     """Yield."""
-    strength: LayerStrength | None = optional("asked if a layer has a strength")
+    strength: LayerStrength | None = optional("computed if a layer has a strength")
     """Strength of the layers and of their interfaces, by `strength` of each layer."""
-    cycles: Cycles | None = optional("asked if a body gives fatigue limits or a residual stress itself")
+    cycles: Cycles | None = optional("computed if a body gives fatigue limits or a residual stress itself")
     """Stress cycles: rolling, sliding, fatigue and shakedown."""
-    sensitivity: Sensitivity | None = optional("asked if an input has a tolerance, such as `210 GPa ± 5 %`")
+    sensitivity: Sensitivity | None = optional(
+        "computed if an input has a tolerance, such as `210 GPa ± 5 %`"
+    )
     """Change of the main numbers with each input."""
-    sweep: Sweep | None = optional("not asked")
+    sweep: Sweep | None = optional("not computed")
     """Sweep of one or two settings."""
     sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""

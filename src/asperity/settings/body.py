@@ -51,7 +51,7 @@ class OfMaterial(Settings):
         accepts="the name of a material, as `asperity case --materials` lists them",
         example="100Cr6",
     )
-    """Name of a material of the table; its constants hold where the group gives none."""
+    """Material of the table, whose constants hold where none are given."""
     young: Pressure = setting(..., default_text="from the material", example="210 GPa", varied=True)
     """Young's modulus."""
     poisson: Number = setting(..., default_text="from the material", gt=-1, le=0.5, example=0.3)
@@ -136,8 +136,8 @@ class Layer(OfMaterial):
     thickness: Length = setting(..., example="2 um", varied=True)
     """Thickness of the layer."""
     residual_stress: Stress | None = optional("none", example="-2 GPa")
-    """Equal normal stresses along x and y in the layer of the unloaded body, compression negative. They are
-    added to the stress in the layer. In a single layer on a rigid base that of the body is given instead."""
+    """Equal normal stresses along x and y in the layer, compression negative, added to its stress. For a
+    single layer on a rigid base, give the residual stress of the body."""
     strength: Strength | None = optional("not judged", example={"shear": "500 MPa", "tension": "300 MPa"})
     """Strengths with which the stress is compared."""
 
@@ -241,19 +241,15 @@ class Body(OfMaterial):
         return self
 
     hardness: Hardness | None = optional(
-        "without a coating from the material, else 3 times the yield stress (Tabor); without a value an "
-        "elastic contact",
+        "from the material if not coated, else 3 times the yield stress (Tabor), else an elastic contact",
         example="7 GPa",
         varied=True,
     )
-    """Hardness, the maximum pressure that the body bears; `inf` for an elastic contact. Of the hardnesses
-    of two bodies the smaller one is used."""
+    """Hardness, the maximum pressure; `inf`: an elastic contact. The smaller hardness of two bodies holds."""
     conductivity: Number | None = optional("from the material", unit="W/(m K)", gt=0, le=1e5, example=50.0)
-    """Thermal conductivity. If one body gives it here, and the other one here or by its material, the contact
-    conductance is reported."""
+    """Thermal conductivity, for the contact conductance."""
     resistivity: Number | None = optional("from the material", unit="Ω m", gt=0, le=1e20, example=1e-7)
-    """Electrical resistivity. If one body gives it here, and the other one here or by its material, the
-    contact conductance is reported."""
+    """Electrical resistivity, for the contact conductance."""
     fatigue_torsion: Pressure | None = optional(
         "from the material; without a value no stress cycles are reported", example="300 MPa", varied=True
     )
@@ -263,20 +259,19 @@ class Body(OfMaterial):
     )
     """Fatigue limit in fully reversed bending."""
     residual_stress: Residual | None = optional("none", example="-400 MPa")
-    """Equal normal stresses along x and y in the unloaded body, compression negative. They are added to
-    the mean stress in the criterion of Dang Van. A group of two lists, `depth` and `stress`, is a table over
-    depth, linear between its rows and constant beyond them."""
+    """Equal normal stresses along x and y in the unloaded body, compression negative; part of the mean stress
+    in the criterion of Dang Van. A table over depth is linear between its rows and constant beyond."""
     layers: tuple[Layer, ...] = setting(
         (),
         default_text="none",
         accepts="a list of groups of keys",
         example=[{"thickness": "2 um", "young": "400 GPa", "poisson": 0.25}],
     )
-    """Layers on the body, the top one first, bonded to each other. On a half-space they are its coating: the
-    hardness is measured on the coated body; yield stress and fatigue limits of the body hold below them."""
+    """Layers, the top one first, bonded to each other. On a half-space they are a coating: the hardness is
+    measured on the coated body; yield stress and fatigue limits of the body hold below."""
     base: Literal["bonded", "frictionless"] | None = optional("a half-space with the constants of the body")
-    """Rigid base of the layers, which are `bonded` to it or rest on it `frictionless`. Material, elastic
-    constants and yield stress are then those of the layers, and the body gives none."""
+    """Rigid base, to which the layers are `bonded` or on which they slide (`frictionless`). The body itself
+    then has no material and no constants."""
     map: CounterMap | None = optional("the counter body is flat")
     """Height map of the counter body, which is rigid if nothing else is given."""
     _is_rigid: bool = PrivateAttr(False)

@@ -36,7 +36,7 @@ NAME = r"^(?!(con|prn|aux|nul|com[0-9]|lpt[0-9])\Z)[a-z][a-z0-9_]{0,39}\Z"
 
 NAMES = "a name of at most 40 lower-case letters, digits and underscores that begins with a letter"
 
-_OTHER_LOAD = "another quantity is imposed"
+_OTHER_LOAD = "another load is given"
 _OWN_STUDY = "Surfaces of a study of your own; `[]` for none, as with every study."
 _OTHER_HEIGHTS = "another distribution is given"
 
@@ -68,21 +68,17 @@ Solver = Literal["gfmd", "active_set"]
 LengthOrCells = Annotated[Number, Field(gt=0), Written("length", "8 um")]
 Names = Annotated[list[Text], Strict(), Field(min_length=0, max_length=4), DISTINCT]
 
-_AREA_FRACTION = (
-    "Real over nominal contact area at which the stress is analysed. One of `contact_area_fraction`, "
-    "`mean_pressure` and `normal_approach` is given."
-)
+_AREA_FRACTION = "Real over nominal contact area. Exactly one load is given."
 _MEAN_PRESSURE: Any = optional(
     _OTHER_LOAD,
-    "Load over the nominal area, in place of `contact_area_fraction`.",
+    "Load over the nominal area.",
     unit="effective modulus",
     gt=0,
     le=1000,
 )
 _NORMAL_APPROACH: Any = optional(
     _OTHER_LOAD,
-    "Approach of the bodies since their first touch (δ − min h, docs/glossary.md), in place of "
-    "`contact_area_fraction`.",
+    "Normal approach since first contact (δ − min h, docs/glossary.md).",
     unit="cell length",
 )
 _LABEL: Any = setting(..., "Name of the surface in figures; mathematics stands between dollar signs.")
@@ -103,11 +99,11 @@ class Johnson(Settings):
     gamma: Number = setting(..., ge=-10, le=10)
     """γ, sign and size of the asymmetry. Positive values make blunt contacts."""
     delta: Annotated[Number, Field(gt=0, le=100)] = setting(...)
-    """δ, shape; smaller values make the heights more skewed. The paper does not give its value."""
+    """δ, shape; smaller values make the heights more skewed."""
     zeta: Annotated[Number, Field(ge=-100, le=100)] = setting(...)
-    """ζ, lower bound of the transformed heights before they are scaled back to `rms_height`."""
+    """ζ, lower bound of the transformed heights before scaling to `rms_height`."""
     lam: Number = setting(..., gt=0, le=200)
-    """λ, width of the interval of the transformed heights before they are scaled back."""
+    """λ, width of the interval of the transformed heights before scaling."""
 
 
 class Moments(Settings):
@@ -141,11 +137,11 @@ class Plateau(Settings):
 class MapFile(FileOptions):
     """Measured height map whose distribution of heights is used, after its trend is subtracted."""
 
+    # Snakemake takes braces in the name of an input for wildcards.
     file: Text = setting(
         ..., pattern=r"^[^{}]{1,1000}\Z", accepts="a file name without braces of at most 1000 characters"
     )
-    """File of the height map, in a format of `docs/formats.md`. The map shows its peaks upward and is
-    pressed face down."""  # Snakemake takes braces in the name of an input for wildcards
+    """File of the height map, peaks upward, in a format of `docs/formats.md`."""
 
 
 class Heights(OneOf):
@@ -175,8 +171,7 @@ class Surface(Settings):
     contact: Load = _LOAD
     johnson: Johnson = optional("no transform")
     moments: Moments = optional("no transform")
-    """Johnson's transform of the Gaussian heights to a given skewness and kurtosis, by the bounded or the
-    unbounded curve. Excludes `johnson`."""
+    """Johnson's transform of the Gaussian heights to a given skewness and kurtosis. Excludes `johnson`."""
     heights: Heights = optional("Gaussian")
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
@@ -197,32 +192,29 @@ class MeasuredMap(MapFile):
     label: Label = _LABEL
     contact: Load = _LOAD
     periodic: Literal["declared", "mirrored", "windowed"] = optional(
-        "only a file that calls itself periodic is accepted"
+        "a file that states a period is required"
     )
-    """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
-    images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean
-    plane."""
-    undefined: Literal["harmonic"] = optional("a map with such points is refused")
+    """As `map.periodic` of a case, without a free boundary."""
+    undefined: Literal["harmonic"] = optional("such maps are refused")
     """How non-measured points are filled."""
     wavelength_short: Annotated[Wavelength, Written("length", "8 um")] = optional(
         "two pixels of the map", unit="cell length, unless it has its own"
     )
-    """Waves shorter than this are removed. Figures show depths in units of this wavelength. A number is in
-    cell lengths; a mirrored map fills half of the cell's edge."""
+    """Short-wavelength cut-off, in whose unit figures show depths; a number is in cell lengths, of which a
+    mirrored map fills half."""
     s_filter: LengthOrCells = optional("no filter", unit="cell length, unless it has its own")
-    """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
+    """As in a case."""
     l_filter: LengthOrCells = optional("no filter", unit="cell length, unless it has its own")
-    """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
+    """As in a case."""
     points: Nodes = optional(
         "the preset's number for each `wavelength_short` in cell lengths; without it, as in the map"
     )
-    """Nodes on the longer edge of the cell, by Fourier interpolation; a mirrored map needs an even number."""
+    """Nodes on the longer edge of the cell; an even number for a mirrored map."""
 
 
 class Studies(Settings):
-    """Names of the surfaces that are compared with each other in figures. Surfaces in no study are not
-    computed. The six names in this table are the paper's studies, whose figures are drawn with `figures` set
-    to `paper`.
+    """Names of surfaces that figures compare; only they are computed. The names in this table are the
+    paper's studies, whose figures are drawn with `figures` set to `paper`.
     """
 
     model_config = ConfigDict(
@@ -236,11 +228,11 @@ class Studies(Settings):
     compressibility: Annotated[list[Text], Strict(), Field(min_length=0, max_length=1), DISTINCT] = optional(
         "none"
     )
-    """Surface of figures 13 to 15, which compare the Poisson's ratios of `stress.poisson`."""
+    """Surface of figures 13 to 15, at the Poisson's ratios of `stress.poisson`."""
     skewness: Names = optional("none")
     """Surfaces of figures 16a and 17a."""
     kurtosis: Names = optional("none")
-    """Surfaces of figures 16b, 17b and 18. Figure 18 shows the two of them with the shortest wavelengths."""
+    """Surfaces of figures 16b, 17b and 18."""
     moments: Names = optional("none")
     """Surfaces of the supplement that differ in the kurtosis of their heights."""
     measured: Names = optional("none")
@@ -275,8 +267,8 @@ class Layer(Settings):
     """Lateral state under the mean pressure: `confined` (no lateral strain) or `free` (no mean lateral
     stress)."""
     half_space_tolerance: Number = optional("preset", ge=0, le=1)
-    """Largest difference between layer and half-space, relative to the pressure of a mode, at which the
-    half-space replaces the layer. Every result records which of the two was used."""
+    """Maximum difference between layer and half-space, relative to the pressure of a mode, at which the
+    half-space replaces the layer."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         if self.base and self.bottom != "bonded":
@@ -285,8 +277,7 @@ class Layer(Settings):
 
 class Contact(Settings):
     """The contact problem. A list in place of a load, such as `contact_area_fraction: [0.02, 0.1]`, presses
-    every surface under each load, and figures compare them: surface `NAME` becomes `NAME_load1`, `NAME_load2`
-    and so on.
+    every surface `NAME` under each load, as `NAME_load1`, `NAME_load2` and so on.
     """
 
     method: Solver = setting("active_set")
@@ -328,15 +319,13 @@ class Stress(Settings):
     poisson: Annotated[list[Poisson], Strict(), Field(min_length=1, max_length=16), DISTINCT] = optional(
         "as in the contact"
     )
-    """Poisson's ratios at which the stress is analysed. On a half-space one contact serves for all of them.
-    Of the paper's surfaces, only the one of study `compressibility` is analysed at ratios other than the
-    contact's."""
+    """Poisson's ratios at which the stress is analysed; of the paper's surfaces, only for study
+    `compressibility`."""
     tolerance: Number = optional("preset", ge=0, le=0.1)
-    """Largest error that a coarser grid may cause in a deep plane, relative to the rms of σ_zz in this
-    plane; 0 for the full grid at every depth."""
+    """Maximum error by a coarser grid in a deep plane, relative to the rms of σ_zz there; 0 for the full grid
+    at every depth."""
     depth_spacing: Number = optional("preset", unit="grid spacings", ge=0.05, le=4)
-    """Distance between planes near the surface. At depth the distance is a quarter of this number times
-    the depth."""
+    """Distance between planes near the surface; at depth a quarter of this number times the depth."""
 
 
 class Statistics(Settings):
@@ -494,32 +483,29 @@ class Configuration(Settings):
     )
 
     based_on: Text = optional("nothing", accepts="the name of a configuration, such as `config/config.yaml`")
-    """Another configuration, whose settings, except `results`, hold where this file gives none. It is the
-    paper's or one of your own, and may itself be based on a third. A file without this key uses no
-    other file."""
+    """Another configuration, whose settings, except `results`, hold where this file gives none; it may be
+    based on a third."""
     results: Text = optional(
         "`results/NAME` for a file `NAME.yaml`",
         pattern=r"^results(/[A-Za-z0-9_-]{1,60}){0,8}\Z",
         accepts="`results` or a folder below it",
     )
-    """Folder for all results of the study, inside the project; `results` itself is the paper's. On the
-    command line `--config results=FOLDER` takes any folder."""
+    """Folder for all results, inside the project; `--config results=FOLDER` of the command line takes any
+    folder."""
     accuracy: Literal["draft", "paper", "reference"] = setting("paper")
-    """Preset of all settings of accuracy. An explicit value of one of them overrides the preset."""
+    """Preset of all settings of accuracy; an explicit value overrides it."""
     fft_engine: Literal[ENGINES] = setting(ENGINES[0])  # type: ignore[valid-type]
-    """Library that computes the Fourier transforms: `ducc0`, `pyfftw`, which the extra `fftw` installs, or
-    `scipy`, under the BSD licence. Their results differ by rounding errors."""
+    """Library of the Fourier transforms: `ducc0`, `pyfftw` (extra `fftw`) or `scipy` (BSD licence). Results
+    differ by rounding errors."""
     seeds: Annotated[list[Seed], Strict(), Field(min_length=1), DISTINCT] = optional(
         "1, 2, … up to the number of the preset"
     )
-    """Seeds of the random surfaces. Every surface is generated, pressed and analysed once per seed."""
+    """Realisations of the random surfaces; every surface is computed once per seed."""
     figures: Literal["own", "paper"] = setting("own")
-    """Figures of the studies. `own` draws the same set of figures for each study, in files with its name.
-    `paper` draws the numbered figures of the paper and of its supplement for the studies with the names
-    in table `studies`, and the set of `own` for all other studies."""
+    """`own` draws the same figures for each study. `paper` draws the numbered figures of the paper and its
+    supplement for the studies in table `studies`, and `own` for others."""
     claims: YesNo = setting(False)
-    """Compare the statements of the paper with the results of its surfaces; needs `figures` set to
-    `paper`."""
+    """Compare the statements of the paper with the results; requires `figures: paper`."""
     surfaces: dict[Name, Surface] = setting({}, names=NAMES)
     """Random rough surfaces, each under a name of lower-case letters, digits and underscores."""
     measured: dict[Name, MeasuredMap] = setting({}, names=NAMES)

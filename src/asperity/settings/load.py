@@ -23,7 +23,7 @@ LARGEST_LOAD = 1e6
 
 ACCEPTED = f"a group with one of {', '.join(UNITS)}"
 
-OTHER = "another quantity is imposed"
+OTHER = "another load is given"
 
 
 class OneLoad(Settings):
@@ -36,27 +36,26 @@ class OneLoad(Settings):
     )
 
     mean_pressure: Pressure | None = optional(OTHER, example="50 MPa")
-    """Load over the nominal area; in a Hertz contact its pressure at the place of the map."""
+    """Load over the nominal area, in a Hertz contact at the position of the map."""
     force: Force | None = optional(OTHER, example="12 N")
     """Load on the area of the map, or on the whole Hertz contact."""
     normal_approach: Length | None = optional(OTHER, example="200 nm")
-    """Approach of the bodies since their first touch (δ − min h, docs/glossary.md)."""
+    """Normal approach since first contact (δ − min h, docs/glossary.md)."""
     contact_area_fraction: Number | None = optional(OTHER, gt=0, le=1, example=0.05)
-    """Contact area fraction: real over nominal contact area."""
+    """Real over nominal contact area."""
     hertz_pressure: Pressure | None = optional(OTHER, example="1.2 GPa")
     """Maximum pressure of a Hertz contact, of which the map is a small part."""
     radius_x: Radius | None = optional("no Hertz contact", example="9 mm")
     """Combined radius of curvature of both bodies along x, or `inf` along the axis of a roller. With it
     the map lies in a Hertz contact."""
     radius_y: Radius | None = optional("the radius along x", example="80 mm")
-    """Combined radius of curvature along y, or `inf` along the axis of a roller."""
+    """Combined radius of curvature along y."""
     at: tuple[Number, Number] = setting(
         (0.0, 0.0),
         accepts="two numbers (y, x) inside the contact, nearer than one half-width",
         example=[0, 0.2],
     )
-    """Position (y, x) of the map relative to the middle of the Hertz contact, in half-widths of the
-    contact."""
+    """Position (y, x) of the map in the Hertz contact, from its middle, in half-widths."""
 
     def contradictions(self) -> Iterator[tuple[str, str]]:
         given = [name for name in UNITS if getattr(self, name) is not None]

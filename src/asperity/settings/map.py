@@ -101,18 +101,18 @@ class FileOptions(Settings):
     """Properties of a height map that its file may not state, and a treatment that needs no grid."""
 
     channel: str | int | None = optional(
-        "the one whose name says that it holds heights",
+        "the channel of heights",
         accepts="a name of at most 200 characters, or a number",
     )
-    """Name or number of the channel of the file."""
+    """Channel of the file."""
     unit: str | None = optional(
         "as in the file",
         pattern="^[A-Za-zµμÅ]{1,20}( [A-Za-zµμÅ]{1,20})?\\Z",
         accepts="a unit of length such as nm, um, mm or m, or two such as mm um",
         example="um",
     )
-    """Unit of the heights, and of edges given as numbers; for a list of points also two, for x and y and for
-    z, such as mm um."""
+    """Unit of the heights and of edges given as numbers; for a list of points also two, of x and y, and of
+    z."""
     physical_size: tuple[LengthOrNumber, LengthOrNumber] | None = optional(
         "as in the file",
         accepts="two lengths > 0 (y, x) with their units such as 512 um, or numbers > 0",
@@ -123,30 +123,28 @@ class FileOptions(Settings):
     """Factor from the numbers in the file to heights."""
     missing: Number | None = optional("as the format of the file marks them")
     """Number in the file that stands for non-measured points, such as -9999."""
-    mask: Literal["excluded"] | None = optional("named, and its points are kept")
-    """`excluded` leaves out the points that a mask in the file marks, as non-measured points."""
+    mask: Literal["excluded"] | None = optional("the mask is reported, not applied")
+    """`excluded` makes points that a mask in the file marks non-measured."""
     orientation: Literal["peaks up", "lower face"] | None = optional("as in the file")
-    """Meaning of the heights, for a file that does not state it: `peaks up`, as instruments show them, or
-    `lower face` of an indenter, as the library uses it."""
+    """Direction of the heights, if the file does not state it: `peaks up`, as instruments show them, or
+    `lower face` of an indenter, as in the library."""
     format: str | None = optional(
         "recognised from the file", pattern="^[a-z0-9]{1,20}\\Z", accepts="the name of a format"
     )
-    """Format of a file that is not recognised by its first bytes, or has the extension of another format.
-    `profile` reads a line scan as a map with the same heights for all y. `asperity info --help` lists the
-    formats."""
+    """Format of a file that is not recognised (`asperity info --help` lists them). `profile` reads a line
+    scan as a map with equal heights along y."""
     max_memory: Number = setting(2.0, unit="GiB", gt=0)
-    """Largest size that the file may have when unpacked."""
+    """Maximum size of the unpacked file."""
     scan_lines: Literal["median", "matched"] | None = optional("offsets are kept")
-    """How offsets between scan lines along x are removed: by the median of each line, or `matched` by the
-    median of its differences from the line before."""
+    """Removes offsets between scan lines along x: the median of each line, or of its differences from the
+    line before (`matched`)."""
     despike: Number | None = optional(
         "no point is replaced; 8 keeps every point of a Gaussian surface", ge=3, example=8
     )
-    """Points that differ from the local median by more than this number of robust standard deviations of
-    the local roughness are replaced, as spikes."""
+    """Replaces points that differ from the local median by more than this number of robust standard
+    deviations of the local roughness."""
     detrend: Detrend | None = optional("tilt; none for a map that is one period")
-    """Trend that is subtracted besides the mean, by least squares of the measured points. A period has
-    no tilt, and subtracting one makes a step at its edges."""
+    """Trend that is subtracted besides the mean, by least squares."""
 
 
 class MapOptions(FileOptions):
@@ -171,35 +169,32 @@ class MapOptions(FileOptions):
     'nm'
     """
 
-    undefined: Literal["harmonic"] | None = optional(
-        "a map with such points is refused; asperity run fills them"
-    )
+    undefined: Literal["harmonic"] | None = optional("such maps are refused; asperity run fills the points")
     """How non-measured points are filled."""
     s_filter: LengthOrNumber | None = optional("no filter", example="2.5 um")
-    """Nesting index of the areal Gaussian S-filter of ISO 16610-61, which attenuates shorter waves."""
+    """Nesting index of the Gaussian S-filter (ISO 16610-61), which attenuates shorter waves."""
     l_filter: LengthOrNumber | None = optional("no filter", example="80 um")
-    """Nesting index of the areal Gaussian L-filter of ISO 16610-61, which attenuates longer waves."""
+    """Nesting index of the Gaussian L-filter (ISO 16610-61), which attenuates longer waves."""
     periodic: Periodicity | None = optional(
-        "as it is if the file calls itself periodic; asperity run mirrors other maps"
+        "declared if the file states a period; asperity run mirrors other maps"
     )
-    """How the map becomes one period: `declared` uses it as it is, `mirrored` continues it by its mirror
-    images (a cell of twice the edges), `windowed` lowers the outer tenth of each edge to the mean plane
-    (doi 10.1109/PROC.1978.10837). With `none` nothing surrounds the map: a free boundary."""
+    """`declared`: the map is one period. `mirrored`: mirror images continue it (a cell of twice the edges).
+    `windowed`: the outer tenth of each edge falls to the mean plane (doi 10.1109/PROC.1978.10837). `none`:
+    nothing surrounds it, a free boundary."""
     ends: Literal["y", "x", "none"] | None = optional(
         "across a cylinder between half-spaces, if the map is mirrored or declared; else none"
     )
-    """Axis along which nothing surrounds the map, which continues along the other axis, as a roller does: `x`
-    if the axis of the roller is y. Needs half-spaces."""
+    """Axis along which nothing surrounds the map: `x` for a roller whose axis is y, along which the map
+    continues. Requires half-spaces."""
     wavelength_short: LengthOrNumber | None = optional("two pixels of the map", example="8 um")
-    """Waves shorter than this are removed."""
+    """Short-wavelength cut-off: shorter waves are removed."""
     points: Whole | None = optional("as in the map", ge=2, le=MOST_POINTS)
     """Nodes on the longer edge of the map, by Fourier interpolation."""
     radius: LengthOrNumber | None = optional("the map alone", example="5 mm")
-    """Radius of a sphere or cylinder whose form is added to the roughness, in the middle of the map; with
-    `radius_y`, the radius along x."""
+    """Radius of a sphere or cylinder, whose form is added in the middle of the map; with `radius_y`, along
+    x."""
     radius_y: LengthOrNumber | None = optional("the radius along x", example="120 mm")
-    """Radius along y of a form that has two, such as a ball in the groove of a ring: both are the combined
-    radii of the bodies."""
+    """Radius along y of a form with two combined radii, such as a ball in a groove."""
     form: Literal["sphere", "cylinder"] = setting("sphere")
     """Form to which the radius belongs."""
     cylinder_axis: Literal["y", "x"] = setting("y")
@@ -212,15 +207,14 @@ class Map(MapOptions):
     file: Source = setting(..., example="steel.x3p")
     """Height map of an instrument, peaks upward."""
     crop: Crop | None = optional("the whole map", example="150 um")
-    """Edge of the square part of the map that is used, or its edges (y, x); an edge of the map that is
-    shorter is kept whole. In a Hertz contact `fit` takes the part over which the pressure is nearly
-    uniform."""
+    """Edge of the square part that is used, or its edges (y, x); a longer edge keeps the whole map. `fit`
+    takes the part of a Hertz contact over which the pressure is nearly uniform."""
     crop_at: tuple[LengthOrNumber, LengthOrNumber] | None = optional(
         "the middle of the map",
         accepts="two lengths > 0 (y, x) with their units such as 80 um, or numbers > 0",
         example=["80 um", "120 um"],
     )
-    """Position (y, x) of the middle of the part that is used, from the first point of the map."""
+    """Middle (y, x) of the part, from the first point of the map."""
 
     @property
     def free_edges(self) -> tuple[str, str] | None:

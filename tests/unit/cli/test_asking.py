@@ -65,7 +65,7 @@ def test_words_stand_for_keys_that_exist(key):
 def test_the_part_that_fits_into_a_hertz_contact_is_proposed_and_taken(capsys):
     load = ["--hertz-pressure", "1 GPa", "--radius-x", "5 mm", "--radius-y", "inf"]
     command = ["run", MAP, "--young", "210 GPa", "--poisson", "0.3", *load, "--check"]
-    assert "map.crop = fit, which is 35 µm along x" in said(capsys, *command)
+    assert "--set map.crop=fit, which is 35 µm along x" in said(capsys, *command)
     assert main([*command, "--set", "map.crop=fit"]) == 0
     case = asp.Case(map={"file": MAP, "crop": "fit"}, body=STEEL, load=ROLLER)
     assert case.map.crop == ("1 m", "35 µm")

@@ -171,7 +171,7 @@ def _with_flags(text: str) -> str:
         key, value = found["key"], found["value"]
         return f"{FLAGS[key]} {value or ''}".strip() if key in FLAGS else f"--set {key}={value or '…'}"
 
-    return re.sub(rf"\b(?P<key>(?:{groups})(?:\.\w+)+)(?:: (?P<value>\w+))?", written, text)
+    return re.sub(rf"\b(?P<key>(?:{groups})(?:\.\w+)+)(?:(?:: | = )(?P<value>\w+))?", written, text)
 
 
 def _cost_in_words(jobs: Sequence[Any]) -> str:

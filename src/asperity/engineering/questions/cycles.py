@@ -83,10 +83,10 @@ class Cycles(Question):
     FILES = ("cycles", "fatigue")
 
     shifts: Whole | None = optional(
-        "cycles of a smooth body under a rough one, with fatigue limits", ge=2, le=MOST_SHIFTS, example=64
+        "a smooth body with fatigue limits alone is cycled", ge=2, le=MOST_SHIFTS, example=64
     )
-    """Number of positions of the moving bodies for which the contact is solved. They divide one period
-    along the sliding direction, or the way of a point through the Hertz contact."""
+    """Number of positions of the moving bodies, over one period along the sliding direction, or over the way
+    of a point through the Hertz contact."""
     slide_to_roll: Number = setting(0.0, gt=-2, lt=2, example=0.1)
     """Slide-to-roll ratio 2 (u2 − u1)/(u2 + u1) in the Hertz contact, with the surface velocities u1 of
     the body and u2 of the counter body."""

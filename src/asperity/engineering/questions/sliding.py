@@ -52,12 +52,12 @@ class Sliding(Question):
     """
 
     friction: Number = setting(0.0, ge=0, le=MAX_FRICTION, example=0.1, varied=True)
-    """Coefficient of friction in gross sliding. It enters the stress; the pressure is computed without
-    friction. Accepted for half-spaces, coated or not, and for layers with a bonded bottom."""
+    """Coefficient of friction in gross sliding; it enters the stress, not the pressure. Requires half-spaces,
+    coated or not, or bonded layers."""
     direction: Direction | None = optional(
         "with friction the axis nearest to the lay of the map; x without a lay"
     )
-    """Direction in which the counter body moves over the body; the traction on the body has it, too."""
+    """Direction in which the counter body moves over the body."""
     _chosen: str = PrivateAttr("")
 
     def along_lay(self, face: TreatedMap) -> Sliding:
