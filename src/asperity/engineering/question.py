@@ -11,6 +11,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+import pandas as pd
+import xarray as xr
+
 from asperity.contact import Contact
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -26,8 +29,6 @@ from asperity.settings.model import Settings
 from asperity.surface.treatment.treatment import TreatedMap
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
     from matplotlib.figure import Figure
 
 

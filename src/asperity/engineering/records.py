@@ -10,14 +10,13 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import pandas as pd
 
 from asperity.core.errors import shown
 from asperity.core.markup import with_error
 from asperity.core.units import scaled_unit, shown_si
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 DISCRETISATION = "discretisation"
 PLANES = "discretisation and planes"
@@ -365,8 +364,6 @@ def record_of(records: Sequence[Record], quantity: str, body: str | None = None)
 
 def frame(records: Iterable[Record]) -> pd.DataFrame:
     """Records as a table; the columns are described in ``docs/tables.md``."""
-    import pandas as pd
-
     columns: dict[str, list[Any]] = {
         name: [] for name in ("topic", "body", "quantity", "value", "unit", "extrapolated", "error")
     }

@@ -10,27 +10,25 @@ from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, field_validator
 
+from asperity.contact import Adhesion, Contact
 from asperity.core.types import FIELDS
 from asperity.core.units import shown_si
+from asperity.elasticity.loaded_solid import LARGEST, LoadedSolid, traction_direction
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import TwoBodies
+from asperity.fourier.grid import Grid
 from asperity.settings.body import Body
 from asperity.settings.interface import Attraction
 from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import OwnMaterials
 from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting
-
-if TYPE_CHECKING:
-    from asperity.contact import Adhesion, Contact
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.elasticity.solid import Solid
-    from asperity.elasticity.two_bodies import TwoBodies
-    from asperity.fourier.grid import Grid
-    from asperity.stress.cycles.hertz_contact import HertzContact
+from asperity.stress.cycles.hertz_contact import HertzContact
 
 OF_BOTH_MAPS = {
     *("s_filter", "l_filter", "wavelength_short", "points", "ends"),
@@ -132,8 +130,6 @@ class Scene(Settings):
 
     def problems_of_pressure(self, mean_pressure: float) -> Iterator[tuple[str, str]]:
         """A mean pressure on the map that is too high, or not below the hardness."""
-        from asperity.elasticity.loaded_solid import LARGEST
-
         most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST)
         given = shown_si(self.load.value, UNITS[self.load.kind])
         if not mean_pressure < most:
@@ -213,8 +209,6 @@ class Scene(Settings):
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
-        from asperity.elasticity.loaded_solid import traction_direction
-
         direction = traction_direction(self.sliding_direction, body)
         return {"friction": self.friction, "sliding_direction": direction}
 
@@ -250,14 +244,11 @@ class Scene(Settings):
         """The solid, or the two bodies, that the solver presses."""
         if (counter := self.elastic_counter_body) is None:
             return solid_of(self.body)
-        from asperity.elasticity.two_bodies import TwoBodies
 
         return TwoBodies(solid_of(self.body), solid_of(counter))
 
     def adhesion_on(self, grid: Grid) -> Adhesion | None:
         """The attraction of the faces on a grid, on which a range that is fitted depends."""
-        from asperity.contact import Adhesion
-
         if (given := self.adhesion) is None:
             return None
         if isinstance(given.range, str):
@@ -330,8 +321,6 @@ class Scene(Settings):
 
 def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float) -> HertzContact:
     """The Hertz contact under a kind of load; a `mean_pressure` is the pressure at the place of the map."""
-    from asperity.stress.cycles.hertz_contact import HertzContact
-
     given = {"force": load} if kind == "force" else {"maximum_pressure": load}
     if kind == "mean_pressure":
         given["maximum_pressure"] /= place.share
@@ -340,8 +329,6 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
 
 def solid_of(body: Body) -> Solid:
     """A body as the solver takes it: layers on a half-space or a rigid base, or a half-space."""
-    from asperity.elasticity.solid import Solid
-
     base = Solid(body.young, body.poisson) if body.base is None else None
     if base is not None and not body.layers:
         return base

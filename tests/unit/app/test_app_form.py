@@ -7,7 +7,7 @@ import yaml
 
 from asperity.app import form
 from asperity.app.session import _words
-from asperity.cli.commands.run import FLAGS
+from asperity.cli.parser import FLAGS
 from asperity.engineering.case import Case
 from asperity.engineering.templates import template, templates
 from asperity.settings.model import SettingsError

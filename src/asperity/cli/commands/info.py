@@ -3,8 +3,7 @@
 import argparse
 from typing import Any
 
-from asperity.cli.commands.run import FLAGS
-from asperity.cli.parser import flag
+from asperity.cli.parser import FLAGS, flag
 from asperity.core.errors import one_line
 from asperity.settings.map import FileOptions, MapOptions
 from asperity.settings.model import SettingsError, entry_of, item_of, scalar

@@ -10,21 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
+
+import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import Advice, Record, fraction, per_cent
 from asperity.engineering.scene import Scene
 from asperity.settings.load import Hertz
 from asperity.settings.model import Number, optional, setting
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from asperity.engineering.face import RoughFace
 
 SAME_SHARE = 0.01
 """Relative difference of correlations below which nothing is said about it."""

@@ -10,12 +10,18 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+import xarray as xr
 
 from asperity.contact import Contact
+from asperity.contact.half_grid import solve_on_half
+from asperity.core.packages import require
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.continuum import solved_on_half
+from asperity.engineering.face import RoughFace
 from asperity.engineering.numbers import elastic_record
+from asperity.engineering.press import press
 from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels, part_of
 from asperity.engineering.records import (
     DISCRETISATION,
@@ -29,14 +35,11 @@ from asperity.engineering.records import (
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Number, YesNo, optional, setting
 from asperity.settings.quantities import Pressure
+from asperity.surface.treatment.treatment import TreatedMap
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from asperity.contact.gap import Percolation
     from asperity.contact.reynolds import FilmFlow
-    from asperity.engineering.face import RoughFace
-    from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "gap"
 
@@ -96,8 +99,6 @@ class Leak(Question):
         if len(given) == 1:
             yield f"leak.{given[0]}", f": needs leak.{({*names} - {*given}).pop()}"
         elif given and rough is not None:
-            from asperity.core.packages import require
-
             require(["pyamg"])
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
@@ -197,8 +198,6 @@ class Leak(Question):
 
     def under_load(self, contact: Contact) -> dict[str, float]:
         """Constriction and leakage of a contact of a load curve, also on half of the nodes."""
-        from asperity.engineering.continuum import solved_on_half
-
         found, flow = dict[str, float](), None
         for name, each in (("_on_half", solved_on_half(contact).contact), ("", contact)):
             numbers = {f"constriction{name}": self._constriction(each)}
@@ -216,8 +215,6 @@ class Leak(Question):
     def _sealing(self, stages: Stages, progress: Progress) -> tuple[Record, Contact]:
         """The mean pressure that seals the gap, from any load, and the contact just below it."""
         from asperity.contact.gap import open_gap, spanned
-        from asperity.contact.half_grid import solve_on_half
-        from asperity.engineering.press import press
 
         case, face, axis = stages.case, stages.face, "yx".index(self.direction)
         given = None if case.hardness_is_estimated else case.hardness
@@ -255,8 +252,6 @@ class Leak(Question):
 
     def _close_up(self, contact: Contact, under: str) -> dict[str, xr.Dataset]:
         """The gap around the narrowest constriction along the leak; empty if the gap is sealed."""
-        import xarray as xr
-
         from asperity.contact.gap import open_gap, percolation
 
         paths, axis = percolation(contact), "yx".index(self.direction)
@@ -303,8 +298,6 @@ def _records(paths: Percolation) -> Iterator[Record]:
 
 def _fields(contact: Contact, flow: FilmFlow) -> xr.Dataset:
     """Flux of the film over its mean, and its pressure, on the nodes of the map."""
-    import xarray as xr
-
     relative = flow.flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
     fields = {"film_flux_y": relative[0], "film_flux_x": relative[1], "film_pressure": flow.pressure}
     return xr.Dataset(

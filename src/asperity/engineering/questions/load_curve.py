@@ -6,18 +6,23 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
 from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
 from asperity.contact import Contact
 from asperity.core.processes import side_by_side
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
-from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.face import processes_on
+from asperity.engineering.body_stress import STRESS_TOLERANCE
+from asperity.engineering.face import RoughFace, processes_on
+from asperity.engineering.press import press
 from asperity.engineering.question import IN_FULL_CONTACT, Findings, Picture, Question, Stages, part_of
 from asperity.engineering.questions.conduction import resistivities
 from asperity.engineering.questions.leak import SEALING_LOAD, WIDE
@@ -25,13 +30,9 @@ from asperity.engineering.records import POSITIVE, SEARCH, Record, find, per_cen
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, optional, setting
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from asperity.engineering.face import RoughFace
-    from asperity.surface.treatment.treatment import TreatedMap
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.extremes import Extremes
+from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "load curve"
 
@@ -187,8 +188,6 @@ class LoadCurve(Question):
 
     def _curve(self, stages: Stages, progress: Progress) -> xr.Dataset:
         """The result of `load_curve` for the case, with the normal approach, forces and leakages."""
-        import xarray as xr
-
         face, path = stages.face, self.path(stages.asked)
         given = [(stages.case, face, load, stages.contact if load == path[-1] else None) for load in path]
         processes = processes_on([face], len(path), stages.cores)
@@ -206,8 +205,6 @@ def _at_load(
     case: Scene, face: TreatedMap, load: float, contact: Contact | None, progress: Progress
 ) -> xr.Dataset:
     """The result of `load_curve` for one load of a case, whose contact may be known."""
-    from asperity.engineering.press import press
-
     leak, constants = case.questions.get("leak"), resistivities(case)
     if contact is None:
         contact = press(face, case.under(**{case.load.kind: load}), partial(part_of, progress, 0.0, 0.3, 1.0))
@@ -230,8 +227,6 @@ def _yield_begins(
     stages: Stages, name: str, loads: Array, stresses: Array, limit: float, progress: Progress
 ) -> float:
     """Mean pressure at which a body begins to yield, as of `yield_load`."""
-    from asperity.engineering.press import press
-
     case, steps = stages.case, iter(range(YIELD_CONTACTS))
 
     def stress_under(load: float) -> float:
@@ -298,8 +293,6 @@ def load_curve(
     >>> print(curve["contact_area_fraction"].values.round(3), curve["stiffness"].values.round(2))
     [0.016 0.103] [0.46 2.19]
     """
-    import xarray as xr
-
     rows, stresses = [], []
     for contact in contacts:
         gap = np.where(contact.pressure > 0, 0, contact.gap)
@@ -333,11 +326,6 @@ def maximum_von_mises(
 
     That is an elastic base, or the uppermost layer on a rigid one.
     """
-    from asperity.elasticity.loaded_solid import traction_direction
-    from asperity.engineering.body_stress import STRESS_TOLERANCE
-    from asperity.stress.analysis import analyse_stress
-    from asperity.stress.extremes import Extremes
-
     sliding: dict[str, Any] = {
         "friction": friction,
         "sliding_direction": traction_direction(sliding_direction, body),
@@ -365,8 +353,6 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
     float
         0 if the stress is above the limit under all loads, infinite if it is below.
     """
-    import scipy
-
     above = np.flatnonzero(stresses >= limit)
     if not above.size:
         return math.inf
