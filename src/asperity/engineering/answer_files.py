@@ -67,7 +67,13 @@ class OpenedWhenAsked(Mapping[str, Any]):
 def write_data(answer: AnswerData, folder: Path, final: Path) -> None:
     """Write the data of an answer into an empty folder, which is moved to its final place later."""
     settings, surface = _settings(answer), f"rough surface {answer.face.name}"
-    dataset.write(_surface(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
+    described = surface_dataset(answer.face.height, answer.face.grid).assign_attrs(
+        unit_system=SI_UNITS,
+        map_treatment="\n".join(answer.face.done),
+        wavelength_short=answer.face.wavelength_short,
+        edge_step=answer.face.treatment.edge_step,
+    )
+    dataset.write(described, folder / "surface.nc", f"R{surface[1:]}", settings)
     dataset.write(_contact(answer), folder / "contact.nc", f"Contact with {surface}", settings)
     for body, stress in answer.stress.items():
         suffix = suffix_of(answer, body)
@@ -264,17 +270,6 @@ def _settings(answer: AnswerData) -> dict[str, Any]:
         "sliding_direction": case.sliding_direction,
     }
     return case.written() | solids
-
-
-def _surface(answer: AnswerData) -> xr.Dataset:
-    """The surface that was pressed, with its roughness parameters and spectrum."""
-    face = answer.face
-    return surface_dataset(face.height, face.grid).assign_attrs(
-        unit_system=SI_UNITS,
-        map_treatment="\n".join(face.done),
-        wavelength_short=face.wavelength_short,
-        edge_step=face.treatment.edge_step,
-    )
 
 
 def _contact(answer: AnswerData) -> xr.Dataset:

@@ -15,7 +15,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.body_stress import BodyStress, Observer
@@ -25,6 +25,7 @@ from asperity.engineering.face import RoughFace
 from asperity.engineering.places import Blocks
 from asperity.engineering.records import Advice, Bounds, Record
 from asperity.engineering.scene import Scene
+from asperity.results.variables import SI_UNITS
 from asperity.settings.model import Settings
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -215,6 +216,13 @@ class Question(Settings):
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """Pictures of the contact and of the bodies."""
         return iter(())
+
+
+def on_map(contact: Contact, title: str, **fields: Array) -> xr.Dataset:
+    """Fields on the nodes of the map as a dataset."""
+    variables = {name: (("y", "x"), values) for name, values in fields.items()}
+    attributes = {"title": title, "unit_system": SI_UNITS}
+    return xr.Dataset(variables, contact.grid.dataset_coordinates(), attributes)
 
 
 def part_of(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:

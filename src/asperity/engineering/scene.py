@@ -202,6 +202,12 @@ class Scene(Settings):
         return "x" if given is None else given
 
     @property
+    def along(self) -> str:
+        """That direction in words."""
+        given = self.sliding_direction
+        return given if isinstance(given, str) else f"{given:g}° from x"
+
+    @property
     def carried(self) -> float:
         """Fraction of the load that the contact carries; a film carries the rest."""
         film = self.questions.get("film")
@@ -300,11 +306,8 @@ class Scene(Settings):
 
     def under(self, **load: float) -> Scene:
         """The same bodies under another load, without questions."""
-        if isinstance(self.load, Hertz):
-            load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
-        given: dict[str, Any] = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
-        given["adhesion"] = self.adhesion
-        return Scene(**given, load=load)
+        given = {name: getattr(self, name) for name in ("map", "body", "counter_body", "adhesion")}
+        return Scene(**given, load=self.load.place | load)
 
     @property
     def counter_map(self) -> CounterMap | None:

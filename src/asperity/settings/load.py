@@ -77,6 +77,11 @@ class OneLoad(Settings):
         """Its value in SI units."""
         return float(getattr(self, self.kind))
 
+    @property
+    def place(self) -> dict[str, Any]:
+        """Settings of the Hertz contact, and the place of the map in it; empty without one."""
+        return {}
+
 
 class Hertz(OneLoad):
     """Load of a Hertz contact of half-spaces, of which the map is a small part."""
@@ -101,6 +106,10 @@ class Hertz(OneLoad):
             yield "at", f" = {y:g} {x:g}: {inside}"
         if is_roller and self.force is not None:
             yield "force", ": the Hertz pressure is needed under a roller, whose length is not known"
+
+    @property
+    def place(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("radius_x", "radius_y", "at")}
 
     @property
     def radii(self) -> tuple[float, float]:

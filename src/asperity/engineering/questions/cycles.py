@@ -294,15 +294,15 @@ class Cycles(Question):
 
     def _motion(self, case: Scene) -> str:
         """The motion that makes the cycles, in words."""
-        given = case.sliding_direction
-        along = given if isinstance(given, str) else f"{given:g}° from x"
         if self.shifts is not None and case.hertz_contact is not None:
             rolling = f"slide-to-roll ratio {self.slide_to_roll:g}, {self.shifts} positions"
-            return f"a point moves along {along} through the Hertz contact, {rolling}"
+            return f"a point moves along {case.along} through the Hertz contact, {rolling}"
         if self.shifts is not None:
-            return f"the faces move along {along}, {self.shifts} shifts"
+            return f"the faces move along {case.along}, {self.shifts} shifts"
         below = ", below its layers" if any(body.interfaces for body in case.bodies.values()) else ""
-        return f"the rough body moves along {along}, over each body as if that were the smooth one{below}"
+        return (
+            f"the rough body moves along {case.along}, over each body as if that were the smooth one{below}"
+        )
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""

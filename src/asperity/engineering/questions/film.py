@@ -18,6 +18,7 @@ from asperity.contact import Contact
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.face import RoughFace
+from asperity.engineering.press import mean_pressure
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import Advice, Record, fraction, per_cent
 from asperity.engineering.scene import Scene
@@ -89,14 +90,10 @@ class Film(Question):
 
         Where asperities touch, their pressure and that of the film together reach at most the hardness.
         """
-        carried, load, area = 1 - self.share, case.load, rough.face.grid.area
-        nominal = load.value / area if load.kind == "force" else case.cell_pressure
+        carried, load, nominal = 1 - self.share, case.load, mean_pressure(case, rough)
+        part = {load.kind: carried * load.value}
         if isinstance(load, Hertz):
-            nominal = case.cell_pressure
-            part = {"mean_pressure": carried * nominal}
-            part |= {name: getattr(load, name) for name in ("radius_x", "radius_y", "at")}
-        else:
-            part = {load.kind: carried * load.value}
+            part = {"mean_pressure": carried * nominal, **load.place}
         softer = {
             name: body.replaced(hardness=body.hardness - self.share * nominal)
             for name, body in case.groups_of_bodies.items()

@@ -22,7 +22,15 @@ from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace
 from asperity.engineering.numbers import elastic_record
 from asperity.engineering.press import press
-from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels, part_of
+from asperity.engineering.question import (
+    Findings,
+    Picture,
+    Question,
+    Stages,
+    advice_on_pixels,
+    on_map,
+    part_of,
+)
 from asperity.engineering.records import (
     DISCRETISATION,
     PER_WIDTH,
@@ -156,7 +164,9 @@ class Leak(Question):
             verdict = f"leaks {leakage.best_text()} along {self.direction} through a seal {through}, "
             verdict += f"{per_width.best_text()}, with the discretisation error"
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
-            datasets["leak"] = _fields(contact, flow)
+            flux_y, flux_x = flow.flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
+            fields = {"film_flux_y": flux_y, "film_flux_x": flux_x, "film_pressure": flow.pressure}
+            datasets["leak"] = on_map(contact, "Film that leaks through the gap", **fields)
         if is_sought:
             seals, last_open = self._sealing(stages, search)
             records.insert(min(len(records), 1), seals)
@@ -294,17 +304,6 @@ def _records(paths: Percolation) -> Iterator[Record]:
         words = "" if paths.gap[axis] else "none, the gap is closed"
         at = Position(y=float(y), x=float(x))
         yield Record(name, paths.constriction[axis], "m", TOPIC, position=at, words=words)
-
-
-def _fields(contact: Contact, flow: FilmFlow) -> xr.Dataset:
-    """Flux of the film over its mean, and its pressure, on the nodes of the map."""
-    relative = flow.flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
-    fields = {"film_flux_y": relative[0], "film_flux_x": relative[1], "film_pressure": flow.pressure}
-    return xr.Dataset(
-        {name: (("y", "x"), values) for name, values in fields.items()},
-        contact.grid.dataset_coordinates(),
-        {"title": "Film that leaks through the gap", "unit_system": "SI"},
-    )
 
 
 def _sealing_load(

@@ -215,12 +215,8 @@ def _at_load(
             found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
         return found if leak is None else found | leak.under_load(contact)
 
-    bodies = list(case.different_bodies)
-    return load_curve([contact], bodies, constants, case.loaded_body, more, **_sliding(case))
-
-
-def _sliding(case: Scene) -> dict[str, Any]:
-    return {"friction": case.friction, "sliding_direction": case.sliding_direction}
+    sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
+    return load_curve([contact], [*case.different_bodies], constants, case.loaded_body, more, **sliding)
 
 
 def _yield_begins(
@@ -232,7 +228,7 @@ def _yield_begins(
     def stress_under(load: float) -> float:
         progress(next(steps, YIELD_CONTACTS), YIELD_CONTACTS)
         contact = press(stages.face, case.under(mean_pressure=load))
-        return maximum_von_mises(case.loaded_body(contact, name), name, **_sliding(case))
+        return maximum_von_mises(case.loaded_body(contact, name), **case.sliding_of(name))
 
     return yield_load(loads, stresses, limit, stress_under)
 
@@ -258,7 +254,8 @@ def load_curve(
     resistivities: Mapping[str, float] | None = None,
     loaded: Callable[[Contact, str], LoadedSolid] | None = None,
     more: Callable[[Contact], Mapping[str, float]] | None = None,
-    **sliding: Any,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> xr.Dataset:
     """Numbers of contacts against their load; each contact is released before the next is solved.
 
@@ -274,8 +271,8 @@ def load_curve(
         Contact and name of a body → the loaded body; by default under the contact alone.
     more : callable, optional
         Contact → further numbers by name.
-    **sliding
-        `friction` and `sliding_direction` on the lower body, as for `asperity.analyse_stress`.
+    friction, sliding_direction
+        On the lower body, as for `asperity.analyse_stress`.
 
     Returns
     -------
@@ -309,7 +306,8 @@ def load_curve(
         row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
         rows.append(row | dict(more(contact) if more else {}))
         solids = {body: loaded(contact, body) if loaded else contact.in_body(body) for body in bodies}
-        stresses.append([maximum_von_mises(solid, body, **sliding) for body, solid in solids.items()])
+        direction = {body: traction_direction(sliding_direction, body) for body in solids}
+        stresses.append([maximum_von_mises(solids[each], friction, direction[each]) for each in solids])
     if not rows:
         raise ValueError("contacts: at least one is needed")
     found = xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
@@ -320,16 +318,13 @@ def load_curve(
 
 
 def maximum_von_mises(
-    loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
+    loaded: LoadedSolid, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
     """Maximum von Mises stress, at the nodes or between them, in the material whose yield stress a body has.
 
     That is an elastic base, or the uppermost layer on a rigid one.
     """
-    sliding: dict[str, Any] = {
-        "friction": friction,
-        "sliding_direction": traction_direction(sliding_direction, body),
-    }
+    sliding: dict[str, Any] = {"friction": friction, "sliding_direction": sliding_direction}
     extremes = Extremes(loaded.layer)
     settings: dict[str, Any] = {"quantities": ("von_mises",), "tolerance": STRESS_TOLERANCE, **sliding}
     analyse_stress(loaded, observe=extremes.add, **settings)

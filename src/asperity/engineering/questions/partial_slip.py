@@ -24,6 +24,7 @@ from asperity.engineering.question import (
     Question,
     Stages,
     advice_on_pixels,
+    on_map,
 )
 from asperity.engineering.records import Advice, Bounds, Record, fraction, per_cent
 from asperity.engineering.scene import Scene
@@ -95,13 +96,8 @@ class PartialSlip(Question):
 
     def tractions(self, case: Scene, contact: Contact) -> xr.Dataset:
         """Pressure of the part that sticks, and slip; above friction times load the bodies slide."""
-        slip = self._slip(case, contact)
-        fields = {"sticking_pressure": slip.sticking.pressure, "slip": slip.slip}
-        return xr.Dataset(
-            {name: (("y", "x"), values) for name, values in fields.items()},
-            contact.grid.dataset_coordinates(),
-            {"title": "Partial slip under a tangential force", "unit_system": "SI"},
-        )
+        slip, title = self._slip(case, contact), "Partial slip under a tangential force"
+        return on_map(contact, title, sticking_pressure=slip.sticking.pressure, slip=slip.slip)
 
     def _slip(self, case: Scene, contact: Contact) -> Slip:
         """A contact of the case under the tangential load."""

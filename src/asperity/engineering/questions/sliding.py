@@ -90,8 +90,7 @@ class Sliding(Question):
         warnings = [*self._warnings(stages)]
         if "partial_slip" in stages.asked.questions:
             return Findings(warnings=warnings)
-        along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
-        force = shown_si(self.friction * stages.numbers.force, "N", 3)
+        along, force = stages.asked.along, shown_si(self.friction * stages.numbers.force, "N", 3)
         return Findings(
             verdict=f"the counter body slides along {along} against a friction force of {force} on the map",
             warnings=warnings,
