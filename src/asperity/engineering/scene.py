@@ -23,8 +23,7 @@ from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid
 from asperity.settings.body import Body
-from asperity.settings.interface import Attraction
-from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
+from asperity.settings.load import LARGEST_LOAD, UNITS, Attraction, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import OwnMaterials
 from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting

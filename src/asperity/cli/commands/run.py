@@ -1,6 +1,7 @@
 """``asperity run``: from a measured map, two materials and a load to an answer."""
 
 import argparse
+import math
 import os
 import re
 import sys
@@ -76,7 +77,11 @@ def run(options: argparse.Namespace) -> None:
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
     if options.check:
-        print(_cost_in_words(arrangement.jobs))
+        shapes = [job.rough.face.grid.shape for job in arrangement.jobs if job.rough]
+        (time, memory), (ny, nx) = cost_of(arrangement.jobs), max(shapes, key=math.prod)
+        size = f"{len(shapes)} map{'s' * (len(shapes) > 1)}, {ny} × {nx} nodes"
+        cost = f"about {time} of one processor and {memory / 1e9:.1f} GB"
+        print(f"nothing wrong was found; {size}, {cost}")
         return
     _compute(options, arrangement)
 
@@ -172,14 +177,6 @@ def _with_flags(text: str) -> str:
         return f"{FLAGS[key]} {value or ''}".strip() if key in FLAGS else f"--set {key}={value or '…'}"
 
     return re.sub(rf"\b(?P<key>(?:{groups})(?:\.\w+)+)(?:: (?P<value>\w+))?", written, text)
-
-
-def _cost_in_words(jobs: Sequence[Any]) -> str:
-    """Nodes, time and memory of some cases, as far as they are known before."""
-    ny, nx = max((job.rough.face.grid.shape for job in jobs), key=lambda shape: shape[0] * shape[1])
-    (time, memory), maps = cost_of(jobs), "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
-    size = f"{maps}, {ny} × {nx} nodes"
-    return f"nothing wrong was found; {size}, about {time} of one processor and {memory / 1e9:.1f} GB"
 
 
 def _is_written(save: str, out: Path) -> bool:

@@ -21,8 +21,7 @@ from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Picture, Question, Stages, part_of
 from asperity.engineering.records import POSITIVE, SEARCH, Record
 from asperity.engineering.scene import Scene
-from asperity.settings.interface import FIT, Attraction
-from asperity.settings.load import Hertz
+from asperity.settings.load import FIT, Attraction, Hertz
 from asperity.settings.model import Problem, SettingsError, Whole, setting
 
 TOPIC = "adhesion"
