@@ -165,11 +165,7 @@ class Comparison:
         record = self.decisive[0]
         values = {name: records[key_of(record)].best for name, records in self.records.items()}
         order = sorted(values, key=lambda name: values[name], reverse=record.better == "more")
-        return self._judged(key_of(record), order)
-
-    def _judged(self, key: Key, order: Sequence[str]) -> str:
-        """Sentence about the best of the items, which are in falling order."""
-        best, second, *_ = order
+        (best, second, *_), key = order, key_of(record)
         found = self.difference(key, best, second)
         counts = {name: len(getattr(self.items[name], "names", [name])) for name in order}
         maps = {name: "1 map" if count == 1 else f"{count} maps" for name, count in counts.items()}
