@@ -185,9 +185,8 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
     for part, name in sheets.items():
         shown = _in_sheet_units(tables[name])
         columns = (map(_cell, shown[column].tolist()) for column in shown)
-        rows = "".join(
-            f"<row>{''.join(row)}</row>" for row in [map(_cell, shown), *zip(*columns, strict=True)]
-        )
+        rows = [map(_cell, shown), *zip(*columns, strict=True)]
+        lines = "".join(f"<row>{''.join(row)}</row>" for row in rows)
         parts[f"xl/{part}.xml"] = f'<worksheet xmlns="{_SHEETS}"><sheetData>{lines}</sheetData></worksheet>'
     with ZipFile(path, "w") as book:
         for name, content in parts.items():
