@@ -213,17 +213,12 @@ def _of_field(given: Mapping[str, Any]) -> dict[str, Any]:
     if default := given.get("default_text") or entry.get("default_text") or entry.get("default"):
         facts.append(f"default: {default}")
     text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
-    return {"metavar": _placeholder(entry), "help": text.replace("`", "").replace("%", "%%")}
-
-
-def _placeholder(entry: Mapping[str, Any]) -> str:
-    """Placeholder of a value in the usage."""
-    if "enum" in entry:
-        return f"{{{','.join(entry['enum'])}}}"
     kinds = entry.get("anyOf", [entry])
     kind = kinds[0] if kinds[0] == {"type": "string"} else kinds[-1]  # a name or a number is a text
     types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
-    return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
+    value = _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
+    value = f"{{{','.join(entry['enum'])}}}" if "enum" in entry else value
+    return {"metavar": value, "help": text.replace("`", "").replace("%", "%%")}
 
 
 def _number(text: str, above: float = -math.inf) -> float:

@@ -181,7 +181,10 @@ class LoadCurve(Question):
                 search = partial(part_of, progress, done, done := done + YIELD_CONTACTS, parts)
                 begins = _yield_begins(stages, name, loads, stresses, limits[name], search)
                 table[f"yield_begins_{name}_Pa"] = begins
-                records.append(_on_curve(YIELD_LOAD, begins, loads, YIELD_LOAD_ERROR, name))
+                value, is_known = float(np.clip(begins, loads[0], loads[-1])), 0 < begins < math.inf
+                words = "" if is_known else f"{_where(begins, loads)}, beyond the curve"
+                record = Record(YIELD_LOAD, value, "Pa", TOPIC, name, bounds=POSITIVE, words=words)
+                records.append(record.with_error(SEARCH, YIELD_LOAD_ERROR * value if is_known else 0.0))
                 of = f" of the {name} body" if len(case.bodies) > 1 else ""
                 verdict.append(f"yield{of} begins {_where(begins, loads)}")
         return Findings(records=records, verdict="; ".join(verdict), tables={"curve": table})
@@ -231,14 +234,6 @@ def _yield_begins(
         return maximum_von_mises(case.loaded_body(contact, name), **case.sliding_of(name))
 
     return yield_load(loads, stresses, limit, stress_under)
-
-
-def _on_curve(quantity: str, load: float, loads: Array, error: float, body: str = "") -> Record:
-    """A load on a curve, with its relative error; words where it is 0, below all loads, or infinite."""
-    value, known = min(max(load, float(loads[0])), float(loads[-1])), 0 < load < math.inf
-    words = "" if known else f"{_where(load, loads)}, beyond the curve"
-    record = Record(quantity, value, "Pa", TOPIC, body, bounds=POSITIVE, words=words)
-    return record.with_error(SEARCH, error * value) if known else record
 
 
 def _where(load: float, loads: Array) -> str:
