@@ -16,6 +16,7 @@ from asperity.engineering.answer import Answer, Sample, opened
 from asperity.engineering.answer_data import AnswerData, by_topic, load_in_words, without_repeats
 from asperity.engineering.jobs import arranged, computed, sample_of
 from asperity.engineering.records import Record
+from asperity.engineering.show.comparison import compared
 from asperity.engineering.show.sample import predicted
 from asperity.engineering.show.tables import TILES
 from asperity.results.atomic import locked
@@ -105,8 +106,6 @@ class AnswerJob:
 
     def compare(self, names: Sequence[str], folder: str) -> dict[str, Any]:
         """Verdict, and differences of all numbers, of this answer and that of another folder."""
-        from asperity.engineering.show.comparison import compared
-
         found = compared(dict(zip(names, (self._whole, opened(folder)), strict=True)))
         first, second = (found.records[name] for name in names)
         differences = [found.difference(key, *names) for key in first if key in second]

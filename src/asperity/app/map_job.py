@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import map_coordinates
 
 from asperity.core.errors import InputError
 from asperity.core.types import Array
@@ -17,12 +18,14 @@ from asperity.engineering.case import Case
 from asperity.engineering.case_file import MAP_FILES, at, case_of_map
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.jobs import SMALL, Job, arranged
+from asperity.engineering.stages import work_of
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
 from asperity.surface.description import describe_map
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
+from asperity.views.maps import blocks
 
 PIXELS = 1024
 """Most values along an edge of a picture; of a finer grid a value stands for a block of nodes."""
@@ -44,8 +47,6 @@ def picture(values: Array, grid: Grid, reduce: Callable[..., Array]) -> dict[str
     """A field on the map as the page draws it: at most `PIXELS` values along an edge, and its frame in m."""
     size = [-(-count // PIXELS) for count in values.shape]
     if max(size) > 1:
-        from asperity.views.maps import blocks
-
         values = blocks(values, size, reduce)
     y, x = (float(axis[0]) - step / 2 for axis, step in zip(grid.coordinates(), grid.spacing, strict=True))
     edges = zip(values.shape, size, grid.spacing, strict=True)
@@ -55,8 +56,6 @@ def picture(values: Array, grid: Grid, reduce: Callable[..., Array]) -> dict[str
 
 def along(shown: Mapping[str, Any], ends: Ends) -> tuple[Array, Array]:
     """Distances in m and values along the part of a line (x, y, x, y) that lies on a picture."""
-    from scipy.ndimage import map_coordinates
-
     first, last = 0.0, 1.0
     for start, end, edge, width in zip(
         ends[:2], ends[2:], (shown["x"], shown["y"]), (shown["dw"], shown["dh"]), strict=True
@@ -178,7 +177,6 @@ def _of_case(case: Case) -> dict[str, Any]:
 
 def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     """Time of one processor in words, and memory of the largest job in bytes."""
-    from asperity.engineering.stages import work_of
     from asperity.study.cost.model import answer_cost, minutes, time_factor
 
     costs = []

@@ -22,6 +22,9 @@ COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
 SHARED: dict[str, Any] = COMMANDS.pop("shared")
 """Name → a group of arguments that several commands share."""
 
+WRONG_USAGE = 2
+"""Exit status for refused arguments, the same as argparse's."""
+
 DESCRIPTION = """\
 Stress inside an elastic solid pressed against a rough surface: from a measured map, materials and a load with
 their units to an answer. The steps of a calculation are functions of the library."""
@@ -47,7 +50,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End the process with status 2."""
-        sys.exit(fail(f"{message} (see {self.prog} --help)", 2))
+        sys.exit(fail(f"{message} (see {self.prog} --help)", WRONG_USAGE))
 
 
 _NUMBER = re.compile(r"(?:^|=)[+-]?(?:\d+[.,]?\d*|\.\d+)(?:[eE][+-]?\d+)?\Z")
@@ -68,14 +71,14 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
         if flag.startswith("--")
     }
     if not command and words and not words[0].startswith("-"):
-        sys.exit(fail(_no_command(words[0]), 2))
+        sys.exit(fail(_no_command(words[0]), WRONG_USAGE))
     rest = words[words.index(command) :] if command else ()
     given = Counter(word.partition("=")[0] for word in takewhile("--".__ne__, rest))
     # Refused before the parser is made, whose settings take a tenth of a second.
     unknown = [word for word in given if word.startswith("--") and word not in {*known, "--help"}]
     for flag, options in known.items():
         if given[flag] > 1 and options.get("action") != "append":
-            sys.exit(fail(f"{flag}: given {given[flag]} times (see asperity {command} --help)", 2))
+            sys.exit(fail(f"{flag}: given {given[flag]} times (see asperity {command} --help)", WRONG_USAGE))
     if not unknown:
         wants_help = not {"-h", "--help"}.isdisjoint(words)
         found, unknown = make_parser(command, wants_help).parse_known_args(words)
@@ -84,7 +87,7 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
     near = did_you_mean(unknown[0], known)
     if not near and command in ("run", "app") and unknown[0].startswith("--"):
         near = _key_of(unknown[0], known)
-    sys.exit(fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {command} --help)", 2))
+    sys.exit(fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {command} --help)", WRONG_USAGE))
 
 
 def _no_command(word: str) -> str:
@@ -176,6 +179,10 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return found
 
 
+FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each in arguments(group).items()}
+"""Dotted key of a setting of a case → its flag of ``asperity run``."""
+
+
 def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], explained: bool) -> None:
     """Add the arguments of a command or group; settings are explained only where help is wanted."""
     for flag, given in arguments(entry).items():
@@ -206,17 +213,12 @@ def _of_field(given: Mapping[str, Any]) -> dict[str, Any]:
     if default := given.get("default_text") or entry.get("default_text") or entry.get("default"):
         facts.append(f"default: {default}")
     text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
-    return {"metavar": _placeholder(entry), "help": text.replace("`", "").replace("%", "%%")}
-
-
-def _placeholder(entry: Mapping[str, Any]) -> str:
-    """Placeholder of a value in the usage."""
-    if "enum" in entry:
-        return f"{{{','.join(entry['enum'])}}}"
     kinds = entry.get("anyOf", [entry])
     kind = kinds[0] if kinds[0] == {"type": "string"} else kinds[-1]  # a name or a number is a text
     types = kind["type"] if isinstance(kind["type"], list) else [kind["type"]]
-    return _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
+    value = _PLACEHOLDERS.get(kind.get("format", "")) or _PLACEHOLDERS.get(types[-1], "VALUE")
+    value = f"{{{','.join(entry['enum'])}}}" if "enum" in entry else value
+    return {"metavar": value, "help": text.replace("`", "").replace("%", "%%")}
 
 
 def _number(text: str, above: float = -math.inf) -> float:

@@ -27,7 +27,7 @@ from asperity.engineering.sample import SampleData, named, pooled
 from asperity.engineering.show import sample as show_sample
 from asperity.engineering.show.comparison import Comparison, compared
 from asperity.engineering.show.report import preview, report, write_report
-from asperity.engineering.show.text import text
+from asperity.engineering.show.tables import text
 from asperity.engineering.stages import answer_of
 from asperity.settings.load import UNITS
 from asperity.surface.reading.height_map import HeightMap

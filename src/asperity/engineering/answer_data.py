@@ -330,12 +330,10 @@ def case_in_words(case: Scene) -> str:
     kind, value = load_in_words(case)
     counter = case.elastic_counter_body
     upper = "a rigid body" if counter is None else counter.in_words
-    direction = case.sliding_direction
-    along = direction if isinstance(direction, str) else f"{direction:g}° from x"
-    sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""
+    sliding = f", sliding along {case.along} with friction {case.friction:g}" if case.friction else ""
     if (slip := case.questions.get("partial_slip")) is not None:
         moved = "tangential force " + shown_si(slip.tangential_force or 0.0, "N")
         if slip.tangential_displacement is not None:
             moved = "tangential displacement " + shown_si(slip.tangential_displacement, "m")
-        sliding = f", {moved} along {along} with friction {case.friction:g}"
+        sliding = f", {moved} along {case.along} with friction {case.friction:g}"
     return f"{case.body.in_words} against {upper}, {kind} imposed: {value}{sliding}"

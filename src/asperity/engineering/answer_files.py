@@ -7,7 +7,8 @@ the nodes, and the fields of planes, are not kept: planes are computed from the 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import UserDict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -46,28 +47,25 @@ HEIGHTS = "map.npy"
 Kind = TypeVar("Kind", bound=AnswerData)
 
 
-class OpenedWhenAsked(Mapping[str, Any]):
-    """Values that are read from files when they are first asked for."""
-
-    def __init__(self, readers: Mapping[str, Callable[[], Any]]) -> None:
-        self._readers, self._read = dict(readers), dict[str, Any]()
+class OpenedWhenAsked(UserDict[str, Any]):
+    """Values that are read from files when they are first asked for; until then a `partial` reads each."""
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self._read:
-            self._read[name] = self._readers[name]()
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._readers)
-
-    def __len__(self) -> int:
-        return len(self._readers)
+        if isinstance(self.data[name], partial):
+            self.data[name] = self.data[name]()
+        return self.data[name]
 
 
 def write_data(answer: AnswerData, folder: Path, final: Path) -> None:
     """Write the data of an answer into an empty folder, which is moved to its final place later."""
     settings, surface = _settings(answer), f"rough surface {answer.face.name}"
-    dataset.write(_surface(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
+    described = surface_dataset(answer.face.height, answer.face.grid).assign_attrs(
+        unit_system=SI_UNITS,
+        map_treatment="\n".join(answer.face.done),
+        wavelength_short=answer.face.wavelength_short,
+        edge_step=answer.face.treatment.edge_step,
+    )
+    dataset.write(described, folder / "surface.nc", f"R{surface[1:]}", settings)
     dataset.write(_contact(answer), folder / "contact.nc", f"Contact with {surface}", settings)
     for body, stress in answer.stress.items():
         suffix = suffix_of(answer, body)
@@ -131,7 +129,21 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
         "contact": lambda: _contact_from(read("contact.nc"), found, plain["contact"]),
     }
     try:
-        parts = _parts(plain, folder, read)
+        date, versions, files = plain["origin"]
+        stresses = {body: partial(read, name) for body, name in plain["stress"].items()}
+        tables = {name: partial(_table, folder, name) for name in plain["tables"]}
+        datasets = {name: partial(read, f"{name}.nc") for name in plain["datasets"]}
+        datasets |= {name: partial(read, "contact.nc", names) for name, names in plain["tractions"].items()}
+        parts = {
+            "records": tuple(Record.from_plain(each) for each in plain["records"]),
+            "verdict": tuple(plain["verdict"]),
+            "warnings": tuple(Advice(*each) for each in plain["warnings"]),
+            "assumptions": tuple(plain["assumptions"]),
+            "stress": OpenedWhenAsked(stresses),
+            "tables": OpenedWhenAsked(tables),
+            "datasets": OpenedWhenAsked(datasets),
+            "origin": Origin(date, versions, tuple(ReadFile(*each) for each in files)),
+        }
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise DatasetError(f"{folder / DATA}: damaged ({error}); run {folder / CASE_FILE} again") from error
     found.__dict__.update(parts, folder=folder, _later=later)
@@ -144,24 +156,6 @@ def unchanged(folder: Path, name: str) -> Path:
     if checksum and path.is_file() and sha256_of(path) != checksum:
         raise DatasetError(f"{path}: changed after it was written; run {folder / CASE_FILE} again")
     return path
-
-
-def _parts(plain: Mapping[str, Any], folder: Path, read: Callable[..., xr.Dataset]) -> dict[str, Any]:
-    """The parts of an answer that are not read later."""
-    date, versions, files = plain["origin"]
-    return {
-        "records": tuple(Record.from_plain(each) for each in plain["records"]),
-        "verdict": tuple(plain["verdict"]),
-        "warnings": tuple(Advice(*each) for each in plain["warnings"]),
-        "assumptions": tuple(plain["assumptions"]),
-        "stress": OpenedWhenAsked({body: partial(read, name) for body, name in plain["stress"].items()}),
-        "tables": OpenedWhenAsked({name: partial(_table, folder, name) for name in plain["tables"]}),
-        "datasets": OpenedWhenAsked(
-            {name: partial(read, f"{name}.nc") for name in plain["datasets"]}
-            | {name: partial(read, "contact.nc", names) for name, names in plain["tractions"].items()}
-        ),
-        "origin": Origin(date, versions, tuple(ReadFile(*each) for each in files)),
-    }
 
 
 def _table(folder: Path, name: str) -> pd.DataFrame:
@@ -264,17 +258,6 @@ def _settings(answer: AnswerData) -> dict[str, Any]:
         "sliding_direction": case.sliding_direction,
     }
     return case.written() | solids
-
-
-def _surface(answer: AnswerData) -> xr.Dataset:
-    """The surface that was pressed, with its roughness parameters and spectrum."""
-    face = answer.face
-    return surface_dataset(face.height, face.grid).assign_attrs(
-        unit_system=SI_UNITS,
-        map_treatment="\n".join(face.done),
-        wavelength_short=face.wavelength_short,
-        edge_step=face.treatment.edge_step,
-    )
 
 
 def _contact(answer: AnswerData) -> xr.Dataset:

@@ -290,12 +290,7 @@ def holds_answer(folder: Path, case: Scene, files: Sequence[ReadFile]) -> bool:
     for name, checksum in checksums.items():
         if not (folder / name).is_file() or sha256_of(folder / name) != checksum:
             return False
-    if version_of(folder / "contact.nc") != __version__:
-        return False
+    with netCDF4.Dataset(folder / "contact.nc") as opened:
+        if getattr(opened, "source", "") != f"asperity {__version__}":
+            return False
     return same_case((folder / CASE_FILE).read_text(encoding="utf-8"), case, files)
-
-
-def version_of(path: Path) -> str:
-    """Version of asperity that wrote a result."""
-    with netCDF4.Dataset(path) as opened:
-        return str(getattr(opened, "source", "")).removeprefix("asperity ")

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from asperity.core.types import Array
 from asperity.engineering.answer_data import AnswerData
@@ -18,9 +21,6 @@ from asperity.views.maps import Map, draw_maps, map_of
 from asperity.views.scales import Look, measure
 from asperity.views.source import Part, Source, sources
 from asperity.views.style import plain_text
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LONGEST_TITLE = 28
 """Most characters of the name of a map in the title of a picture beside another one."""
@@ -101,8 +101,6 @@ def draw_framed(maps: list[Map], look: Look, level: float | None = None) -> Figu
         maps = [first._replace(note=title), second._replace(note=f" \n{second.note}")]
     figure = draw_maps(maps, look, None, level)
     if len(maps) > 1:
-        from matplotlib.patches import Rectangle
-
         overview, close = figure.axes[:2]
         (left, right), (low, high) = close.get_xlim(), close.get_ylim()
         overview.add_patch(Rectangle((left, low), right - left, high - low, fill=False, ec="C1", lw=1))
@@ -142,8 +140,6 @@ def yield_at(body: Body, depth: Array) -> Array:
 
 def plain_logarithms(axis: Any) -> None:
     """Make an axis logarithmic, with plain numbers at 1, 2 and 5 times powers of ten."""
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
-
     getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))

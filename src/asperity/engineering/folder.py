@@ -53,18 +53,8 @@ KINDS = {DATA: "an answer", SAMPLE_DATA: "a sample", COMPARISON_DATA: "a compari
 """Name of the file that only one kind of folder has → the kind."""
 
 STEMS = (
-    *(
-        "case",
-        "answer",
-        "surface",
-        "contact",
-        "stress",
-        "peaks",
-        "contact_spots",
-        "gaps",
-        "warnings",
-        "report",
-    ),
+    *("case", "answer", "surface", "contact", "stress", "peaks", "contact_spots", "gaps"),
+    *("warnings", "report"),
     *("height", "pressure", "plastic_depth", "plane", "section", "interface", "map"),
 )
 """First words of the names of the files that every answer may have."""

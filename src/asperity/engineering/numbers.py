@@ -185,7 +185,10 @@ def elastic_record(name: str, elastic: float, records: Iterable[Record]) -> Iter
 
 def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -> Iterator[Record]:
     """Numbers of the stress in a body under a contact."""
-    limits, materials, hardness = stress.limits, stress.materials, contact.hardness
+    limits, materials, hardness, body = stress.limits, stress.materials, contact.hardness, case.bodies[name]
+    # A half-space under a contact pressure alone.
+    more_loads = case.friction or case.carried < 1 or body.residual_stress or case.hertz_contact
+    is_plain = not (more_loads or body.layers)
 
     def record(quantity: str, value: float, unit: str = "Pa", limit: str = "", **more: Any) -> Record:
         return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, limit or quantity)
@@ -205,7 +208,7 @@ def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -
 
     for field, quantity in EXTREMES.items():
         bounds = POSITIVE
-        if field == "hydrostatic" and math.isfinite(hardness) and _is_plain(case, name):
+        if field == "hydrostatic" and math.isfinite(hardness) and is_plain:
             # The hydrostatic stress is harmonic, and −2 (1 + ν) p / 3 at the surface.
             most = 2 * (1 + stress.layer.poisson) / 3 * hardness
             bounds = Bounds(0.0, most, "2 (1 + ν) / 3 of the hardness")
@@ -243,13 +246,6 @@ def residual_in(body: Body, depth: float) -> str:
     number = bisect_left([*body.interfaces.values()], depth)
     residual = body.layers[number].residual_stress if number < len(body.layers) else None
     return f"with the residual stress {shown_si(residual, 'Pa')}" if residual else ""
-
-
-def _is_plain(case: Scene, name: str) -> bool:
-    """True for a half-space under a contact pressure alone."""
-    body = case.bodies[name]
-    loads = case.friction or case.carried < 1 or body.layers or body.residual_stress or case.hertz_contact
-    return not loads
 
 
 def _extrapolated(record: Record, limits: xr.Dataset, quantity: str, size: float = 1.0) -> Record:

@@ -11,8 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+import pandas as pd
+import xarray as xr
+
 from asperity.contact import Contact
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.body_stress import BodyStress, Observer
@@ -22,12 +25,11 @@ from asperity.engineering.face import RoughFace
 from asperity.engineering.places import Blocks
 from asperity.engineering.records import Advice, Bounds, Record
 from asperity.engineering.scene import Scene
+from asperity.results.variables import SI_UNITS
 from asperity.settings.model import Settings
 from asperity.surface.treatment.treatment import TreatedMap
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
     from matplotlib.figure import Figure
 
 
@@ -216,6 +218,13 @@ class Question(Settings):
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """Pictures of the contact and of the bodies."""
         return iter(())
+
+
+def on_map(contact: Contact, title: str, **fields: Array) -> xr.Dataset:
+    """Fields on the nodes of the map as a dataset."""
+    variables = {name: (("y", "x"), values) for name, values in fields.items()}
+    attributes = {"title": title, "unit_system": SI_UNITS}
+    return xr.Dataset(variables, contact.grid.dataset_coordinates(), attributes)
 
 
 def part_of(progress: Progress, begin: float, end: float, total: float, done: float, of: float) -> None:

@@ -10,14 +10,13 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import pandas as pd
 
 from asperity.core.errors import shown
 from asperity.core.markup import with_error
 from asperity.core.units import scaled_unit, shown_si
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 DISCRETISATION = "discretisation"
 PLANES = "discretisation and planes"
@@ -370,31 +369,14 @@ def record_of(records: Sequence[Record], quantity: str, body: str | None = None)
 
 def frame(records: Iterable[Record]) -> pd.DataFrame:
     """Records as a table; the columns are described in ``docs/tables.md``."""
-    import pandas as pd
-
-    columns: dict[str, list[Any]] = {
-        name: [] for name in ("topic", "body", "quantity", "value", "unit", "extrapolated", "error")
-    }
     causes = {cause: f"error_{cause.replace('the ', '').replace(' ', '_')}" for cause in CAUSES}
-    places = [f"{name}_m" for name in Position._fields]
-    columns |= {name: [] for name in (*causes.values(), "low", "high", "bound", "not_known", *places, "text")}
+    own = ("topic", "body", "quantity", "value", "unit", "extrapolated", "error")
+    rows = []
     for each in records:
-        row: dict[str, Any] = {
-            "topic": each.topic,
-            "body": each.body,
-            "quantity": each.quantity,
-            "value": each.value,
-            "unit": each.unit,
-            "extrapolated": each.extrapolated,
-            "error": each.error,
-            "low": each.interval[0],
-            "high": each.interval[1],
-            "bound": each.bounds.reason,
-            "not_known": ", ".join(each.unknown),
-            "text": each.text(),
-        }
+        row: dict[str, Any] = {name: getattr(each, name) for name in own}
         row |= {name: each.errors.get(cause, math.nan) for cause, name in causes.items()}
-        row |= dict(zip(places, each.position, strict=True))
-        for name, column in columns.items():
-            column.append(row[name])
-    return pd.DataFrame(columns)
+        row |= {"low": each.interval[0], "high": each.interval[1], "bound": each.bounds.reason}
+        row["not_known"] = ", ".join(each.unknown)
+        row |= {f"{name}_m": place for name, place in each.position._asdict().items()}
+        rows.append(row | {"text": each.text()})
+    return pd.DataFrame(rows)

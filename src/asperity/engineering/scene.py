@@ -10,27 +10,24 @@ from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, field_validator
 
+from asperity.contact import Adhesion, Contact
 from asperity.core.types import FIELDS
 from asperity.core.units import shown_si
+from asperity.elasticity.loaded_solid import LARGEST, LoadedSolid, traction_direction
+from asperity.elasticity.solid import Solid
+from asperity.elasticity.two_bodies import TwoBodies
+from asperity.fourier.grid import Grid
 from asperity.settings.body import Body
-from asperity.settings.interface import Attraction
-from asperity.settings.load import LARGEST_LOAD, UNITS, Hertz, Load
+from asperity.settings.load import LARGEST_LOAD, UNITS, Attraction, Hertz, Load
 from asperity.settings.map import CounterMap, Map
 from asperity.settings.materials import OwnMaterials
 from asperity.settings.model import DISTINCT, Settings, one_of, optional, setting
-
-if TYPE_CHECKING:
-    from asperity.contact import Adhesion, Contact
-    from asperity.elasticity.loaded_solid import LoadedSolid
-    from asperity.elasticity.solid import Solid
-    from asperity.elasticity.two_bodies import TwoBodies
-    from asperity.fourier.grid import Grid
-    from asperity.stress.cycles.hertz_contact import HertzContact
+from asperity.stress.cycles.hertz_contact import HertzContact
 
 OF_BOTH_MAPS = {
     *("s_filter", "l_filter", "wavelength_short", "points", "ends"),
@@ -132,8 +129,6 @@ class Scene(Settings):
 
     def problems_of_pressure(self, mean_pressure: float) -> Iterator[tuple[str, str]]:
         """A mean pressure on the map that is too high, or not below the hardness."""
-        from asperity.elasticity.loaded_solid import LARGEST
-
         most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST)
         given = shown_si(self.load.value, UNITS[self.load.kind])
         if not mean_pressure < most:
@@ -206,6 +201,12 @@ class Scene(Settings):
         return "x" if given is None else given
 
     @property
+    def along(self) -> str:
+        """That direction in words."""
+        given = self.sliding_direction
+        return given if isinstance(given, str) else f"{given:g}° from x"
+
+    @property
     def carried(self) -> float:
         """Fraction of the load that the contact carries; a film carries the rest."""
         film = self.questions.get("film")
@@ -213,8 +214,6 @@ class Scene(Settings):
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
-        from asperity.elasticity.loaded_solid import traction_direction
-
         direction = traction_direction(self.sliding_direction, body)
         return {"friction": self.friction, "sliding_direction": direction}
 
@@ -250,14 +249,11 @@ class Scene(Settings):
         """The solid, or the two bodies, that the solver presses."""
         if (counter := self.elastic_counter_body) is None:
             return solid_of(self.body)
-        from asperity.elasticity.two_bodies import TwoBodies
 
         return TwoBodies(solid_of(self.body), solid_of(counter))
 
     def adhesion_on(self, grid: Grid) -> Adhesion | None:
         """The attraction of the faces on a grid, on which a range that is fitted depends."""
-        from asperity.contact import Adhesion
-
         if (given := self.adhesion) is None:
             return None
         if isinstance(given.range, str):
@@ -309,11 +305,8 @@ class Scene(Settings):
 
     def under(self, **load: float) -> Scene:
         """The same bodies under another load, without questions."""
-        if isinstance(self.load, Hertz):
-            load |= {name: getattr(self.load, name) for name in ("radius_x", "radius_y", "at")}
-        given: dict[str, Any] = {"map": self.map, "body": self.body, "counter_body": self.counter_body}
-        given["adhesion"] = self.adhesion
-        return Scene(**given, load=load)
+        given = {name: getattr(self, name) for name in ("map", "body", "counter_body", "adhesion")}
+        return Scene(**given, load=self.load.place | load)
 
     @property
     def counter_map(self) -> CounterMap | None:
@@ -330,8 +323,6 @@ class Scene(Settings):
 
 def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float) -> HertzContact:
     """The Hertz contact under a kind of load; a `mean_pressure` is the pressure at the place of the map."""
-    from asperity.stress.cycles.hertz_contact import HertzContact
-
     given = {"force": load} if kind == "force" else {"maximum_pressure": load}
     if kind == "mean_pressure":
         given["maximum_pressure"] /= place.share
@@ -340,8 +331,6 @@ def hertz_contact(place: Hertz, kind: str, load: float, effective_modulus: float
 
 def solid_of(body: Body) -> Solid:
     """A body as the solver takes it: layers on a half-space or a rigid base, or a half-space."""
-    from asperity.elasticity.solid import Solid
-
     base = Solid(body.young, body.poisson) if body.base is None else None
     if base is not None and not body.layers:
         return base

@@ -139,6 +139,7 @@ def answer_of(
     known = {each.quantity: each.value for each in records if not each.words}
     require_finite("run", known)
     warnings = advise(stages, compared, records, [each for one in found.values() for each in one.warnings])
+    datasets = {name: own for name, (own, _) in pressed.tractions.items() if own is not None}
     answer = AnswerData(
         asked,
         pressed.face,
@@ -149,7 +150,7 @@ def answer_of(
         tuple(each.assumption for each in found.values() if each.assumption),
         {name: _stress(stages, name, found) for name in asked.different_bodies},
         _tables(stages, found),
-        _datasets(stages, found),
+        datasets | {name: each for one in found.values() for name, each in one.datasets.items()},
         _origin(rough, pressed.contact),
     )
     parts.end()
@@ -369,14 +370,6 @@ def _peaks(stages: Stages, found: Mapping[str, Findings]) -> pd.DataFrame:
     peaks = peaks.assign(size=peaks["value_Pa"].abs(), counts_for=peaks["counts_for"].fillna(1.0))
     order = {"body": True, "quantity": False, "size": False}
     return peaks.sort_values([*order], ascending=[*order.values()], ignore_index=True)[columns]
-
-
-def _datasets(stages: Stages, found: Mapping[str, Findings]) -> dict[str, xr.Dataset]:
-    """All datasets of an answer by name; tractions have the name of their question."""
-    datasets = {name: own for name, (own, _) in stages.tractions.items() if own is not None}
-    for each in found.values():
-        datasets |= each.datasets
-    return datasets
 
 
 def _origin(rough: RoughFace, contact: Contact) -> Origin:

@@ -183,7 +183,11 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
         f"<sheets>{names}</sheets></workbook>",
     }
     for part, name in sheets.items():
-        parts[f"xl/{part}.xml"] = _sheet(_in_sheet_units(tables[name]))
+        shown = _in_sheet_units(tables[name])
+        columns = (map(_cell, shown[column].tolist()) for column in shown)
+        rows = [map(_cell, shown), *zip(*columns, strict=True)]
+        lines = "".join(f"<row>{''.join(row)}</row>" for row in rows)
+        parts[f"xl/{part}.xml"] = f'<worksheet xmlns="{_SHEETS}"><sheetData>{lines}</sheetData></worksheet>'
     with ZipFile(path, "w") as book:
         for name, content in parts.items():
             entry = ZipInfo(name)  # without the time
@@ -214,13 +218,6 @@ def _in_sheet_units(frame: "pd.DataFrame") -> "pd.DataFrame":
     if "unit" in shown:
         shown["unit"] = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[0])
     return shown
-
-
-def _sheet(frame: "pd.DataFrame") -> str:
-    """A table as a sheet of an Excel file, in XML."""
-    rows = [map(_cell, frame), *zip(*(map(_cell, frame[column].tolist()) for column in frame), strict=True)]
-    lines = "".join(f"<row>{''.join(row)}</row>" for row in rows)
-    return f'<worksheet xmlns="{_SHEETS}"><sheetData>{lines}</sheetData></worksheet>'
 
 
 def _cell(value: Any) -> str:

@@ -164,19 +164,17 @@ def _residual(value: Any, info: ValidationInfo) -> float | ResidualStress:
     return value if isinstance(value, ResidualStress) else STRESS(value, info)
 
 
-def _of_residual(*_: Any) -> dict[str, Any]:
-    """Description of a stress or a table of it, in the words of a JSON Schema."""
-    return {
-        "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
-        "accepts": f"{STRESS.needed()}, or a table {{depth: [0 um, 50 um], stress: [-600 MPa, 0 MPa]}}",
-    }
-
-
 Residual = Annotated[
     float | ResidualStress,
     PlainValidator(_residual),
     PlainSerializer(lambda value: value.written() if isinstance(value, Settings) else STRESS.written(value)),
-    GetPydanticSchema(None, _of_residual),
+    GetPydanticSchema(
+        None,
+        lambda *_: {
+            "anyOf": [{"type": "string", "format": "pressure"}, described(ResidualStress)],
+            "accepts": f"{STRESS.needed()}, or a table {{depth: [0 um, 50 um], stress: [-600 MPa, 0 MPa]}}",
+        },
+    ),
 ]
 """A stress in Pa, or a table of it over depth."""
 

@@ -1,13 +1,13 @@
-"""The load of a case: exactly one quantity is imposed, on the map or on a Hertz contact around it."""
+"""The load of a case, imposed on the map or on a Hertz contact around it, and the adhesion of the faces."""
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, GetPydanticSchema, PlainValidator, SerializeAsAny, ValidationInfo
 
 from asperity.settings.model import NeededError, Number, Settings, described, nested, optional, setting
-from asperity.settings.quantities import Force, Length, Pressure, Radius
+from asperity.settings.quantities import Force, Length, Pressure, Quantity, Radius
 
 UNITS = {
     "mean_pressure": "Pa",
@@ -76,6 +76,11 @@ class OneLoad(Settings):
         """Its value in SI units."""
         return float(getattr(self, self.kind))
 
+    @property
+    def place(self) -> dict[str, Any]:
+        """Settings of the Hertz contact, and the place of the map in it; empty without one."""
+        return {}
+
 
 class Hertz(OneLoad):
     """Load of a Hertz contact of half-spaces, of which the map is a small part."""
@@ -100,6 +105,10 @@ class Hertz(OneLoad):
             yield "at", f" = {y:g} {x:g}: {inside}"
         if is_roller and self.force is not None:
             yield "force", ": the Hertz pressure is needed under a roller, whose length is not known"
+
+    @property
+    def place(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("radius_x", "radius_y", "at")}
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -128,3 +137,19 @@ Load = Annotated[
     GetPydanticSchema(None, lambda *_: dict(described(OneLoad))),
 ]
 """A load of one of the classes of this module, or a mapping from which it is made."""
+
+
+FIT = "fit"
+"""Range that follows from the grid."""
+
+
+class Attraction(Settings):
+    """Attraction of the faces across the gap."""
+
+    work: Annotated[float, Quantity("work of adhesion")] = setting(..., example="50 mJ/m^2", varied=True)
+    """Work of adhesion: energy per area that separates the faces."""
+    range: Annotated[float | str, Quantity("length", word=FIT)] = setting(FIT, example="20 nm")
+    """Length over which the attraction acts; its maximum is work over range. With `fit` the shortest range
+    whose cohesive zone spans four pixels."""
+    law: Literal["exponential", "maugis-dugdale"] = setting("exponential")
+    """Attraction as a function of the gap: `exponential`, or constant up to the range (`maugis-dugdale`)."""

@@ -21,7 +21,6 @@ import xarray as xr
 from asperity.core.types import Array, Progress
 from asperity.results.atomic import atomic_write
 from asperity.results.dataset import UNIT_SYSTEM
-from asperity.results.tables import write_table
 from asperity.results.variables import SI_UNITS
 from asperity.stress.section import StressBox, stress_box
 from asperity.views.source import Part, Source, Span
@@ -92,13 +91,6 @@ def peak_table(stress: xr.Dataset) -> pd.DataFrame:
     )
     order = table.assign(size=-table[value].abs()).sort_values(["quantity", "poisson", "size"], kind="stable")
     return order.drop(columns="size").reset_index(drop=True)
-
-
-def write_peaks(stress: xr.Dataset, path: str | os.PathLike[str]) -> int:
-    """Write `peak_table` as CSV, with seven digits, or as Parquet, and return the number of its rows."""
-    table = peak_table(stress)
-    write_table(table, "peaks", path, float_format="%.7g")
-    return len(table)
 
 
 def box_depths(source: Source, depth: Span, spacing: float | None = None) -> Array:

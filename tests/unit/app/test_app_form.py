@@ -6,7 +6,7 @@ import pytest
 
 from asperity.app import form
 from asperity.app.session import _words
-from asperity.cli.commands.run import FLAGS
+from asperity.cli.parser import FLAGS
 from asperity.settings.model import SettingsError
 
 

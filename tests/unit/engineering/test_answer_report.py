@@ -12,8 +12,7 @@ from test_sample import STEEL, a_map
 import asperity as asp
 from asperity.engineering.show.pictures import compared_pictures, lead_of, pictures, png_of
 from asperity.engineering.show.report import constants_of_table, preview, report
-from asperity.engineering.show.tables import TILES, for_reader, tables
-from asperity.engineering.show.text import text
+from asperity.engineering.show.tables import TILES, for_reader, tables, text
 from asperity.results.tables import check_columns
 
 COATED = asp.Body(

@@ -99,7 +99,6 @@ def test_coarser_settings_have_larger_errors():
         ({"error": 1e-9}, PlanError, "is the least that measured settings reach in pressure_p90"),
         ({"seconds": 1e-9}, PlanError, "not within 1e-09 s: the coarsest measured settings take"),
         ({"memory": 2.0**20}, PlanError, "not within 1 MiB: "),
-        ({}, ValueError, "a target is needed"),
         ({"error": 0.1, "outputs": ["peak"]}, ValueError, "output = 'peak': one of contact_area_fraction"),
     ],
 )

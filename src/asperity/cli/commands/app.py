@@ -5,7 +5,7 @@ import os
 import re
 import sys
 
-from asperity.cli.commands.run import FLAGS, WRONG_USAGE
+from asperity.cli.parser import FLAGS, WRONG_USAGE
 from asperity.core.errors import fail, shown
 from asperity.core.packages import require
 

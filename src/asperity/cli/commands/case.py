@@ -4,13 +4,11 @@ import argparse
 import json
 import sys
 
+from asperity.cli.parser import WRONG_USAGE
 from asperity.core.errors import fail
 from asperity.engineering import templates
 from asperity.engineering.case import Case
 from asperity.settings.model import described
-
-WRONG_USAGE = 2
-"""Exit status for refused arguments, the same as argparse's."""
 
 
 def run(options: argparse.Namespace) -> None:

@@ -5,10 +5,8 @@ import os
 import sys
 from pathlib import Path
 
+from asperity.cli.parser import WRONG_USAGE
 from asperity.core.errors import fail, one_line
-
-WRONG_USAGE = 2
-"""Exit status for refused arguments, the same as argparse's."""
 
 
 def run(options: argparse.Namespace) -> None:

@@ -8,16 +8,16 @@ from typing import Any
 from asperity.cli.files import check_out, is_si, length, positions, read_results, required, span
 from asperity.cli.parser import section
 from asperity.core.errors import one_line, shown
-from asperity.results.tables import SUFFIXES
+from asperity.results.tables import SUFFIXES, write_table
 from asperity.stress.planes.fields import FIELDS
 from asperity.study.preflight_and_manifest import require_space
 from asperity.study.progress_and_log import ProgressBar
 from asperity.views.export import (
     ExportUnits,
     box_below,
+    peak_table,
     surface_fields,
     write_box,
-    write_peaks,
     write_surface_image,
     write_surface_table,
 )
@@ -58,8 +58,9 @@ def run(options: argparse.Namespace) -> None:
                 raise ValueError(f"{path}: a second result of {stage}, one is needed")
             results[stage] = data
     for (path,) in wanted["peaks"]:
-        count = write_peaks(required(results, "stress", "--peaks"), path)
-        print(f"{one_line(path)}: {count} peaks")
+        table = peak_table(required(results, "stress", "--peaks"))
+        write_table(table, "peaks", path, float_format="%.7g")
+        print(f"{one_line(path)}: {len(table)} peaks")
     if wanted["surface"] or lines:
         stage = "contact" if "contact" in results else "surface"
         data = required(results, stage, "--surface, --profile")

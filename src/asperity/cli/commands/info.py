@@ -3,8 +3,7 @@
 import argparse
 from typing import Any
 
-from asperity.cli.commands.run import FLAGS
-from asperity.cli.parser import flag
+from asperity.cli.parser import FLAGS, flag
 from asperity.core.errors import one_line
 from asperity.settings.map import FileOptions, MapOptions
 from asperity.settings.model import SettingsError, entry_of, item_of, scalar
@@ -31,14 +30,13 @@ def run(options: argparse.Namespace) -> None:
     chosen = "asperity run takes peaks as upward, fills non-measured points and mirrors the map by itself; "
     chosen += "asp.prepare_map and a study need"
     lists = {"look at": found.warnings, "every calculation needs": found.needed, chosen: found.choices}
+
+    def of_run(name: str) -> str:  # those without a flag are set by their key
+        return flag(name) if f"map.{name}" in FLAGS else f"--set map.{name}=…"
+
     for heading, texts in lists.items():
         if texts:
-            named = texts if texts is found.choices else MapError("", texts).renamed(_of_run).problems
+            named = texts if texts is found.choices else MapError("", texts).renamed(of_run).problems
             print(heading, *(f"  {text}" for text in named), sep="\n")
     if not found.needed and not found.choices:
         print("A calculation needs nothing else.")
-
-
-def _of_run(name: str) -> str:
-    """Option of ``asperity run`` for an option of a map; those without a flag are set by their key."""
-    return flag(name) if f"map.{name}" in FLAGS else f"--set map.{name}=…"

@@ -1,6 +1,7 @@
 """``asperity run``: from a measured map, two materials and a load to an answer."""
 
 import argparse
+import math
 import os
 import re
 import sys
@@ -8,17 +9,30 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from asperity.cli.parser import COMMANDS, arguments
+from asperity.app.map_job import cost_of
+from asperity.cli.commands import compare
+from asperity.cli.parser import FLAGS, WRONG_USAGE
 from asperity.core.errors import InputError, fail, one_line, shown
 from asperity.core.packages import require
+from asperity.engineering.case import Case
+from asperity.engineering.case_file import (
+    CHECKSUMS,
+    MAP_FILES,
+    SUFFIXES,
+    at,
+    case_of_map,
+    load_case,
+    put,
+    save_case,
+)
+from asperity.engineering.folder import CASE_FILE, names_in
+from asperity.engineering.jobs import Arrangement, arranged, computed, sample_of
+from asperity.engineering.show.comparison import compared
+from asperity.results.atomic import write_problem
 from asperity.settings.model import Problem, entry_of, item_of, scalar
 from asperity.settings.reader import parse
-
-WRONG_USAGE = 2
-"""Exit status for refused arguments, the same as argparse's."""
-
-FLAGS = {each["key"]: name for group in COMMANDS["run"]["groups"] for name, each in arguments(group).items()}
-"""Dotted key of a setting of a case → its flag."""
+from asperity.study.progress_and_log import ProgressBar
+from asperity.surface.reading.container import maps_in
 
 GROUPS = {
     "body": "--material, or --young and --poisson",
@@ -39,13 +53,10 @@ def run(options: argparse.Namespace) -> None:
         if wrong := [name for name, each in own.items() if each is not None and each is not False]:
             flag = f"--{wrong[0].replace('_', '-')}"
             sys.exit(fail(f"{flag}: maps are needed beside it, folders of answers are given", WRONG_USAGE))
-        from asperity.cli.commands import compare
 
         compare.run(argparse.Namespace(answers=options.map, out=options.out))
         return
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    from asperity.engineering.jobs import Arrangement, arranged
-    from asperity.surface.reading.container import maps_in
 
     maps = [each for path in options.map for each in maps_in(path)]
     options.pooled, options.map = options.pooled or len(maps) > len(options.map), maps
@@ -66,7 +77,11 @@ def run(options: argparse.Namespace) -> None:
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
     if options.check:
-        print(_cost_in_words(arrangement.jobs))
+        shapes = [job.rough.face.grid.shape for job in arrangement.jobs if job.rough]
+        (time, memory), (ny, nx) = cost_of(arrangement.jobs), max(shapes, key=math.prod)
+        size = f"{len(shapes)} map{'s' * (len(shapes) > 1)}, {ny} × {nx} nodes"
+        cost = f"about {time} of one processor and {memory / 1e9:.1f} GB"
+        print(f"nothing wrong was found; {size}, {cost}")
         return
     _compute(options, arrangement)
 
@@ -75,8 +90,6 @@ def _contents(
     options: argparse.Namespace,
 ) -> tuple[list[dict[str, Any]], list[str], dict[str, Any], list[str]]:
     """Contents of the case of each map, the file of each, settings of the command line, and problems."""
-    from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, SUFFIXES, at, case_of_map, load_case, put
-
     contents: list[dict[str, Any]] = []
     sources: list[str] = []
     problems: list[str] = []
@@ -112,14 +125,8 @@ def _contents(
 
 def _compute(options: argparse.Namespace, arrangement: Any) -> None:
     """Compute and write the answers of all jobs, and the comparison or the sample of several."""
-    from asperity.engineering.jobs import computed, sample_of
-    from asperity.engineering.show.comparison import compared
-    from asperity.study.progress_and_log import ProgressBar
-
     jobs = arrangement.jobs
     if options.save and not _is_written(options.save, jobs[0].folder):
-        from asperity.engineering.case_file import save_case
-
         save_case(jobs[0].case, Path(options.save), jobs[0].folder, jobs[0].rough.files)
     label = f"run {jobs[0].case.map.file}" if len(jobs) == 1 else f"run {len(jobs)} maps"
     answers = {}
@@ -143,8 +150,6 @@ def _compute(options: argparse.Namespace, arrangement: Any) -> None:
 
 def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: Mapping[str, Any]) -> str:
     """A problem with its key as the user gave it: a flag, or a key of the file."""
-    from asperity.engineering.case_file import at
-
     key = problem.key
     if not source:
         problem = problem._replace(text=_with_flags(problem.text))
@@ -174,29 +179,13 @@ def _with_flags(text: str) -> str:
     return re.sub(rf"\b(?P<key>(?:{groups})(?:\.\w+)+)(?:(?:: | = )(?P<value>\w+))?", written, text)
 
 
-def _cost_in_words(jobs: Sequence[Any]) -> str:
-    """Nodes, time and memory of some cases, as far as they are known before."""
-    from asperity.app.map_job import cost_of
-
-    ny, nx = max((job.rough.face.grid.shape for job in jobs), key=lambda shape: shape[0] * shape[1])
-    (time, memory), maps = cost_of(jobs), "1 map" if len(jobs) == 1 else f"{len(jobs)} maps"
-    size = f"{maps}, {ny} × {nx} nodes"
-    return f"nothing wrong was found; {size}, about {time} of one processor and {memory / 1e9:.1f} GB"
-
-
 def _is_written(save: str, out: Path) -> bool:
     """True if `save` is the case file that is written into the folder of the answer anyway."""
-    from asperity.engineering.folder import CASE_FILE
-
     return Path(save).resolve() == (out / CASE_FILE).resolve()
 
 
 def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Any]) -> Iterator[str]:
     """Reasons why a case cannot be saved."""
-    from asperity.engineering.case_file import CHECKSUMS, SUFFIXES, load_case
-    from asperity.engineering.folder import names_in
-    from asperity.results.atomic import write_problem
-
     save = Path(options.save)
     if len(jobs) > 1:
         yield "--save: one MAP is needed, several are given"
@@ -222,8 +211,6 @@ def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Any]) -> Itera
 
 def _given(options: argparse.Namespace, problems: list[str]) -> Iterator[tuple[str, Any]]:
     """Dotted key and value of each setting on the command line; problems are added to the list."""
-    from asperity.engineering.case import Case
-
     for text in options.set or ():
         key, equals, value = text.partition("=")
         if not equals or not key:

@@ -5,26 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from asperity.contact import Contact
+from asperity.contact import Contact, solve_contact
+from asperity.contact.adhesion import FITTED_PIXELS, modulus_of_waves, stickiness
+from asperity.contact.adhesion import Adhesion as Law
+from asperity.contact.solve import approach_of_full_contact
 from asperity.core.types import Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Picture, Question, Stages, part_of
 from asperity.engineering.records import POSITIVE, SEARCH, Record
 from asperity.engineering.scene import Scene
-from asperity.settings.interface import FIT, Attraction
-from asperity.settings.load import Hertz
+from asperity.settings.load import FIT, Attraction, Hertz
 from asperity.settings.model import Problem, SettingsError, Whole, setting
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from asperity.contact.adhesion import Adhesion as Law
-    from asperity.engineering.face import RoughFace
 
 TOPIC = "adhesion"
 
@@ -88,8 +86,6 @@ class Adhesion(Attraction, Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Pull-off force, dissipated energy, the criterion of stickiness, and the path."""
-        from asperity.contact.adhesion import FITTED_PIXELS, modulus_of_waves, stickiness
-
         law, contact, face = stages.contact.adhesion, stages.contact, stages.face
         assert law is not None
         is_fitted, solid, grid = self.range == FIT, stages.case.solid, face.grid
@@ -138,10 +134,6 @@ class Adhesion(Attraction, Question):
 
     def _path(self, stages: Stages, law: Law, progress: Progress) -> tuple[pd.DataFrame, float, float]:
         """The path as a table, the pull-off force, and its error by the steps of the approach."""
-        import pandas as pd
-
-        from asperity.contact.solve import approach_of_full_contact
-
         contact = stages.contact
         lowest = float(contact.height.min())
         forward = np.linspace(lowest - FAR * law.range, contact.approach, self.steps).tolist()
@@ -180,8 +172,6 @@ class Adhesion(Attraction, Question):
 
     def _after(self, stages: Stages, law: Law, last: Contact | None, approach: float) -> Contact:
         """The contact that follows from the last one, pressing the surface that was flattened there."""
-        from asperity.contact import solve_contact
-
         contact = stages.contact
         return solve_contact(
             contact.height if last is None else last.flattened_height(),

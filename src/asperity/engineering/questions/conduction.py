@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import IN_FULL_CONTACT, Findings, Question, Stages
 from asperity.engineering.records import Record
 from asperity.engineering.scene import Scene
-
-if TYPE_CHECKING:
-    from asperity.engineering.face import RoughFace
 
 TOPIC = "conduction"
 

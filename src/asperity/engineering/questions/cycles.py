@@ -8,15 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import FADED, AnswerData
 from asperity.engineering.body_stress import STRESS_TOLERANCE
+from asperity.engineering.face import RoughFace
 from asperity.engineering.moving import MOST_SHIFTS, MovingContact
 from asperity.engineering.question import Findings, Picture, Pressed, Question, Stages, part_of
 from asperity.engineering.records import (
@@ -29,6 +32,7 @@ from asperity.engineering.records import (
     per_cent,
 )
 from asperity.engineering.scene import Scene
+from asperity.results.variables import SI_UNITS
 from asperity.settings.body import Body, ResidualStress
 from asperity.settings.load import Hertz
 from asperity.settings.model import Number, Whole, optional, setting
@@ -36,13 +40,7 @@ from asperity.settings.quantities import Area, Volume
 from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor
 from asperity.stress.cycles.stress_cycles import Cycles as StreamedCycles
 from asperity.stress.cycles.stress_cycles import cracks_per_area, stress_cycles, weibull_exponent
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from asperity.engineering.face import RoughFace
-    from asperity.surface.treatment.treatment import TreatedMap
+from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "stress cycles"
 
@@ -175,8 +173,6 @@ class Cycles(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The worst cycles of each body, volumes above fractions of the limit, and cracks."""
-        import pandas as pd
-
         case, bodies, cycles = stages.asked, [*stages.asked.different_bodies], dict[str, Any]()
         records: list[Record] = []
         fatigue: list[tuple[Any, ...]] = []
@@ -304,15 +300,15 @@ class Cycles(Question):
 
     def _motion(self, case: Scene) -> str:
         """The motion that makes the cycles, in words."""
-        given = case.sliding_direction
-        along = given if isinstance(given, str) else f"{given:g}° from x"
         if self.shifts is not None and case.hertz_contact is not None:
             rolling = f"slide-to-roll ratio {self.slide_to_roll:g}, {self.shifts} positions"
-            return f"a point moves along {along} through the Hertz contact, {rolling}"
+            return f"a point moves along {case.along} through the Hertz contact, {rolling}"
         if self.shifts is not None:
-            return f"the faces move along {along}, {self.shifts} shifts"
+            return f"the faces move along {case.along}, {self.shifts} shifts"
         below = ", below its layers" if any(body.interfaces for body in case.bodies.values()) else ""
-        return f"the rough body moves along {along}, over each body as if that were the smooth one{below}"
+        return (
+            f"the rough body moves along {case.along}, over each body as if that were the smooth one{below}"
+        )
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
@@ -376,8 +372,6 @@ def _verdict(records: list[Record], area: float) -> str:
 
 def _peaks(face: TreatedMap, body: str, cycles: xr.Dataset, limit: float) -> pd.DataFrame:
     """Maxima over rows of the maximum Dang Van stress of each row, as rows of the table of peaks."""
-    import pandas as pd
-
     axis, of_row = axis_of(cycles), cycles["dang_van"].max("cycle_depth").values
     above = (of_row > np.roll(of_row, 1)) & (of_row >= np.roll(of_row, -1))
     row, nodes = np.flatnonzero((of_row > 0) & above), face.grid.shape["yx".index(axis)]
@@ -393,7 +387,6 @@ def _peaks(face: TreatedMap, body: str, cycles: xr.Dataset, limit: float) -> pd.
 
 def _section(answer: AnswerData, cycles: xr.Dataset, limit: float) -> Any:
     """The maximum Dang Van stress over the depth and the axis of the cycles, with a contour at the limit."""
-    from asperity.results.variables import SI_UNITS
     from asperity.views.scales import STRESS, Look
     from asperity.views.stress_plot import draw_sections, until_faded
     from asperity.views.style import plain_text

@@ -10,21 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
+
+import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.face import RoughFace
+from asperity.engineering.press import mean_pressure
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import Advice, Record, fraction, per_cent
 from asperity.engineering.scene import Scene
 from asperity.settings.load import Hertz
 from asperity.settings.model import Number, optional, setting
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from asperity.engineering.face import RoughFace
 
 SAME_SHARE = 0.01
 """Relative difference of correlations below which nothing is said about it."""
@@ -92,14 +91,10 @@ class Film(Question):
 
         Where asperities touch, their pressure and that of the film together reach at most the hardness.
         """
-        carried, load, area = 1 - self.share, case.load, rough.face.grid.area
-        nominal = load.value / area if load.kind == "force" else case.cell_pressure
+        carried, load, nominal = 1 - self.share, case.load, mean_pressure(case, rough)
+        part = {load.kind: carried * load.value}
         if isinstance(load, Hertz):
-            nominal = case.cell_pressure
-            part = {"mean_pressure": carried * nominal}
-            part |= {name: getattr(load, name) for name in ("radius_x", "radius_y", "at")}
-        else:
-            part = {load.kind: carried * load.value}
+            part = {"mean_pressure": carried * nominal, **load.place}
         softer = {
             name: body.replaced(hardness=body.hardness - self.share * nominal)
             for name, body in case.groups_of_bodies.items()

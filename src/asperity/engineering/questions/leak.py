@@ -10,13 +10,27 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+import xarray as xr
 
 from asperity.contact import Contact
+from asperity.contact.half_grid import solve_on_half
+from asperity.core.packages import require
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.continuum import solved_on_half
+from asperity.engineering.face import RoughFace
 from asperity.engineering.numbers import elastic_record
-from asperity.engineering.question import Findings, Picture, Question, Stages, advice_on_pixels, part_of
+from asperity.engineering.press import press
+from asperity.engineering.question import (
+    Findings,
+    Picture,
+    Question,
+    Stages,
+    advice_on_pixels,
+    on_map,
+    part_of,
+)
 from asperity.engineering.records import (
     DISCRETISATION,
     PER_WIDTH,
@@ -29,14 +43,11 @@ from asperity.engineering.records import (
 from asperity.engineering.scene import Scene
 from asperity.settings.model import YesNo, optional, setting
 from asperity.settings.quantities import Pressure, Viscosity
+from asperity.surface.treatment.treatment import TreatedMap
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from asperity.contact.gap import Percolation
     from asperity.contact.reynolds import FilmFlow
-    from asperity.engineering.face import RoughFace
-    from asperity.surface.treatment.treatment import TreatedMap
 
 GASES = 1e-4
 """Viscosity in Pa s below which a fluid is a gas."""
@@ -97,8 +108,6 @@ class Leak(Question):
         if len(given) == 1:
             yield f"leak.{given[0]}", f": needs leak.{({*names} - {*given}).pop()}"
         elif given and rough is not None:
-            from asperity.core.packages import require
-
             require(["pyamg"])
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
@@ -160,7 +169,9 @@ class Leak(Question):
                 text += "a gas expands, and slips through constrictions as narrow as its mean free path."
                 warnings.append(Advice(True, "gas", text, "model: a gas expands, and this fluid does not"))
             warnings.append(advice_on_pixels("leakage", {name: flow.flow_rate}, {name: on_half.flow_rate}))
-            datasets["leak"] = _fields(contact, flow)
+            flux_y, flux_x = flow.flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
+            fields = {"film_flux_y": flux_y, "film_flux_x": flux_x, "film_pressure": flow.pressure}
+            datasets["leak"] = on_map(contact, "Film that leaks through the gap", **fields)
         if is_sought:
             seals, last_open = self._sealing(stages, search)
             records.insert(min(len(records), 1), seals)
@@ -202,8 +213,6 @@ class Leak(Question):
 
     def under_load(self, contact: Contact) -> dict[str, float]:
         """Constriction and leakage of a contact of a load curve, also on half of the nodes."""
-        from asperity.engineering.continuum import solved_on_half
-
         found, flow = dict[str, float](), None
         for name, each in (("_on_half", solved_on_half(contact).contact), ("", contact)):
             numbers = {f"constriction{name}": self._constriction(each)}
@@ -221,8 +230,6 @@ class Leak(Question):
     def _sealing(self, stages: Stages, progress: Progress) -> tuple[Record, Contact]:
         """The mean pressure that seals the gap, from any load, and the contact just below it."""
         from asperity.contact.gap import open_gap, spanned
-        from asperity.contact.half_grid import solve_on_half
-        from asperity.engineering.press import press
 
         case, face, axis = stages.case, stages.face, "yx".index(self.direction)
         given = None if case.hardness_is_estimated else case.hardness
@@ -260,8 +267,6 @@ class Leak(Question):
 
     def _close_up(self, contact: Contact, under: str) -> dict[str, xr.Dataset]:
         """The gap around the narrowest constriction along the leak; empty if the gap is sealed."""
-        import xarray as xr
-
         from asperity.contact.gap import open_gap, percolation
 
         paths, axis = percolation(contact), "yx".index(self.direction)
@@ -304,19 +309,6 @@ def _records(paths: Percolation) -> Iterator[Record]:
         words = "" if paths.gap[axis] else "none, the gap is closed"
         at = Position(y=float(y), x=float(x))
         yield Record(name, paths.constriction[axis], "m", TOPIC, position=at, words=words)
-
-
-def _fields(contact: Contact, flow: FilmFlow) -> xr.Dataset:
-    """Flux of the film over its mean, and its pressure, on the nodes of the map."""
-    import xarray as xr
-
-    relative = flow.flux / np.hypot(*flow.flux.mean(axis=(1, 2)))
-    fields = {"film_flux_y": relative[0], "film_flux_x": relative[1], "film_pressure": flow.pressure}
-    return xr.Dataset(
-        {name: (("y", "x"), values) for name, values in fields.items()},
-        contact.grid.dataset_coordinates(),
-        {"title": "Film that leaks through the gap", "unit_system": "SI"},
-    )
 
 
 def _sealing_load(

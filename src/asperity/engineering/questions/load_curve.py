@@ -6,18 +6,23 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
 from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
 from asperity.contact import Contact
 from asperity.core.processes import side_by_side
 from asperity.core.types import Array, Progress
 from asperity.core.units import scaled_unit, shown_si
-from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.answer_data import AnswerData
-from asperity.engineering.face import processes_on
+from asperity.engineering.body_stress import STRESS_TOLERANCE
+from asperity.engineering.face import RoughFace, processes_on
+from asperity.engineering.press import press
 from asperity.engineering.question import IN_FULL_CONTACT, Findings, Picture, Question, Stages, part_of
 from asperity.engineering.questions.conduction import resistivities
 from asperity.engineering.questions.leak import SEALING_LOAD, WIDE
@@ -25,13 +30,9 @@ from asperity.engineering.records import POSITIVE, SEARCH, Record, find, per_cen
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.settings.model import Whole, check_of, optional, setting
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from asperity.engineering.face import RoughFace
-    from asperity.surface.treatment.treatment import TreatedMap
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.extremes import Extremes
+from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "load curve"
 
@@ -180,15 +181,16 @@ class LoadCurve(Question):
                 search = partial(part_of, progress, done, done := done + YIELD_CONTACTS, parts)
                 begins = _yield_begins(stages, name, loads, stresses, limits[name], search)
                 table[f"yield_begins_{name}_Pa"] = begins
-                records.append(_on_curve(YIELD_LOAD, begins, loads, YIELD_LOAD_ERROR, name))
+                value, is_known = float(np.clip(begins, loads[0], loads[-1])), 0 < begins < math.inf
+                words = "" if is_known else f"{_where(begins, loads)}, beyond the curve"
+                record = Record(YIELD_LOAD, value, "Pa", TOPIC, name, bounds=POSITIVE, words=words)
+                records.append(record.with_error(SEARCH, YIELD_LOAD_ERROR * value if is_known else 0.0))
                 of = f" of the {name} body" if len(case.bodies) > 1 else ""
                 verdict.append(f"yield{of} begins {_where(begins, loads)}")
         return Findings(records=records, verdict="; ".join(verdict), tables={"curve": table})
 
     def _curve(self, stages: Stages, progress: Progress) -> xr.Dataset:
         """The result of `load_curve` for the case, with the normal approach, forces and leakages."""
-        import xarray as xr
-
         face, path = stages.face, self.path(stages.asked)
         given = [(stages.case, face, load, stages.contact if load == path[-1] else None) for load in path]
         processes = processes_on([face], len(path), stages.cores)
@@ -206,8 +208,6 @@ def _at_load(
     case: Scene, face: TreatedMap, load: float, contact: Contact | None, progress: Progress
 ) -> xr.Dataset:
     """The result of `load_curve` for one load of a case, whose contact may be known."""
-    from asperity.engineering.press import press
-
     leak, constants = case.questions.get("leak"), resistivities(case)
     if contact is None:
         contact = press(face, case.under(**{case.load.kind: load}), partial(part_of, progress, 0.0, 0.3, 1.0))
@@ -218,36 +218,22 @@ def _at_load(
             found["electrical_resistance"] = 1 / (contact.conductance(current) * face.grid.area)
         return found if leak is None else found | leak.under_load(contact)
 
-    bodies = list(case.different_bodies)
-    return load_curve([contact], bodies, constants, case.loaded_body, more, **_sliding(case))
-
-
-def _sliding(case: Scene) -> dict[str, Any]:
-    return {"friction": case.friction, "sliding_direction": case.sliding_direction}
+    sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
+    return load_curve([contact], [*case.different_bodies], constants, case.loaded_body, more, **sliding)
 
 
 def _yield_begins(
     stages: Stages, name: str, loads: Array, stresses: Array, limit: float, progress: Progress
 ) -> float:
     """Mean pressure at which a body begins to yield, as of `yield_load`."""
-    from asperity.engineering.press import press
-
     case, steps = stages.case, iter(range(YIELD_CONTACTS))
 
     def stress_under(load: float) -> float:
         progress(next(steps, YIELD_CONTACTS), YIELD_CONTACTS)
         contact = press(stages.face, case.under(mean_pressure=load))
-        return maximum_von_mises(case.loaded_body(contact, name), name, **_sliding(case))
+        return maximum_von_mises(case.loaded_body(contact, name), **case.sliding_of(name))
 
     return yield_load(loads, stresses, limit, stress_under)
-
-
-def _on_curve(quantity: str, load: float, loads: Array, error: float, body: str = "") -> Record:
-    """A load on a curve, with its relative error; words where it is 0, below all loads, or infinite."""
-    value, known = min(max(load, float(loads[0])), float(loads[-1])), 0 < load < math.inf
-    words = "" if known else f"{_where(load, loads)}, beyond the curve"
-    record = Record(quantity, value, "Pa", TOPIC, body, bounds=POSITIVE, words=words)
-    return record.with_error(SEARCH, error * value) if known else record
 
 
 def _where(load: float, loads: Array) -> str:
@@ -263,7 +249,8 @@ def load_curve(
     resistivities: Mapping[str, float] | None = None,
     loaded: Callable[[Contact, str], LoadedSolid] | None = None,
     more: Callable[[Contact], Mapping[str, float]] | None = None,
-    **sliding: Any,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> xr.Dataset:
     """Numbers of contacts against their load; each contact is released before the next is solved.
 
@@ -279,8 +266,8 @@ def load_curve(
         Contact and name of a body → the loaded body; by default under the contact alone.
     more : callable, optional
         Contact → further numbers by name.
-    **sliding
-        `friction` and `sliding_direction` on the lower body, as for `asperity.analyse_stress`.
+    friction, sliding_direction
+        On the lower body, as for `asperity.analyse_stress`.
 
     Returns
     -------
@@ -298,8 +285,6 @@ def load_curve(
     >>> print(curve["contact_area_fraction"].values.round(3), curve["stiffness"].values.round(2))
     [0.016 0.103] [0.46 2.19]
     """
-    import xarray as xr
-
     rows, stresses = [], []
     for contact in contacts:
         gap = np.where(contact.pressure > 0, 0, contact.gap)
@@ -316,7 +301,8 @@ def load_curve(
         row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
         rows.append(row | dict(more(contact) if more else {}))
         solids = {body: loaded(contact, body) if loaded else contact.in_body(body) for body in bodies}
-        stresses.append([maximum_von_mises(solid, body, **sliding) for body, solid in solids.items()])
+        direction = {body: traction_direction(sliding_direction, body) for body in solids}
+        stresses.append([maximum_von_mises(solids[each], friction, direction[each]) for each in solids])
     if not rows:
         raise ValueError("contacts: at least one is needed")
     found = xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
@@ -327,21 +313,13 @@ def load_curve(
 
 
 def maximum_von_mises(
-    loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
+    loaded: LoadedSolid, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
     """Maximum von Mises stress, at the nodes or between them, in the material whose yield stress a body has.
 
     That is an elastic base, or the uppermost layer on a rigid one.
     """
-    from asperity.elasticity.loaded_solid import traction_direction
-    from asperity.engineering.body_stress import STRESS_TOLERANCE
-    from asperity.stress.analysis import analyse_stress
-    from asperity.stress.extremes import Extremes
-
-    sliding: dict[str, Any] = {
-        "friction": friction,
-        "sliding_direction": traction_direction(sliding_direction, body),
-    }
+    sliding: dict[str, Any] = {"friction": friction, "sliding_direction": sliding_direction}
     extremes = Extremes(loaded.layer)
     settings: dict[str, Any] = {"quantities": ("von_mises",), "tolerance": STRESS_TOLERANCE, **sliding}
     analyse_stress(loaded, observe=extremes.add, **settings)
@@ -365,8 +343,6 @@ def yield_load(loads: Array, stresses: Array, limit: float, stress_under: Callab
     float
         0 if the stress is above the limit under all loads, infinite if it is below.
     """
-    import scipy
-
     above = np.flatnonzero(stresses >= limit)
     if not above.size:
         return math.inf

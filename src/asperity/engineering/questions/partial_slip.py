@@ -7,11 +7,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import pandas as pd
+import xarray as xr
+
 from asperity.contact import Contact
 from asperity.core.types import Progress
-from asperity.core.units import shown_si
+from asperity.core.units import scaled_unit, shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import (
     IN_FULL_CONTACT,
     Findings,
@@ -19,6 +24,7 @@ from asperity.engineering.question import (
     Question,
     Stages,
     advice_on_pixels,
+    on_map,
 )
 from asperity.engineering.records import Advice, Bounds, Record, fraction, per_cent
 from asperity.engineering.scene import Scene
@@ -26,11 +32,7 @@ from asperity.settings.model import optional
 from asperity.settings.quantities import Force, Length
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
     from asperity.contact.slip import PartialSlip as Slip
-    from asperity.engineering.face import RoughFace
 
 TOPIC = "partial slip"
 
@@ -94,15 +96,8 @@ class PartialSlip(Question):
 
     def tractions(self, case: Scene, contact: Contact) -> xr.Dataset:
         """Pressure of the part that sticks, and slip; above friction times load the bodies slide."""
-        import xarray as xr
-
-        slip = self._slip(case, contact)
-        fields = {"sticking_pressure": slip.sticking.pressure, "slip": slip.slip}
-        return xr.Dataset(
-            {name: (("y", "x"), values) for name, values in fields.items()},
-            contact.grid.dataset_coordinates(),
-            {"title": "Partial slip under a tangential force", "unit_system": "SI"},
-        )
+        slip, title = self._slip(case, contact), "Partial slip under a tangential force"
+        return on_map(contact, title, sticking_pressure=slip.sticking.pressure, slip=slip.slip)
 
     def _slip(self, case: Scene, contact: Contact) -> Slip:
         """A contact of the case under the tangential load."""
@@ -127,8 +122,6 @@ class PartialSlip(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Force, displacement, sticking part, stiffness, slip, lost energy, and their errors."""
-        import pandas as pd
-
         slip, on_half = (self._slip(stages.asked, each) for each in (stages.contact, stages.coarse.contact))
         fine, coarse = [*_records(slip)], {each.quantity: each.value for each in _records(on_half)}
         warnings = [*self._warnings(slip)]
@@ -188,8 +181,6 @@ def _verdict(slip: Slip) -> str:
 
 def _records(slip: Slip) -> Iterator[Record]:
     """Numbers of partial slip on a map."""
-    import numpy as np
-
     force, limit = slip.tangential_force, slip.friction * slip.contact.force
     note = f"{100 * force / limit:.4g} % of friction times load"
     yield Record("tangential force", force, "N", TOPIC, note=note, bounds=Bounds(0.0, limit, "gross sliding"))
@@ -204,7 +195,6 @@ def _records(slip: Slip) -> Iterator[Record]:
 
 def _loop(cycle: pd.DataFrame) -> Any:
     """Loop of tangential force and displacement; first loading is half of the way back, reversed."""
-    from asperity.core.units import scaled_unit
     from asperity.views.panels import canvas
 
     factors, symbols = zip(*map(scaled_unit, cycle.abs().max(), ("N", "m")), strict=True)

@@ -8,20 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import pandas as pd
 from pydantic import Field
 
 from asperity.core.types import Progress
 from asperity.engineering.answer_data import tile_names
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import FRACTION, PER_AREA, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.body import OF_LAYER
 from asperity.settings.model import Number, Settings, SettingsError, value_at, with_value
-
-if TYPE_CHECKING:
-    from asperity.engineering.face import RoughFace
 
 TOPIC = "change for one per cent more of an input"
 
@@ -71,8 +70,6 @@ class Sensitivity(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Changes of each number at the top of the page, and its error by the tolerances of the inputs."""
-        import pandas as pd
-
         tiles = {name for names in tile_names(stages.asked) for name in names}
         rows, records = [], []
         errors: dict[tuple[str, str], float] = {}

@@ -5,20 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 from pydantic import PlainValidator, PrivateAttr, WithJsonSchema
 
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
+from asperity.elasticity.two_bodies import sliding_coupling
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import Advice, per_cent
 from asperity.engineering.scene import Scene
 from asperity.settings.model import NeededError, Number, optional, setting
+from asperity.surface.roughness import STRONG_LAY, texture
 from asperity.surface.treatment.treatment import TreatedMap
-
-if TYPE_CHECKING:
-    from asperity.engineering.face import RoughFace
 
 NEGLECTED_COUPLING = 0.1
 """Relative change of a displacement by friction above which a warning is given."""
@@ -62,8 +63,6 @@ class Sliding(Question):
 
     def along_lay(self, face: TreatedMap) -> Sliding:
         """The same friction in the given direction, else along the axis nearest to the lay of a map."""
-        from asperity.surface.roughness import STRONG_LAY, texture
-
         if self.direction is not None or not self.friction:
             return self
         _, ratio, lay = texture(face.height, face.grid.spacing)
@@ -91,8 +90,7 @@ class Sliding(Question):
         warnings = [*self._warnings(stages)]
         if "partial_slip" in stages.asked.questions:
             return Findings(warnings=warnings)
-        along = self.direction if isinstance(self.direction, str) else f"{self.direction:g}° from x"
-        force = shown_si(self.friction * stages.numbers.force, "N", 3)
+        along, force = stages.asked.along, shown_si(self.friction * stages.numbers.force, "N", 3)
         return Findings(
             verdict=f"the counter body slides along {along} against a friction force of {force} on the map",
             warnings=warnings,
@@ -106,9 +104,6 @@ class Sliding(Question):
             along = f"no direction is given: the faces slide along {self.direction}, as {self._chosen}"
             text = f"{along}. The stress depends on the direction (sliding.direction)."
             yield Advice(False, "direction of sliding", text)
-        import numpy as np
-
-        from asperity.elasticity.two_bodies import sliding_coupling
 
         face = stages.face
         wave = np.geomspace(face.wavelength_short, max(face.grid.period), 100)

@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.answer_data import ON_INTERFACE
+from asperity.engineering.face import RoughFace
 from asperity.engineering.numbers import EXTREMES
 from asperity.engineering.question import Findings, Question, Stages
 from asperity.engineering.records import POSITIVE, Advice, Record, find
 from asperity.engineering.scene import Scene
-
-if TYPE_CHECKING:
-    from asperity.engineering.face import RoughFace
 
 TOPIC, LEAST = "strength of the layers", "least strength over stress"
 

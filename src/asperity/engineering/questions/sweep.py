@@ -13,9 +13,10 @@ from dataclasses import replace
 from functools import partial
 from itertools import product
 from textwrap import wrap
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
+import pandas as pd
 from pydantic import PlainValidator, ValidationError, ValidationInfo, WithJsonSchema, model_validator
 
 from asperity.core.errors import did_you_mean
@@ -23,6 +24,7 @@ from asperity.core.errors import shown as shown_value
 from asperity.core.types import Progress
 from asperity.core.units import DIMENSIONS, shown_si, to_si
 from asperity.engineering.answer_data import AnswerData, tile_names
+from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Picture, Question, Stages
 from asperity.engineering.records import FRACTION, NOT_KNOWN, SEARCH, UNBOUNDED, Advice, Record, find, frame
 from asperity.engineering.scene import Scene
@@ -39,11 +41,6 @@ from asperity.settings.model import (
     value_at,
     with_value,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from asperity.engineering.face import RoughFace
 
 TOPIC, AT_LIMIT = "sweep", "value at the limit"
 
@@ -208,8 +205,6 @@ class Sweep(Question):
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """All numbers at all values as a table, and the value at which the chosen number meets its limit."""
-        import pandas as pd
-
         case, (first, *second) = stages.asked, self.values
         cases, points = self.other_cases(case), [*product(*(self.path(case, key) for key in self.values))]
         found, curves = self._chosen(stages.records), dict[tuple[float, ...], dict[float, Any]]()

@@ -14,6 +14,7 @@ from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import ALIKE
+from asperity.engineering.face import RoughFace
 from asperity.engineering.places import Blocks
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
@@ -30,11 +31,10 @@ from asperity.engineering.records import (
 from asperity.engineering.scene import Scene
 from asperity.settings.body import HARDNESS_OVER_YIELD, Body
 from asperity.stress.peaks.selection import in_cell, select_peaks
+from asperity.stress.planes.stream import LinearPlane
 
 if TYPE_CHECKING:
-    from asperity.engineering.face import RoughFace
     from asperity.stress.exceedance import Exceedance
-    from asperity.stress.planes.stream import LinearPlane
 
 
 class Yielded:

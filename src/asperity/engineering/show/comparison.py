@@ -105,7 +105,7 @@ def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData 
     if len(items) < 2:
         raise ValueError("answers: at least two are needed to compare them")
     each = [*items.values()] if isinstance(items, Mapping) else [*items]
-    loads = [next(iter(item.answers.values())).case.load for item in each if isinstance(item, SampleData)]
+    loads = [item.case.load for item in each if isinstance(item, SampleData)]
     if any(load != loads[0] for load in loads):
         raise ValueError("answers: samples under one load are needed to compare them")
     return Comparison(dict(items) if isinstance(items, Mapping) else named(items))
@@ -270,7 +270,8 @@ class Comparison:
 
     def page(self, folder: Path | None = None) -> str:
         """The comparison as a page for a folder, with pictures of its first maps in one scale."""
-        shown = {name: self._first(name) for name in [*self.items][:SHOWN_SURFACES]}
+        firsts = (next(iter(getattr(each, "answers", {"": each}).values())) for each in self.items.values())
+        shown = dict([*zip(self.items, firsts, strict=True)][:SHOWN_SURFACES])
         cases = {name: case_in_words(item.case) for name, item in self.items.items()}
         same = len({*cases.values()}) == 1
         top = [key_of(each) for each in self.decisive][:TILES]
@@ -285,10 +286,6 @@ class Comparison:
             notes=["Numbers extrapolated to zero pixel size where they can be, ± their whole known error."],
             names=[name for name in self.items if folder and (folder / name / "report.html").is_file()],
         )
-
-    def _first(self, name: str) -> AnswerData:
-        item = self.items[name]
-        return next(iter(item.answers.values())) if isinstance(item, SampleData) else item
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write the table and the page into a folder, and the names of the folders of the answers.

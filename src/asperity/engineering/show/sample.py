@@ -97,31 +97,24 @@ def predicted(sample: SampleData) -> Iterator[str]:
     """Sentences about maxima and cracks on the area that is asked for, or on the area of all maps."""
     area, bodies = _area(sample), [*sample.case.bodies.values()]
     alike = bodies[0].is_like(bodies[-1])
-    maxima = [] if area is None else [*sample.maximum(area).itertuples()]
-    for row in maxima:
-        if row.body == "lower" or not alike:
-            yield _maximum_in_words(row)
+    maxima: list[Any] = [] if area is None else [*sample.maximum(area).itertuples()]
+    for row in (each for each in maxima if each.body == "lower" or not alike):
+        numbers: Any = row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa
+        low, value, high, threshold = (shown_si(number, "Pa", 3) for number in numbers)
+        between = "no interval of one map"
+        if numbers[0] <= numbers[2]:
+            between = "the hardness" if low == high else f"95 % between {low} and {high}"
+        yield (
+            f"Maximum {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
+            f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
+            f"{row.times:.3g} times the area of the maps."
+        )
     for row in sample.survival(float(sample.areas.sum()) if area is None else area).itertuples():
         between = f"95 % between {1 - row.high:.2g} and {1 - row.low:.2g}"
         if not row.low <= row.high:
             between = "no interval of one map"
         where = f"{shown_si(row.area_m2, 'm^2')} of the {row.body} body"
         yield f"Probability that a crack starts on {where}: {1 - row.no_crack:.2g}, {between}."
-
-
-def _maximum_in_words(row: Any) -> str:
-    """A sentence about the maximum on an area, of a row of `SampleData.maximum`."""
-    low, value, high, threshold = (
-        shown_si(number, "Pa", 3) for number in (row.low_Pa, row.value_Pa, row.high_Pa, row.threshold_Pa)
-    )
-    between = "no interval of one map"
-    if row.low_Pa <= row.high_Pa:
-        between = "the hardness" if low == high else f"95 % between {low} and {high}"
-    return (
-        f"Maximum {QUANTITIES.get(row.quantity, row.quantity)} in the {row.body} body on "
-        f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
-        f"{row.times:.3g} times the area of the maps."
-    )
 
 
 def _area(sample: SampleData) -> float | None:

@@ -1,16 +1,17 @@
-"""All tables of an answer, and a table for a reader."""
+"""All tables of an answer, a table for a reader, and the answer as text for the terminal."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
 from asperity.engineering.records import POSITIONS, Record
 from asperity.results.tables import units
 
@@ -77,10 +78,9 @@ def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
     for column, values in table.iloc[rows].items():
         unit = unit_of.get(str(column), "")
         end = f"_{unit.replace('^', '').replace('/', '_').replace(' ', '_')}" if unit else ""
-        numbers = [
-            Record("", value, unit or "1").number() if _is_number(value) else str(value) for value in values
-        ]
-        shown[str(column).removesuffix(end).replace("_", " ")] = numbers
+        is_number = values.dtype.kind in "iuf"
+        texts = (Record("", value, unit or "1").number() if is_number else str(value) for value in values)
+        shown[str(column).removesuffix(end).replace("_", " ")] = [*texts]
     return heading, pd.DataFrame(shown)
 
 
@@ -116,6 +116,21 @@ def in_columns(tables: Mapping[str, pd.DataFrame], lines: Sequence[str] = ()) ->
     return "\n".join(lines[:-1])
 
 
-def _is_number(value: object) -> bool:
-    """True for a number that is no truth value."""
-    return isinstance(value, (int, float, np.number)) and not isinstance(value, (bool, np.bool_))
+def text(answer: AnswerData) -> str:
+    """The answer as a block of text, warnings last."""
+    width = max(len(each.quantity) for each in answer.records)
+    lines = [fill(answer.title, WIDEST), "", *(fill(each, WIDEST) for each in answer.verdict)]
+    if answer.uncertainties:
+        lines += ["", "largest uncertainties", *(f"  {each.short}" for each in answer.uncertainties)]
+    shown = without_repeats(answer.records)
+    for heading, records in by_topic(answer.case, shown):
+        lines += ["", heading, *(f"  {each.quantity:<{width}}  {each.text()}" for each in records)]
+    if "sweep" in answer.tables:
+        _, rows = for_reader("sweep", answer.tables["sweep"])
+        lines += ["", rows.set_index("sweep").T.to_string(line_width=WIDEST)]
+    lines += ["", ONE_POSITION]
+    lines += ["", REPEATS] if len(shown) < len(answer.records) else []
+    lines += ["", "what was done to the map", *(f"  {step}" for step in answer.face.done)]
+    for each in answer.warnings:
+        lines += ["", fill(f"{each.level}: {each.text}", WIDEST)]
+    return "\n".join(lines)

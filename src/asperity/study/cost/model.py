@@ -129,16 +129,16 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     return Cost(ANSWER_MEMORY + BYTES_PER_NODE[boundary] * nodes, ANSWER_SECONDS, seconds, 0.0)
 
 
-def transform_seconds(points: int = TRANSFORM_POINTS, repetitions: int = 7) -> float:
-    """Processor time now of a pair of Fourier transforms of a square grid, the least of some repetitions."""
+def transform_seconds() -> float:
+    """Processor time now of a pair of Fourier transforms of a square grid, the least of seven."""
     import numpy as np  # the resources of the rules are read where only Snakemake is installed
 
     from asperity.fourier.grid import Fourier, Grid
 
-    fourier = Fourier(Grid((points, points)))
-    values, spectrum = np.ones((points, points)), np.empty(fourier.grid.mode_shape, complex)
+    grid = Grid((TRANSFORM_POINTS, TRANSFORM_POINTS))
+    fourier, values, spectrum = Fourier(grid), np.ones(grid.shape), np.empty(grid.mode_shape, complex)
     times = []
-    for _ in range(repetitions):
+    for _ in range(7):
         start = time.process_time()
         fourier.inverse(fourier.forward(values, spectrum), values, overwrite=True)
         times.append(time.process_time() - start)
@@ -150,7 +150,7 @@ def time_factor() -> float:
     return transform_seconds() / coefficients()["transform"]["seconds"]
 
 
-def announce(costs: Sequence[Cost], cores: int, factor: float | None = None) -> str:
+def announce(costs: Sequence[Cost], cores: int) -> str:
     """Number of jobs, minutes and memory of a run of the study, in one line.
 
     Parameters
@@ -158,10 +158,8 @@ def announce(costs: Sequence[Cost], cores: int, factor: float | None = None) -> 
     costs : sequence of Cost
         Of all jobs of the run.
     cores : int
-    factor : float, optional
-        Time on this machine over the time on the machine of the measurement; by default `time_factor`.
     """
-    factor = time_factor() if factor is None else factor
+    factor = time_factor()
     total = factor * sum(cost.seconds for cost in costs)
     longest = factor * max(cost.seconds for cost in costs)
     return (

@@ -206,10 +206,6 @@ class Target:
     one_surface : bool
         Errors of the surface of one seed; otherwise of the mean over all surfaces of its kind.
 
-    Raises
-    ------
-    ValueError
-        If no limit is given.
     """
 
     outputs: Sequence[str] = PEAK_OUTPUTS
@@ -217,10 +213,6 @@ class Target:
     seconds: float | None = None
     memory: float | None = None
     one_surface: bool = False
-
-    def __post_init__(self) -> None:
-        if self.error is None and self.seconds is None and self.memory is None:
-            raise ValueError("a target is needed: an error, a time or a memory")
 
 
 @dataclass(frozen=True)

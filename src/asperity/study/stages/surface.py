@@ -44,7 +44,12 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     elif "moments" in parameters:
         height = with_moments(gaussian, **parameters["moments"])
     elif "heights" in parameters:
-        shaped = with_heights(gaussian, **_distribution(parameters["heights"]))
+        heights: dict[str, Any] = parameters["heights"]
+        given: dict[str, Any] = {name: [*values.values()] for name, values in heights.items()}
+        if "map" in heights:
+            surface, options = _checked(AS_SAMPLE | heights["map"])
+            given = {"sample": treat_map(surface, options).height[np.isfinite(surface.height)]}
+        shaped = with_heights(gaussian, **given)
         height = shaped.height
     dataset = surface_dataset(height, grid)
     if "heights" in parameters:
@@ -56,14 +61,6 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     else:
         dataset["spectrum_before"] = ("wavenumber", spectrum(gaussian)[1])
     return dataset
-
-
-def _distribution(heights: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of `with_heights` for the setting heights of a surface."""
-    if "map" not in heights:
-        return {name: [*values.values()] for name, values in heights.items()}
-    surface, options = _checked(AS_SAMPLE | heights["map"])
-    return {"sample": treat_map(surface, options).height[np.isfinite(surface.height)]}
 
 
 def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:

@@ -37,7 +37,7 @@ from asperity.surface.reading.agreement import (
     require_size,
 )
 from asperity.surface.reading.formats import PROFILE, TEXT_FORMATS, UNNAMED, Channel, Format, choose_channel
-from asperity.surface.reading.grids import read_grid, tiff_scale
+from asperity.surface.reading.grids import read_grid, read_x3p, tiff_scale
 from asperity.surface.reading.heading import height_unit, stated_pixel, zygo_units
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError
 from asperity.surface.reading.number_table import (
@@ -48,7 +48,6 @@ from asperity.surface.reading.number_table import (
     nodes,
     refuse_repeated,
 )
-from asperity.surface.reading.x3p import read_x3p
 
 ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
