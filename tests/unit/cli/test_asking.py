@@ -221,7 +221,7 @@ def test_the_check_refuses_all_that_a_run_refuses(body, groups, refused, tmp_pat
         ({}, "load"),
         ({"pressure": "1 MPa"}, "load"),
         (ROLLER, "load.radius_x"),
-        ({"force": "90 N"}, "body.hardness"),
+        ({"force": "90 N"}, "load.force"),
     ],
 )
 def test_settings_are_checked_before_a_map_is_treated(load, key, tmp_path, monkeypatch):
