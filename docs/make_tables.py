@@ -32,6 +32,9 @@ _KINDS = {
 }
 """Values that several settings accept → their short name in the tables, which `describe` explains once."""
 
+MOST_OR = 4
+"""Values in words with more alternatives are separated by commas."""
+
 REPEATED = 3
 """A group that repeats at least so many settings of another one refers to it, and so does a table."""
 
@@ -88,6 +91,8 @@ def _short(values: str) -> str:
         values = values.replace(text, name)
     values = re.sub(r"a whole number ≥ (\S+) and ≤ (\S+)", r"whole, \1 to \2", values)
     values = re.sub(r"a number ≥ (\S+) and ≤ (\S+?)(?=,|$)", r"\1 to \2", values)
+    values = re.sub(r"a list of (.+?) items?, each ", r"list, \1: ", values)
+    values = values.replace(" or ", ", ") if values.count(" or ") > MOST_OR else values
     return re.sub(r"a number ([>≥] \S+) and ([<≤] \S+)", r"\1, \2", values)
 
 
@@ -169,7 +174,9 @@ def tables(of_answers: bool) -> str:
             if column not in repeated
         ]
         if repeated:
-            lines.append(f"- {', '.join(f'`{each}`' for each in repeated)}: as in `{other}`")
+            names = ", ".join(f"`{each}`" for each in repeated)
+            whole = len(repeated) == len(shown[other])
+            lines.append(f"- all columns of `{other}`" if whole else f"- {names}: as in `{other}`")
         source, row = described_table["source"], described_table["row"]
         head = f"## {name}\n\n{source[0].upper()}{source[1:]}. A row is {row}.\n"
         parts.append("\n".join([head, *lines]))

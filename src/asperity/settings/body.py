@@ -57,7 +57,7 @@ class OfMaterial(Settings):
     poisson: Number = setting(..., default_text="from the material", gt=-1, le=0.5, example=0.3)
     """Poisson's ratio."""
     yield_stress: Pressure | None = optional(
-        "from the material; without a value yielding is not analysed", example="1.5 GPa", varied=True
+        "from the material, else no analysis of yield", example="1.5 GPa", varied=True
     )
     """Yield stress; the volume above it is reported."""
     _material: Material | None = PrivateAttr(None)
@@ -249,12 +249,10 @@ class Body(OfMaterial):
     resistivity: Number | None = optional("from the material", unit="Ω m", gt=0, le=1e20, example=1e-7)
     """Electrical resistivity, for the contact conductance."""
     fatigue_torsion: Pressure | None = optional(
-        "from the material; without a value no stress cycles are reported", example="300 MPa", varied=True
+        "from the material, else no stress cycles", example="300 MPa", varied=True
     )
     """Fatigue limit in fully reversed torsion, 0.5 to 1 times the limit in bending."""
-    fatigue_bending: Pressure | None = optional(
-        "from the material; without a value no stress cycles are reported", example="480 MPa"
-    )
+    fatigue_bending: Pressure | None = optional("from the material, else no stress cycles", example="480 MPa")
     """Fatigue limit in fully reversed bending."""
     residual_stress: Residual | None = optional("none", example="-400 MPa")
     """Equal normal stresses along x and y in the unloaded body, compression negative; part of the mean stress

@@ -200,7 +200,7 @@ def test_programs_have_a_source_and_a_date():
     """A cell without a link has the link of its program."""
     table = (ROOT / "docs/limits.md").read_text("utf-8").split("## Beside other programs")[1]
     rows = [row.split(" | ") for row in re.findall(r"^\| (.*) \|$", table, re.MULTILINE)]
-    assert len(rows) == 9
+    assert len(rows) == 10
     assert {len(row) for row in rows} == {7}
     assert [row[0] for row in rows[2:] if not re.match(r"\[.*\]\(https?://", row[0])] == []
     assert re.search(r"Read on \d+ \w+ 20\d\d", table)

@@ -67,7 +67,7 @@ MAX_LOADS, RISING = 100, "a list of rising values"
 """Most loads of a load curve, and their description in messages."""
 
 CAPTION = (
-    "Load curve: numbers of the contact, maximum von Mises stress and, if it was asked for, leakage against "
+    "Load curve: numbers of the contact, maximum von Mises stress and, if requested, leakage against "
     "the mean pressure. A dotted line marks a load where yield begins, or that seals the gap."
 )
 
