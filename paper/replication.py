@@ -1,4 +1,4 @@
-"""Build paper/replication.pdf from its text, its metadata, and tables of the documentation."""
+"""Build paper/replication.pdf from its text, its metadata, and tables of the supplement."""
 
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ TABLES = """```{=typst}
 
 def main() -> None:
     """Write the PDF."""
-    docs, text = FOLDER.parent / "docs", (FOLDER / "replication.md").read_text(encoding="utf-8")
+    text = (FOLDER / "replication.md").read_text(encoding="utf-8")
     metadata = yaml.safe_load((FOLDER / "metadata.yaml").read_text(encoding="utf-8"))
     findings = findings_of(pd.read_csv(FOLDER / "supplement/claims.csv"), CLAIMS)
     statements = pd.concat(tables(findings).values())
@@ -38,7 +38,7 @@ def main() -> None:
         lines = [columns, [f":{'-' * WIDTHS[name]}" for name in columns], *cells]
         return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
-    method = (docs / "method.md").read_text(encoding="utf-8")
+    method = (FOLDER / "supplement/method.md").read_text(encoding="utf-8")
     (errata,) = re.findall(r"^\| equation \|.*?(?=\n\n|\Z)", method, re.DOTALL | re.MULTILINE)
     lines = errata.splitlines()
     lines[1] = f"|:{'-' * 15}|:{'-' * 15}|:{'-' * 70}|"

@@ -21,7 +21,11 @@ METHODS = ("active_set", "gfmd")
 
 @pytest.mark.parametrize(
     ("solid", "boundary"),
-    [(HALF_SPACE, "free"), *((s, "periodic") for s in (HALF_SPACE, SLAB, INCOMPRESSIBLE, SLIPPING))],
+    [
+        (HALF_SPACE, "free"),
+        (asp.TwoBodies(HALF_SPACE, asp.Solid(3.0, 0.2)), "free along x"),
+        *((s, "periodic") for s in (HALF_SPACE, SLAB, INCOMPRESSIBLE, SLIPPING)),
+    ],
 )
 def test_controls_and_methods_agree(solid, boundary):
     """The tolerances are solver errors."""
