@@ -185,5 +185,5 @@ def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
         face = job.rough.face
         work = sum(work_of(job.case, bool(face.grid.mirrored)).values())
         costs.append(answer_cost(work, face.height.size, face.boundary))
-    seconds = sum(cost.fixed_seconds + time_factor() * cost.calculation_seconds for cost in costs)
+    seconds = time_factor() * sum(cost.seconds for cost in costs)
     return minutes(seconds), max(cost.memory for cost in costs)

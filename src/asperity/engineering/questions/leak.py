@@ -116,8 +116,8 @@ class Leak(Question):
 
     @property
     def flow_cost(self) -> float:
-        """Work of the flow on the map and on half of its nodes."""
-        return 0.1 if self.viscosity is None else 4.0
+        """Work of the percolation and the flow on the map and on half of its nodes."""
+        return 1.0 if self.viscosity is None else 5.0
 
     def _is_sought(self, case: Scene) -> bool:
         """True if the load that seals is searched."""
