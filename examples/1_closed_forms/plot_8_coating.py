@@ -56,15 +56,17 @@ plt.show()
 
 # %%
 # The whole section under the hard coating.
-shown = sections["hard coating"]["xx"]
+shown = sections["hard coating"]["xx"] / contacts["hard coating"].maximum_pressure
 limit = float(abs(shown).max())
 figure, axis = plt.subplots(figsize=(7, 3.2), layout="compressed")
 colours = axis.pcolormesh(
     shown["x"], depths, shown, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="nearest", rasterized=True
 )
 axis.axhline(thickness, color="k", lw=0.8)
-axis.set(xlabel="x", ylabel="depth", xlim=(0.3, 0.7), ylim=(depths[-1], 0), aspect="equal")
-figure.colorbar(colours, label=r"$\sigma_{xx}$")
+axis.set(
+    xlabel="x/edge of the map", ylabel="depth/edge", xlim=(0.3, 0.7), ylim=(depths[-1], 0), aspect="equal"
+)
+figure.colorbar(colours, label=r"$\sigma_{xx}/p_0$")
 plt.show()
 
 # %%

@@ -35,7 +35,8 @@ figure, axes = plt.subplots(figsize=(6, 4), layout="compressed")
 for answer in answers:
     above = answer.datasets["cycles"]["fatigue_volume"]
     axes.semilogy(above["fatigue_share"], above * 1e6, label=answer.face.name)
-axes.set(xlabel="Dang Van stress over limit", ylabel="volume above per area (µm)", ylim=(1e-3, None))
+axes.set(xlabel="Dang Van stress over limit", xlim=(0, 1.2))
+axes.set(ylabel="volume above per area (µm)", ylim=(1e-3, None))
 axes.legend()
 plt.show()
 

@@ -125,10 +125,11 @@ def test_leakage_leads_and_is_per_width():
     assert per_width.value == pytest.approx(leakage.value / EDGES[0])
     assert per_width.number().endswith("l/min per mm")
     factor, _ = per_width.scale()
-    prefix = {"fl": 1e-15, "pl": 1e-12, "nl": 1e-9, "µl": 1e-6}[per_width.number().split()[1].split("/")[0]]
+    prefix = {"pl": 1e-12, "µl": 1e-6, "ml": 1e-3}[per_width.number().split()[1].split("/")[0]]
     assert factor == pytest.approx(prefix / 60)  # m²/s is l/s per mm
     assert "30 µm wide and 50 µm long" in leakage.text()
     assert answer.tiles[0] is leakage
+    assert "pressure of the fluid" in [each.subject for each in answer.warnings if each.warns]
     again = film_flow(answer.contact, 0.03, 5e5)
     assert leakage.value == pytest.approx(again.flow_rate, rel=1e-8)  # from another start
     assert answer["pressure flow factor"].value == pytest.approx(again.flow_factor, rel=1e-8)
@@ -271,6 +272,7 @@ def test_questions_are_answered_in_a_sentence():
     answer = asp.run(HEIGHT, RUBBER, mean_pressure="1 MPa", **given)
     first, growth, *_ = answer.verdict
     assert first.startswith("Sealed along x: the contact closes the gap; a mean pressure of ")
+    assert first.endswith(" seals it only if it exceeds the pressure of the fluid, 500 kPa, as well.")
     assert growth.startswith("From 10 kPa to 1 MPa the contact area fraction grows from ")
     assert [each.quantity for each in answer.tiles[:2]] == ["leakage along x", "mean pressure that seals"]
     metal = {"young": "100 GPa", "poisson": 0.3, "resistivity": 2e-8}

@@ -24,7 +24,7 @@ from asperity.stress.planes.planes import StressPlane, named_fields
 from asperity.stress.planes.stream import PlaneStream
 from asperity.views.maps import largest_magnitude
 
-PLANE_TOLERANCE = 1e-3
+SHOWN_TOLERANCE = 1e-3
 """Error of a plane that is only looked at, relative to the rms of σ_zz in it."""
 
 MOST_KEPT = 2**30
@@ -138,7 +138,7 @@ class AnswerJob:
             left = [depth for depth in self._depths(body) if depth not in known]
             sliding = self._answer.case.sliding_of(body)
             loaded = self._answer.loaded(body)
-            self._stream = PlaneStream(loaded, left or [0.0], None, (field,), PLANE_TOLERANCE, **sliding)
+            self._stream = PlaneStream(loaded, left or [0.0], None, (field,), SHOWN_TOLERANCE, **sliding)
             self._ahead = named_fields(self._stream) if left else iter(())
         return self._planes[body, field]
 

@@ -26,6 +26,7 @@ from asperity.engineering.case_file import MAP_FILES, at, load_case
 from asperity.engineering.folder import COMPLETE, MANIFEST, UNFINISHED, names_in
 from asperity.engineering.show.tables import tiles_of, unknown_of
 from asperity.results.atomic import locked
+from asperity.surface.reading.container import maps_in
 
 LONGEST_TEXT = 100_000
 """Characters of a field of the form; a longer text is refused."""
@@ -172,6 +173,11 @@ class Session:
         """Take texts of the form, and check the case that they make."""
         if values.get("choose.load") == "hertz" != form.chosen("choose.load", self.values):
             values, socket = {"load.force": "", "load.mean_pressure": ""} | dict(values), None
+        if (file := values.get("map.file", "").strip()).endswith(".zip"):
+            try:
+                values, socket = dict(values) | {"map.file": "\n".join(maps_in(file))}, None
+            except InputError as error:
+                self._say(str(error))
         self.values |= values
         self._number += 1
         content = form.content_of(self.values)

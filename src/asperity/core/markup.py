@@ -32,10 +32,14 @@ def markdown(frame: "pd.DataFrame") -> str:
 
 def html_table(frame: "pd.DataFrame") -> str:
     """A table in HTML, without the index, with the Markdown of its cells as HTML."""
-    lines = ["<table>"]
-    for number, row in enumerate(_cells(frame)):
-        tag = "td" if number else "th"
-        lines.append(f"<tr>{''.join(f'<{tag}>{inline(cell)}</{tag}>' for cell in row)}</tr>")
+    head, *rows = _cells(frame)
+    lines = ["<table>", f"<tr>{''.join(f'<th>{inline(cell)}</th>' for cell in head)}</tr>"]
+    for row in rows:  # on a narrow screen the name of a column stands before each of its cells
+        names = map(html.escape, head)
+        cells = (
+            f'<td data-column="{name}">{inline(cell)}</td>' for name, cell in zip(names, row, strict=True)
+        )
+        lines.append(f"<tr>{''.join(cells)}</tr>")
     return "\n".join([*lines, "</table>"])
 
 

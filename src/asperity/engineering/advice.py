@@ -167,6 +167,11 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
     suggested = HARDNESS_OVER_YIELD * min(each.yield_stress or math.inf for each in surfaces)
     if math.isinf(stages.contact.hardness) and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
+    for each in (each for each in surfaces if math.isinf(stages.contact.hardness)):
+        known = {found.name: found.constants for found in each.materials}.get(each.material or "", {})
+        if "hardness" in known and numbers.maximum_pressure > (limit := known["hardness"].value):
+            size = numbers.maximum_pressure / limit - 1
+            yield True, "beyond_material", {"material": each.material, "limit": limit, "size": size}
     if (elastic := compared.elastic) is not None:
         own, alone = stages.contact.contact_area_fraction, elastic.contact_area_fraction
         values = {"area": 100 * own, "alone": 100 * alone, "pressure": elastic.maximum_pressure}
@@ -264,9 +269,14 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
     for doubt in stages.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
-            warns = subject in ("unit", "physical_size", "missing")
-            sentence = doubt if doubt.endswith("?") else f"{doubt}."
-            yield warns, "doubt", {"subject": subject, "doubt": sentence}
+            alters = subject == "detrend" or (subject == "despike" and numbers.presses_spikes)
+            words, _, value = doubt.partition("; set it to ")
+            flag = f" (--{subject} {value.split()[0]})" if value else ""
+            values: dict[str, Any] = {"subject": subject, "size": SPIKE_SIZE, "short": ""}
+            values["doubt"] = doubt if doubt.endswith("?") else f"{doubt}{flag}."
+            if alters:
+                values["short"] = f"map: {words.removeprefix(f'{subject}: ').partition(',')[0]}{flag}"
+            yield alters or subject in ("unit", "physical_size", "missing"), "doubt", values
     slope = numbers.rms_gradient
     if slope > STEEP:
         yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}

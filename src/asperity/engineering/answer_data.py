@@ -44,7 +44,8 @@ REPEATS = f"upper body: its numbers are listed where the lower body has others, 
 
 ONE_POSITION = (
     "the map is from one position of the surface: a discretisation error does not include how much other "
-    "positions differ; only several maps (--pooled) show that"
+    "positions differ; an error between positions is estimated from parts of the map, and only several maps "
+    "(--pooled) show it"
 )
 
 UNCERTAINTIES = 3

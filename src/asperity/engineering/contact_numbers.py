@@ -55,6 +55,8 @@ class ContactNumbers:
         Width in pixels; wider patches carry half of the load.
     pressure_on_spike : bool
         True if the largest pressure is on a spike of the map.
+    presses_spikes : bool
+        True if a spike bears pressure.
     load_of_largest_node, load_on_small_patches : float
         Share of the load on one node, and on patches of at most four nodes.
     load_on_edges : float
@@ -81,6 +83,7 @@ class ContactNumbers:
     peak_to_valley: float
     typical_patch_width: float
     pressure_on_spike: bool
+    presses_spikes: bool
     load_of_largest_node: float
     load_on_small_patches: float
     load_on_edges: float
@@ -207,6 +210,8 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     total, inside = max(float(load.sum()), 1e-300), float(pressure[inner].sum(dtype=float)) * node
     area, force = contact.contact_area_fraction * nominal, contact.mean_pressure * nominal
     largest = np.array(np.unravel_index(pressure.argmax(), pressure.shape)) * face.grid.spacing
+    spikes = np.rint(rough.spikes / face.grid.spacing).astype(int)
+    spikes = np.minimum(spikes, np.subtract(pressure.shape, 1))
     is_line = free.count(True) == 1
     roughness = roughness_parameters(face.height, face.grid)
     by_width, median = spots.sort_values("width_m"), 0.0
@@ -234,6 +239,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         peak_to_valley=float(np.ptp(face.height)),
         typical_patch_width=median / max(face.grid.spacing),
         pressure_on_spike=bool((np.abs(rough.spikes - largest) <= rough.reach).all(axis=1).any()),
+        presses_spikes=bool(pressure[tuple(spikes.T)].any()),
         load_of_largest_node=float(pressure.max()) * node / total,
         load_on_small_patches=float(load[spots["nodes"] <= 4].sum()) / total,
         load_on_edges=1 - inside / total,

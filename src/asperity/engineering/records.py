@@ -38,7 +38,10 @@ PER_AREA = "1/m^2"
 PER_WIDTH = "m^2/s"
 """Unit of leakages per width, which are shown per minute and mm."""
 
-SCALED = ("m", "m^2", "m^3", "Pa", "N", "Ω", "m^3/s")
+FLOW_RATE = "m^3/s"
+"""Unit of flow rates, which are shown in ml/min or a smaller unit."""
+
+SCALED = ("m", "m^2", "m^3", "Pa", "N", "Ω")
 """Units that take prefixes."""
 
 STIFFNESS = "Pa/m"
@@ -196,8 +199,10 @@ class Record:
             factor, symbol = scaled_unit(1e-6 * largest, "Pa")
             return 1e6 * factor, f"{symbol}/µm"
         if self.unit == PER_WIDTH:
-            factor, symbol = scaled_unit(60 * largest, "l")
-            return factor / 60, f"{symbol}/min per mm"
+            factor, symbol = _per_minute(1e-3 * largest)
+            return 1e3 * factor, f"{symbol} per mm"
+        if self.unit == FLOW_RATE:
+            return _per_minute(largest)
         if self.unit not in SCALED:
             return 1.0, "" if self.unit == "1" else self.unit
         return (units or scaled_unit)(largest, self.unit)
@@ -332,6 +337,14 @@ def _length(value: float, units: Any) -> str:
         return shown_si(value, "m")
     factor, symbol = units(value, "m")
     return f"{value / factor:.4g} {symbol}"
+
+
+def _per_minute(rate: float) -> tuple[float, str]:
+    """Factor and symbol of a unit for a flow rate; without nl/min, which reads as norm litres."""
+    litres = 6e4 * rate
+    fits = (each for each in ((1e-3, "ml/min"), (1e-6, "µl/min")) if not 0 < litres < 1e-4 * each[0])
+    factor, symbol = next(fits, (1e-12, "pl/min"))
+    return factor / 6e4, symbol
 
 
 def _digits(value: float, digits: int) -> str:

@@ -308,6 +308,11 @@ class SampleData:
     def verdict(self) -> tuple[str, ...]:
         """The number that decides, with its whole interval, the number of maps, and the largest cause."""
         found, count = [], len(self.names)
+        yielding = [
+            any(each.value > 0 for each in find(one.records, VOLUME)) for one in self.answers.values()
+        ]
+        above = [f"Above the yield stress on {sum(yielding)} of {count} map{'s' * (count > 1)}."]
+        above *= "yielding" in self.case.questions
         maps = "on 1 map" if count == 1 else f"as the mean over {count} maps"
         for each in self.tiles:
             if each.best == 0 and not each.error > 0:
@@ -318,7 +323,7 @@ class SampleData:
                 text += "; differences between positions are not known"
             elif len(each.errors) > 1:
                 text += f"; most of the interval comes from {cause_of(each)}"
-            return *found, f"{text}."
+            return *found, f"{text}.", *above
         return tuple(found)
 
     @property

@@ -159,6 +159,11 @@ def test_a_container_of_contact_engineering_is_a_sample(tmp_path, capsys):
     assert main(["run", path, *steel]) == 0
     assert "2 maps, 32 × 32 nodes" in capsys.readouterr().out
     first, second = maps_in(path)
+    assert main(["info", path]) == 0
+    described = capsys.readouterr().out
+    assert described.count("instrument: GT-K") == 2
+    assert first in described
+    assert second in described
     found = asp.read_map(first)
     np.testing.assert_allclose(
         found.height - found.height.mean(), 1e-9 * (heights - heights.mean()), atol=1e-15

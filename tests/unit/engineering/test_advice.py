@@ -88,6 +88,7 @@ def test_nothing_is_warned_of_in_a_sound_answer(sound):
 
 
 STRESS, BODY, RECORD = "records.maximum von Mises stress.value", "bodies.lower.body", "rough.face.treatment"
+SPIKES = "despike: 3 spikes of up to 2 µm; set it to 8 to replace them"
 FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
 
 
@@ -113,13 +114,15 @@ WARNINGS = [
     ({f"{BODY}.poisson": 0.5}, "Poisson's ratio"),
     ({f"{BODY}.yield_stress": 1.5e11}, "yield stress"),
     ({"numbers.violation": float("nan")}, "accuracy of the solution"),
+    ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "detrend of the map"),
+    ({"rough.doubts": [SPIKES], "numbers.presses_spikes": True}, "despike of the map"),
 ]
 NOTES = [
     ({"numbers.rms_gradient": 0.5}, "steep slopes"),
     ({f"{RECORD}.altered_fraction": 0.36}, "altered heights"),
     ({f"{RECORD}.filled_fraction": 0.05}, "altered heights"),
     ({"bodies.lower.limits.reason": "8 nodes"}, "no extrapolation to zero pixel size"),
-    ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "detrend of the map"),
+    ({"rough.doubts": [SPIKES]}, "despike of the map"),
     ({f"{BODY}.young": 210e6, f"{BODY}.yield_stress": None}, "Young's modulus"),
     ({f"{BODY}.poisson": -0.2}, "Poisson's ratio"),
 ]

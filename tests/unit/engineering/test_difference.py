@@ -114,6 +114,14 @@ def test_three_answers_and_their_files(tmp_path):
         compared([answer_of(1)])
 
 
+def test_an_answer_that_another_replaced_is_not_compared(tmp_path):
+    answers = [asp.run(a_map(seed), STEEL, mean_pressure=2e8) for seed in (1, 2)]
+    for each in answers:
+        each.write(tmp_path / "same")
+    with pytest.raises(ValueError, match="same: holds one answer, two that are compared were written there"):
+        compared(answers).write(tmp_path / "compared")
+
+
 def test_comparison_is_opened_and_moved_with_its_answers(tmp_path):
     answers = {
         f"before/{name}": asp.run(a_map(seed), STEEL, mean_pressure=2e8)

@@ -114,13 +114,14 @@ def test_verdict_of_a_sample_comes_first(answers, tmp_path):
     """The number that decides with its whole interval, the maps, and what dominates the interval."""
     sample = asp.pool(answers)
     volume = sample["volume above yield per area"]
-    (verdict,) = sample.verdict
+    verdict, above = sample.verdict
+    assert above == "Above the yield stress on 3 of 3 maps."
     assert verdict.startswith(
         f"Volume above yield per area: {volume.best_text()} as the mean over 3 maps; most"
     )
     largest = max(volume.errors, key=volume.errors.get)
     assert largest in verdict
-    assert " ".join(str(sample).split("\n\n")[1].split()) == verdict
+    assert " ".join(str(sample).split("\n\n")[1].split()) == f"{verdict} {above}"
     for name, answer in sample.answers.items():
         answer.write(tmp_path / name)
     assert {path.name for path in sample.write(tmp_path)} >= {"sample.csv", "sample.html", "sample.json"}

@@ -22,4 +22,4 @@ def run(options: argparse.Namespace) -> None:
     folder = Path(options.out or "comparison")
     comparison.write(folder)
     print(comparison.text())
-    print(f"\n{one_line(str(folder))}")
+    print(f"\nreport  {one_line(str(folder / 'comparison.html'))}")

@@ -8,11 +8,12 @@ from asperity.core.errors import one_line
 from asperity.settings.map import FileOptions, MapOptions
 from asperity.settings.model import SettingsError, entry_of, item_of, scalar
 from asperity.surface.description import describe_map
+from asperity.surface.reading.container import maps_in
 from asperity.surface.reading.height_map import MapError
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print the description of a height map, and the options that a calculation needs."""
+    """Print the description of a height map, or of each map of a container, and the options that it needs."""
     given: dict[str, Any] = {}
     for name in FileOptions.model_fields.keys() & vars(options).keys():
         if (text := getattr(options, name)) is not None:
@@ -20,8 +21,19 @@ def run(options: argparse.Namespace) -> None:
             given[name] = (
                 [scalar(each, entry) for each in text] if isinstance(text, list) else scalar(text, entry)
             )
+    maps = maps_in(options.map)
+    for path in maps:
+        if len(maps) > 1:
+            print(f"{one_line(path)}\n")
+        _describe(path, given)
+        if len(maps) > 1:
+            print()
+
+
+def _describe(path: str, given: dict[str, Any]) -> None:
+    """Print the description of a map."""
     try:
-        found = describe_map(options.map, MapOptions.read(given))
+        found = describe_map(path, MapOptions.read(given))
     except (MapError, SettingsError) as error:
         raise error.renamed(flag) from error
     width = max(map(len, found.properties)) + 2

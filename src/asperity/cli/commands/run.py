@@ -136,16 +136,19 @@ def _compute(options: argparse.Namespace, arrangement: Any) -> None:
             if job.is_kept:
                 print(f"{one_line(str(job.folder))}: kept", flush=True)
                 continue
-            print(f"{answer}\n", flush=True)
+            whole = answer if arrangement.folder is None else f"{job.name}: {' '.join(answer.verdict)}"
+            print(f"{whole}\n", flush=True)
             print(f"report  {one_line(str(job.folder / 'report.html'))}\n", flush=True)
     if arrangement.folder is None or options.only:
         return
     if arrangement.pooled:
         print(sample_of(arrangement, answers))
+        print(f"\nreport  {one_line(str(arrangement.folder / 'sample.html'))}")
         return
     comparison = compared(answers)
     comparison.write(arrangement.folder)
     print(comparison.text())
+    print(f"\nreport  {one_line(str(arrangement.folder / 'comparison.html'))}")
 
 
 def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: Mapping[str, Any]) -> str:

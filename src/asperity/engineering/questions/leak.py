@@ -33,6 +33,7 @@ from asperity.engineering.question import (
 )
 from asperity.engineering.records import (
     DISCRETISATION,
+    FLOW_RATE,
     PER_WIDTH,
     POSITIVE,
     SEARCH,
@@ -61,6 +62,9 @@ FLOW_CAPTION = (
 
 LEAST_FLUX = 1e-3
 """Flux over the mean one at the lower end of the colours."""
+
+LEAST_WIDTH = 1e-9
+"""Width in m below which a constriction is smaller than a few molecules."""
 
 SEALING_LOAD, SEALING_ERROR = "mean pressure that seals", 0.01
 """The load that seals, and its relative error; half of the error costs one contact more."""
@@ -146,15 +150,14 @@ class Leak(Question):
             note = "" if is_sought else "while leak.seal finds the load that seals"
         if flow is not None and flow.flow_rate == 0:
             words = "0, sealed: the contact closes the gap"
-            leakage = Record(name, 0.0, "m^3/s", TOPIC, words=words, note=note)
+            leakage = Record(name, 0.0, FLOW_RATE, TOPIC, words=words, note=note)
             records = [leakage, *self._elastic(leakage, stages, flow, warnings), *records]
         elif flow is not None and on_half is not None:
             length, across = contact.grid.length[axis], contact.grid.length[1 - axis]
             through = f"{shown_si(across, 'm', 3)} wide and {shown_si(length, 'm', 3)} long"
             error = abs(flow.flow_rate - on_half.flow_rate)
             of: dict[str, Any] = {"topic": TOPIC, "bounds": POSITIVE, "varies": True, "better": "less"}
-            minute = f"{shown_si(6e4 * flow.flow_rate, 'l', 3)}/min, through a seal {through}"
-            leakage = Record(name, flow.flow_rate, "m^3/s", note=minute, **of)
+            leakage = Record(name, flow.flow_rate, FLOW_RATE, note=f"through a seal {through}", **of)
             leakage = leakage.with_error(DISCRETISATION, error)
             per_width = Record(f"{name} per width", flow.flow_rate / across, PER_WIDTH, **of)
             per_width = per_width.with_error(DISCRETISATION, error / across)
@@ -177,14 +180,28 @@ class Leak(Question):
             records.insert(min(len(records), 1), seals)
             if not seals.words:
                 verdict += f"; a mean pressure of {seals.best_text()} seals it"
+                if (fluid := self.pressure_difference or 0.0) > seals.value:
+                    above = shown_si(fluid, "Pa", 3)
+                    verdict += f" only if it exceeds the pressure of the fluid, {above}, as well"
                 datasets |= self._close_up(last_open, "just below the load that seals")
+        if 0 < width < LEAST_WIDTH:
+            text = f"the narrowest constriction, {shown_si(width, 'm', 3)}, is smaller than molecules"
+            warnings.append(Advice(True, "constriction", f"{text}: there the gap is closed to a fluid."))
         return Findings(
             records=records,
             verdict=verdict,
-            warnings=warnings,
+            warnings=[*warnings, *self._lifted(stages.contact.mean_pressure)],
             assumption="" if flow is None else "The film is laminar, fills the gap and does not open it.",
             datasets=datasets,
         )
+
+    def _lifted(self, mean_pressure: float) -> Iterator[Advice]:
+        """A warning if the pressure of the fluid is above that of the contact."""
+        if (fluid := self.pressure_difference or 0.0) > mean_pressure > 0:
+            shown, size = shown_si(fluid, "Pa", 3), fluid / mean_pressure - 1
+            short = f"model: the fluid, at {shown}, would lift faces under {shown_si(mean_pressure, 'Pa', 3)}"
+            text = f"{short[7:]}, which the answer leaves out: a larger mean pressure is needed."
+            yield Advice(True, "pressure of the fluid", text, short, size)
 
     def _elastic(
         self, leakage: Record, stages: Stages, start: FilmFlow, warnings: list[Advice]
@@ -286,7 +303,8 @@ class Leak(Question):
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The gap around the narrowest constriction, and maps of the flux of the film and of its pressure."""
         if (close := answer.datasets.get("constriction")) is not None:
-            narrowest = shown_si(float(close.attrs["narrowest"][0]), "m", 3)
+            width = float(close.attrs["narrowest"][0])
+            narrowest = shown_si(width, "m", 3) if width >= LEAST_WIDTH else "less than 1 nm"
             pressure = shown_si(float(close.attrs["mean_pressure"]), "Pa", 3)
             caption = (
                 f"{close.attrs['title']} (mean pressure {pressure}): {narrowest} in the ring. The contact is "

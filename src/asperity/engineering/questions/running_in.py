@@ -95,14 +95,15 @@ class RunningIn(Question):
         """The first contact, the depth of flattening, and the depth by which another load would flatten."""
         found: Flattening = stages.prepared["running_in"]
         first, depth, topic = found.first, found.depths[0], "running-in"
-        words, note = "none: it changes nothing", ""
+        words, note, another = "none: it changes nothing", "", 0.0
         if found.depths[-1] > UNCHANGED * stages.numbers.peak_to_valley:
+            another = found.depths[-1]
             words, note = "", f"{100 * found.another:.2g} % of the first"
         records = [
             fraction("contact area fraction of the first load", first.contact_area_fraction, topic=topic),
             fraction("area fraction at the hardness of the first load", first.plastic_area, topic=topic),
             Record("maximum flattening of the first load", depth, "m", topic),
-            Record("flattening by another load", found.depths[-1], "m", topic, words=words, note=note),
+            Record("flattening by another load", another, "m", topic, words=words, note=note),
         ]
         nothing = "the first load stays below the hardness everywhere: it flattens nothing."
         return Findings(

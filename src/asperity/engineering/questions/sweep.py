@@ -225,11 +225,11 @@ class Sweep(Question):
         numbers, verdict, warnings = list[Record](), list[str](), list[Advice]()
         for other, curve in curves.items():
             where = "".join(
-                f" at {_words(key)} {_shown(case, key, value)}"
+                f" at {words_of(key)} {_shown(case, key, value)}"
                 for key, value in zip(second, other, strict=True)
             )
             if len(curve) > 1:
-                at_limit, text = _at_limit(curve, _words(first), partial(_shown, case, first))
+                at_limit, text = _at_limit(curve, words_of(first), partial(_shown, case, first))
                 if at_limit is not None:
                     unit = _unit(case, first)
                     numbers.append(replace(at_limit, quantity=f"{AT_LIMIT}{where}", unit=unit, topic=TOPIC))
@@ -268,8 +268,8 @@ class Sweep(Question):
         """The numbers at the top of the report against the values."""
         table = answer.tables["sweep"]
         keys = [column for column in table if column.startswith("at_")]
-        caption = f"Sweep: numbers of the answer against the {_words(keys[0])}, with their errors"
-        caption += f"; a line for each {_words(keys[1])}." if len(keys) > 1 else "."
+        caption = f"Sweep: numbers of the answer against the {words_of(keys[0])}, with their errors"
+        caption += f"; a line for each {words_of(keys[1])}." if len(keys) > 1 else "."
         chosen = self._chosen(answer.records)
         limit = math.nan if chosen is None else self._limit(answer.case, chosen)
         if not math.isnan(limit):
@@ -339,7 +339,7 @@ def _shown(case: Scene, key: str, value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}" + (f" {unit}" if digits < 15 and unit != "1" else "")
 
 
-def _words(key: str) -> str:
+def words_of(key: str) -> str:
     """A dotted key in words: its last part."""
     return key.removeprefix("at_").rpartition(".")[2].replace("_", " ")
 
@@ -431,14 +431,14 @@ def _drawn(case: Scene, table: pd.DataFrame, keys: list[str], chosen: Record | N
                 best = line["extrapolated"].fillna(line["value"])
                 ends = np.nan_to_num(np.abs(line[["low", "high"]].to_numpy().T - best.to_numpy()))
                 other = [_shown(case, key.removeprefix("at_"), line[key].iloc[0]) for key in keys[1:]]
-                label = " ".join([_words(keys[-1]), *other])
+                label = " ".join([words_of(keys[-1]), *other])
                 settings: Any = {"fmt": "-o", "ms": 3, "capsize": 2, "label": label}
                 axis.errorbar(line[keys[0]] / per, best / factor, ends / factor, **settings)
             if (quantity, body) in first:
                 axis.axhline(limit / factor, color="0.4", ls=":", lw=1)  # NaN draws nothing
             title = f"{quantity}, {body} body" if body and several else quantity
             axis.set_title("\n".join(wrap(title, 26)), loc="left", fontsize="medium")
-            axis.set(xlabel=f"{_words(keys[0])} ({symbol})" if symbol else _words(keys[0]), ylabel=of)
+            axis.set(xlabel=f"{words_of(keys[0])} ({symbol})" if symbol else words_of(keys[0]), ylabel=of)
             for values, along in ((rows[keys[0]], axis.xaxis), (rows["value"], axis.yaxis)):
                 if values.min() > 0 and values.max() > WIDE * values.min():
                     plain_logarithms(along)

@@ -8,6 +8,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 from textwrap import fill
 from typing import NamedTuple
@@ -302,6 +303,9 @@ class Comparison:
             else _folder_of(item, folder)
             for name, item in self.items.items()
         }
+        for one, other in combinations(self._maps.values(), 2):
+            if one.folder == other.folder and one.records != other.records:
+                raise ValueError(f"{one.folder}: holds one answer, two that are compared were written there")
         with locked(folder), replacing(folder, kept=set()) as unfinished:
             write_table(self.frame(), "answer_comparison", unfinished / COMPARISON[0])
             write_text(unfinished / COMPARISON[1], self.page(folder))

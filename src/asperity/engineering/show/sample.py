@@ -129,8 +129,10 @@ def _numbers(sample: SampleData) -> dict[str, pd.DataFrame]:
     for heading, records in by_topic(sample.case, without_repeats(sample.records)):
         rows = []
         for each in records:
-            factor, _ = each.scale()
-            values = (f"{float(f'{value / factor:.3g}'):.15g}" for value in sample.values(each))
+            factor, symbol = each.scale()
+            values = (
+                f"{float(f'{value / factor:.3g}'):.15g} {symbol}".strip() for value in sample.values(each)
+            )
             rows.append([label_of(each), each.best_text(), *values])
         found[heading] = pd.DataFrame(rows, columns=["", "mean", *sample.names])
     return found

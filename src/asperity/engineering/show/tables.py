@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from textwrap import fill
@@ -12,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
+from asperity.engineering.questions.sweep import words_of
 from asperity.engineering.records import POSITIONS, Record
 from asperity.results.tables import units
 
@@ -55,6 +55,8 @@ def unknown_of(records: Sequence[Record]) -> str:
     """That the errors at the top of a page leave out positions, as a sentence; empty if they do not."""
     if not any(POSITIONS in each.unknown for each in records[:TILES]):
         return ""
+    if any(POSITIONS in each.errors for each in records[:TILES]):
+        return f"± {POSITIONS} is estimated from parts of this map; no other ± includes it."
     return "No ± includes how much other positions of the surface differ: one map does not show it."
 
 
@@ -89,9 +91,12 @@ def _of_sweep(table: pd.DataFrame) -> pd.DataFrame:
     found: dict[str, dict[str, str]] = {}
     shown = table[table["is_shown"]]
     several = len({*shown["body"]} - {""}) > 1
+    keys = [column.removeprefix("at_") for column in table if column.startswith("at_")]
     for row in shown.to_dict("records"):
         name = f"{row['quantity']}, {row['body']} body" if several and row["body"] else row["quantity"]
-        at = re.sub(r"[\w.]+\.(?=\w+ = )", "", row["case"]).replace("_", " ")
+        at = row["case"]
+        for key in keys:
+            at = at.replace(key, words_of(key))
         found.setdefault(at, {"sweep": at})[name] = row["best"]
     return pd.DataFrame(found.values()).fillna("")
 
