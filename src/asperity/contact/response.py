@@ -248,9 +248,8 @@ class FreeResponse(Response):
         """Largest of the factors: without a period the sum of a positive kernel over the padded grid."""
         if not all(self.free):
             return super().largest_compliance
-        return float(
-            rectangle_compliance(*np.zeros((2, 1)), self.mode_grid.length, self.solid.effective_modulus)[0]
-        )
+        here, modulus = np.zeros(1), self.solid.effective_modulus
+        return rectangle_compliance(here, here, self.mode_grid.length, modulus).item()
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """The exact slopes at the nodes under the same uniformly loaded rectangles."""
