@@ -55,6 +55,7 @@ from asperity.contact.dilute import (
     SplitResponse,
     are_few,
     candidates_of,
+    divided,
     first_margin,
 )
 from asperity.contact.inner_solve import MAX_ITERATIONS, RESIDUAL_DROP, InnerSolver
@@ -415,18 +416,14 @@ class ActiveSet:
         problem, bearing = self._problems[-1], np.flatnonzero(start.values)
         if not (bearing.size and are_few(start.nodes, problem)):
             return start
-        del self._problems[:-1]
+        self._problems[:] = [divided(problem, self._rule.tolerance)]
         self._split = (
             SplitResponse(problem.response, DIVISION),
             SplitResponse(problem.response, INNER_DIVISION),
         )
         nearby = CandidateProblem(problem, start.nodes, self._split[0])
-        wanted = 0.3 * self._rule.tolerance
         found = Pressure(bearing, start.values[bearing], start.load)
-        found = self._solved(nearby, found, max(CANDIDATE_ERROR, wanted))
-        if wanted < CANDIDATE_ERROR and all(problem.response.free):
-            nearby.correct(found)
-            found = self._solved(nearby, found, max(CANDIDATE_DROP * CANDIDATE_ERROR, wanted))
+        found = self._solved(nearby, found, max(CANDIDATE_ERROR, 0.3 * self._rule.tolerance))
         return Pressure(start.nodes[found.nodes], found.values, found.load)
 
     def _step_on_candidates(self, iterate: Iterate, system: ContactSystem) -> tuple[Step, float] | None:

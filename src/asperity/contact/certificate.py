@@ -268,7 +268,7 @@ def checked_certificate(
         pressure, gap, rms_height, problem.nodal_compliance, load, problem.fourier.threads, problem.hardness
     )
     norm = math.sqrt(sum_parts(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
-    caused = norm * math.sqrt(response.largest_own_compliance * float(response.half_compliance.max()))
+    caused = norm * math.sqrt(response.largest_own_compliance * response.largest_compliance)
     scale = rms_height or float(pressure.max()) * problem.nodal_compliance or 1.0
     tolerance = min(MAX_UNDERESTIMATE * rtol * caused / scale, max(MAX_VIOLATION, MAX_UNDERESTIMATE * rtol))
     lengths = tolerance + rounding * (caused + largest) / scale  # of which heights may consist

@@ -10,10 +10,10 @@ far part is a convolution on a grid of four or eight times the spacing, to which
 cubic B-splines, and from which displacements are interpolated by the same splines; its factors make the mean
 square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, chapter 8).
 
-Displacements are right to about 1e-3, or to a per cent in inner solves. The outer loop evaluates the gap of
-the whole grid exactly, so that only the change of the pressure since has this error (`CandidateProblem`).
-Over a free boundary an evaluation is spared: a finer division, in which sums over the contact nodes nearby
-take the place of the stencil, gives the displacement of the candidates to 2e-7.
+The division is used three times, with a stencil and a coarse grid as fine as each use needs: to a per cent in
+inner solves; to about 1e-3 on the candidates, where only the change of the pressure since the last evaluation
+of the whole grid has this error (`CandidateProblem`); and over a free boundary to a fraction of the tolerance
+for this evaluation (`DividedProblem`), which otherwise takes transforms of four times the nodes.
 """
 
 import math
@@ -29,7 +29,7 @@ from asperity.contact.iterate import ContactSystem, Iterate, Pressure, Step
 from asperity.contact.operators import MAX_SPACING_RATIO, InnerResponse
 from asperity.contact.problem import Problem
 from asperity.contact.response import Response, multiply
-from asperity.core.compiled import compiled, compiled_with_arrays
+from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.parallel import in_parts
 from asperity.core.sizes import good_size
 from asperity.core.types import Array
@@ -60,6 +60,8 @@ class Division:
 
     Attributes
     ----------
+    error : float
+        Largest error of a displacement, over the displacement of a node under the largest pressure.
     radius_times_alpha : float
         The stencil ends where α × distance is this number.
     spacing_times_alpha : float
@@ -72,6 +74,7 @@ class Division:
         Precision of the displacements.
     """
 
+    error: float
     radius_times_alpha: float
     spacing_times_alpha: float
     radius: int = WIDE_RADIUS
@@ -96,15 +99,22 @@ class Division:
         return Grid((ny, nx), (y, x), grid.mirrored)
 
 
+# For inner solves, in half the time of the next one.
+INNER_DIVISION = Division(1e-2, 2.2, 1.2)
+
 # Displacements under the pressure of a rough surface are right to 6e-4, and under random pressures to 1e-3.
-DIVISION = Division(2.3, 0.6)
+DIVISION = Division(1e-3, 2.3, 0.6)
 
-# To a per cent, for inner solves, in half the time.
-INNER_DIVISION = Division(2.2, 1.2)
+# For the whole grid over a free boundary. The stencil of a map that repeats has a tail, as its waves end at
+# the shortest of the grid: radius and order do not make it more accurate than 3e-6 there.
+DIVISIONS = (
+    DIVISION,
+    Division(1e-5, 3.0, 0.5, 24, 8),
+    Division(1e-7, 3.9, 0.4, 39, 12, np.float64),
+)
 
-# Over a free boundary to 2e-7. The stencil of a map that repeats has a tail, as its waves end at the shortest
-# of the grid; it is right to 3e-6 then, which is not enough for the usual tolerance.
-FINE_DIVISION = Division(3.9, 0.4, 39, 12, np.float64)
+# Largest error of a division, over the tolerance of the pressure.
+LARGEST_SHARE = 0.1
 
 
 class SplitResponse:
@@ -119,12 +129,8 @@ class SplitResponse:
     def __init__(self, response: Response, division: Division) -> None:
         grid, threads = response.grid, response.fourier.threads
         alpha, unit = division.alpha(grid), 1 / response.nodal_compliance
-        self._grid, self._threads = grid, threads
-        self._near = unit * _near_field(response, alpha, division.radius)
-        self._products = None
-        if division.radius == WIDE_RADIUS:
-            self._products = StencilProduct(grid, response.free, threads, WIDE_RADIUS)
-            self._near = whole_stencil(self._near)
+        self._threads, self._near = threads, unit * _near_field(response, alpha, division.radius)
+        self._products = StencilProduct(grid, response.free, threads, WIDE_RADIUS)
         far = division.far_grid(response)
         self._fourier = Fourier(far, division.real, threads, response.fourier.work)
         self._factors: Array = (unit * _far_field(response, far, alpha, division.order)).astype(division.real)
@@ -142,23 +148,38 @@ class SplitResponse:
         nodes, at : (count,) arrays of unsigned integers
             Sorted indices in the flattened map, of the nodes that bear pressure and of the displaced nodes.
         """
-        field, splines = self._field, self._splines
-
-        def far_field() -> None:
-            _distribute(nodes, pressure, *splines, field)
-            self._fourier.forward(field, self._coefficients)
-            multiply(self._coefficients, self._factors, 1)
-            self._fourier.inverse(self._coefficients, field, overwrite=True)
-
-        if self._products is not None:
-            out = self._products(self._near, nodes, pressure, at, meanwhile=far_field)
-        else:
-            far_field()
-            out = np.empty(at.size)
-            sums = partial(_write_near_sums, nodes, pressure, self._grid.shape[1], self._near)
-            in_parts(lambda part: sums(at[part], out[part]), at.size, self._threads)
-        in_parts(lambda part: _add_interpolant(at[part], *splines, field, out[part]), out.size, self._threads)
+        far_field = partial(self._convolve, nodes, pressure)
+        out = self._products(whole_stencil(self._near), nodes, pressure, at, meanwhile=far_field)
+        in_parts(
+            lambda part: _add_interpolant(at[part], *self._splines, self._field, out[part]),
+            out.size,
+            self._threads,
+        )
         return out
+
+    def write(self, nodes: Array, pressure: Array, unit: float, out: Array) -> None:
+        """Write the displacements, times a unit, of all nodes of a map that nothing surrounds."""
+        self._convolve(nodes, pressure)
+        row, of_row, column, of_column, columns = self._splines
+        lines = np.empty((len(self._field), columns), self._field.dtype)
+        first = np.searchsorted(nodes, np.arange(len(out) + 1) * columns)
+
+        def interpolate(part: slice) -> None:
+            _interpolate_along_x(self._field[part], column, of_column, lines[part])
+
+        def write(part: slice) -> None:
+            _interpolate_along_y(lines, row[part], unit * of_row[part], out[part])
+            _add_near_field(nodes, unit * pressure, first, self._near, part.start, out[part])
+
+        in_parts(interpolate, len(lines), self._threads, smallest=16)
+        in_parts(write, len(out), self._threads, smallest=16)
+
+    def _convolve(self, nodes: Array, pressure: Array) -> None:
+        """Write the far field on its grid."""
+        _distribute(nodes, pressure, *self._splines, self._field)
+        self._fourier.forward(self._field, self._coefficients)
+        multiply(self._coefficients, self._factors, 1)
+        self._fourier.inverse(self._coefficients, self._field, overwrite=True)
 
 
 class CandidateResponse(InnerResponse):
@@ -217,15 +238,6 @@ class CandidateProblem(Problem):
         caused = self._split.displacement(change.astype(np.float32), self.candidates, self.candidates)
         return self._displacement + self.nodal_compliance * caused
 
-    def correct(self, pressure: Pressure) -> None:
-        """Evaluate the displacement under a pressure by the finer division; nothing surrounds the map."""
-        values = np.minimum(pressure.values, self.hardness).astype(float)
-        self._pressure[:] = 0
-        self._pressure[pressure.nodes] = values
-        fine = SplitResponse(self.response, FINE_DIVISION)
-        caused = fine.displacement(values, self.candidates[pressure.nodes], self.candidates)
-        self._displacement[:] = self.nodal_compliance * caused
-
     def step_to(self, found: Pressure, approach: float) -> Step:
         """The step of the whole grid to a pressure of the candidates."""
         change = -self._pressure
@@ -233,6 +245,31 @@ class CandidateProblem(Problem):
         some = np.flatnonzero((self._pressure > 0) | (change > 0))  # released nodes, too
         before, level = self._pressure[some], self.height[some] + self._displacement[some]
         return Step(self.candidates[some], before, level, change[some], before == 0, approach)
+
+
+class DividedProblem(Problem):
+    """The contact problem of the whole grid, with displacements by a division of the compliance."""
+
+    def __init__(self, problem: Problem, split: SplitResponse) -> None:
+        super().__init__(problem.height, problem.response, problem.hardness, problem.plastic)
+        self._split = split
+
+    def displacement(self, nodes: Array, values: Array, out: Array | None = None) -> Array:
+        """Displacement of the whole grid under pressures on some nodes; `out` is an array for it."""
+        out = np.empty_like(self.height) if out is None else out
+        self._split.write(nodes, values, self.nodal_compliance, out)
+        return out
+
+
+def divided(problem: Problem, tolerance: float) -> Problem:
+    """The problem with displacements by the coarsest division that suffices for a tolerance of the pressure.
+
+    The problem itself if none does.
+    """
+    for division in DIVISIONS if all(problem.response.free) else ():
+        if division.error <= LARGEST_SHARE * tolerance:
+            return DividedProblem(problem, SplitResponse(problem.response, division))
+    return problem
 
 
 def first_margin(iterate: Iterate, finer: Problem, is_finest: bool) -> float:
@@ -344,24 +381,44 @@ def _write_erf_over(distance: Any, factor: float, out: Any) -> None:
         out[i] = math.erf(factor * r) / r if r > 0 else 2 * factor / math.sqrt(math.pi)
 
 
-@compiled_with_arrays
-def _write_near_sums(loaded: Any, values: Any, columns: int, kernel: Any, at: Any, out: Any) -> None:
-    """Write the sums of kernel × values of the loaded nodes around each node; nothing surrounds the map."""
-    radius = kernel.shape[0] // 2
-    first = np.zeros(kernel.shape[0], np.int64)  # the first node that each row of the kernel has reached
-    for k in range(at.size):
-        middle = np.int64(at[k])
-        column, total = middle % columns, 0.0
-        before, after = min(radius, column), min(radius, columns - 1 - column)
-        for line in range(kernel.shape[0]):
-            weights, node, i = kernel[line], middle + (line - radius) * columns, first[line]
-            while i < loaded.size and np.int64(loaded[i]) < node - before:
-                i += 1
-            first[line] = i
-            while i < loaded.size and np.int64(loaded[i]) <= node + after:
-                total += weights[np.int64(loaded[i]) - node + radius] * values[i]
-                i += 1
-        out[k] = total
+@vectorised_sums
+def _interpolate_along_x(field: Any, column: Any, of_column: Any, out: Any) -> None:
+    """Write the interpolant of each row of a field at the columns of the map."""
+    for j in range(out.shape[0]):
+        line, values = out[j], field[j]
+        for x in range(line.size):
+            total = 0.0
+            for b in range(column.shape[1]):
+                total += values[column[x, b]] * of_column[x, b]
+            line[x] = total
+
+
+@compiled
+def _interpolate_along_y(lines: Any, row: Any, of_row: Any, out: Any) -> None:
+    """Write the interpolant between lines at the rows of the map."""
+    out[:] = 0
+    for j in range(out.shape[0]):
+        line = out[j]
+        for a in range(row.shape[1]):
+            values, weight = lines[row[j, a]], of_row[j, a]
+            for x in range(line.size):
+                line[x] += weight * values[x]
+
+
+@compiled
+def _add_near_field(nodes: Any, values: Any, first: Any, kernel: Any, top: int, out: Any) -> None:
+    """Add a kernel × values of nodes to the rows of a map from the row `top` on; nothing surrounds it."""
+    radius, columns = kernel.shape[0] // 2, out.shape[1]
+    for j in range(out.shape[0]):
+        line, row = out[j], top + j
+        for other in range(max(row - radius, 0), min(row + radius + 1, first.size - 1)):
+            weights = kernel[other - row + radius]
+            for k in range(first[other], first[other + 1]):
+                column, value = np.int64(nodes[k]) - other * columns, values[k]
+                start, stop = max(column - radius, 0), min(column + radius + 1, columns)
+                some, near = line[start:stop], weights[start - column + radius :]
+                for x in range(some.size):
+                    some[x] += value * near[x]
 
 
 def _splines(grid: Grid, far: Grid, axis: int, division: Division) -> tuple[Array, Array]:

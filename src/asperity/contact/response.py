@@ -18,6 +18,7 @@ from asperity.elasticity.loaded_rectangle import (
     PaddedFourier,
     compliance_modes,
     padded_grid,
+    rectangle_compliance,
     slope_modes,
     surface_influence,
 )
@@ -39,9 +40,8 @@ class Response:
     omits_mean : bool
         True if the mean displacement is left out: at a given load it is known, and for a tall layer far
         larger than all others.
-    half_compliance : array, optional
-        Factors of the coefficients with ky ≥ 0, the same for −ky, of the grid's `half_shape`; by default the
-        solid's.
+    twin : Response, optional
+        The same response in another precision, whose factors are rounded when they are first needed.
 
     Attributes
     ----------
@@ -61,14 +61,13 @@ class Response:
     transforms: ClassVar[Callable[..., Fourier]] = Fourier
 
     def __init__(
-        self, solid: Solids, fourier: Fourier, omits_mean: bool = False, half_compliance: Array | None = None
+        self, solid: Solids, fourier: Fourier, omits_mean: bool = False, twin: Self | None = None
     ) -> None:
         self.solid = solid
         self.omits_mean = omits_mean
         self.fourier = fourier
         self.grid = fourier.grid
-        if half_compliance is not None:
-            self.half_compliance = half_compliance
+        self._twin = twin
 
     def on_grid(self, grid: Grid) -> Self:
         """Response of the same solid on another grid; transforms are counted together."""
@@ -80,7 +79,7 @@ class Response:
         """The same response for fields in another precision."""
         outer = self.fourier
         fourier = self.transforms(outer.grid, dtype, outer.threads, outer.work)
-        return type(self)(self.solid, fourier, self.omits_mean, self.half_compliance.astype(fourier.real))
+        return type(self)(self.solid, fourier, self.omits_mean, self)
 
     def coarser(self, min_points: int) -> Self | None:
         """Response on half the nodes of each axis that has at least twice a number; None if none has.
@@ -110,7 +109,11 @@ class Response:
 
     @cached_property
     def half_compliance(self) -> Array:
-        """Real factors from coefficients of a pressure, ky ≥ 0, to coefficients of its displacement."""
+        """Real factors from coefficients of a pressure to those of its displacement; equal for ky and −ky."""
+        factors = self._factors() if self._twin is None else self._twin.half_compliance
+        return factors.astype(self.fourier.real, copy=False)
+
+    def _factors(self) -> Array:
         modes = np.empty(self.grid.half_shape, self.fourier.real)
 
         def fill(strip: slice) -> None:
@@ -138,6 +141,11 @@ class Response:
     def largest_own_compliance(self) -> float:
         """Largest displacement of any node per unit of a pressure on one node and on its mirror images."""
         return self.own_compliance * (self.grid.whole_cell.size / self.grid.size)
+
+    @property
+    def largest_compliance(self) -> float:
+        """Largest of the factors."""
+        return float(self.half_compliance.max())
 
     @property
     def uniform_compliance(self) -> float:
@@ -216,10 +224,8 @@ class FreeResponse(Response):
     repeats = False
     transforms: ClassVar[Callable[..., Fourier]] = PaddedFourier
 
-    @cached_property
-    def half_compliance(self) -> Array:
-        modes = compliance_modes(self.grid, self.solid.effective_modulus, self.free)
-        return modes.astype(self.fourier.real, copy=False)
+    def _factors(self) -> Array:
+        return compliance_modes(self.grid, self.solid.effective_modulus, self.free)
 
     @property
     def mode_grid(self) -> Grid:
@@ -236,6 +242,14 @@ class FreeResponse(Response):
         """The displacement in the middle of the map."""
         here, whole = np.zeros(1), Grid((1, 1), self.grid.length)
         return surface_influence(here, here, whole, self.solid.effective_modulus, self.free).item()
+
+    @property
+    def largest_compliance(self) -> float:
+        """Largest of the factors: without a period the sum of a positive kernel over the padded grid."""
+        if not all(self.free):
+            return super().largest_compliance
+        here, modulus = np.zeros(1), self.solid.effective_modulus
+        return rectangle_compliance(here, here, self.mode_grid.length, modulus).item()
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """The exact slopes at the nodes under the same uniformly loaded rectangles."""

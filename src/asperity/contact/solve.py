@@ -578,7 +578,7 @@ def _load_beyond_full_contact(problem: Problem, control: Control) -> float | Non
         if response.uniform_compliance == 0:
             return None
         load = (load - float(problem.height.mean(dtype=float))) / response.uniform_compliance
-    largest = float(response.half_compliance.max())
+    largest = response.largest_compliance
     return load if load * largest >= rms_deviation(problem.height, problem.fourier.threads) else None
 
 
