@@ -11,9 +11,15 @@ with each.
 With several workers the library is compiled before they start, so that they do not compile it side by side.
 """
 
+# ruff: noqa: E402  the environment is set before NumPy is imported
+
 import os
 import sys
 from importlib.util import find_spec
+
+# Read when NumPy is imported: with several threads sums are rounded in another order.
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
 
 import pytest
 from hypothesis import settings
@@ -22,8 +28,6 @@ from asperity.core.system import compile_in_parallel, is_compiled
 from asperity.fourier import ENGINES, fft_engine
 from asperity.fourier.engine import VARIABLE
 
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(name, "1")
 os.environ["MPLBACKEND"] = "agg"  # no screen
 # The tests start a hundred processes, each of which would compile all modules to bytecode.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
