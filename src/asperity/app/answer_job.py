@@ -1,7 +1,5 @@
 """Requests about an answer: compute it, open the folder that holds it, and show planes of its stress."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Requests about a map and a case, answered as by ``asperity run --check`` and ``asperity info``."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Pictures that the page draws: maps of a field, curves, sections, and peaks over their depth, by Bokeh."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

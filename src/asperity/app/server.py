@@ -3,8 +3,6 @@
 Its address works once: it sets a cookie, without which nothing is served.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -4,8 +4,6 @@ A worker is spawned, never forked, and is spoken to over a pipe. It leads a grou
 compute beside it, and ends with all of them when the pipe closes, as it does when the server ends.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -4,8 +4,6 @@
 the nodes, and the fields of planes, are not kept: planes are computed from the pressure again.
 """
 
-from __future__ import annotations
-
 import json
 from collections import UserDict
 from collections.abc import Callable, Mapping, Sequence

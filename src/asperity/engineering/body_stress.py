@@ -3,8 +3,6 @@
 One stream of planes gives all but the error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol

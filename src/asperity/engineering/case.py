@@ -4,8 +4,6 @@ A group of settings is a class; a case has a field for each. To add a question, 
 and its field here. The physics is imported where it is needed: forms, help and schemas are made without it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import cached_property

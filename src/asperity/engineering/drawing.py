@@ -1,7 +1,5 @@
 """Fields of an answer as the views draw them: maps beside a framed part, and sections."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

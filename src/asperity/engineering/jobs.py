@@ -3,8 +3,6 @@
 The command line and the page arrange, check and compute through this module.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence

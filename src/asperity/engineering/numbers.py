@@ -1,7 +1,5 @@
 """The records of an answer that no question asks for: contact, Hertz contact, hardness, stress in a body."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """The contact of a case: its bodies pressed together by its load."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ The maximum of a peak on an area that was not measured follows from the peaks of
 (`asperity.stress.statistics.largest`).
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Form of an indenter: a sphere or a cylinder under the roughness."""
 
-from __future__ import annotations
-
 from asperity.core.arguments import LARGEST, choice, magnitude, number, pair, require_finite
 from asperity.core.types import Array, ArrayLike
 from asperity.fourier.grid import Grid

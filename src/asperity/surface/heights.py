@@ -19,8 +19,6 @@ F. Pérez-Ràfols and A. Almqvist, Tribol. Int. 131 (2019) 591, doi 10.1016/j.tr
 ISO 13565-3 (Rpq, Rvq and Rmq of the material probability curve).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from itertools import product

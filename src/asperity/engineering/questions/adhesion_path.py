@@ -1,7 +1,5 @@
 """Adhesion: contacts on a path of approaches forward and back, pull-off force, dissipated energy."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Conduction of heat and current through the contact."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

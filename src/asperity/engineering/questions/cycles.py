@@ -3,8 +3,6 @@
 Fatigue after Dang Van, shakedown, and the probability that no crack starts follow from them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import partial

@@ -5,8 +5,6 @@ of the Hertz pressure around it. The asperities carry (1 − s) p̄ as a dry con
 are added: s = 0 gives the stress of the dry contact, s → 1 the stress of the smooth bodies.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

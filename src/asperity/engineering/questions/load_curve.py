@@ -1,7 +1,5 @@
 """Load curve: area, gap, pressure, stiffness and stress against the load, and the load where yield begins."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Running-in: first loads flatten the map at the hardness; the answer is the elastic contact after them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

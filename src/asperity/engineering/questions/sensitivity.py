@@ -4,8 +4,6 @@ An input that is given with a tolerance, such as ``210 GPa ± 5 %``, adds its pa
 times this change. Inputs are taken as independent.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any

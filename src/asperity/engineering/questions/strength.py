@@ -1,7 +1,5 @@
 """Strength of layers: whether they crack, and whether their interfaces peel."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

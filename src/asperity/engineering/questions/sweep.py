@@ -4,8 +4,6 @@ Every value takes one more answer; the mechanism is that of `sensitivity`. The v
 its limit is interpolated between the values that were computed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress

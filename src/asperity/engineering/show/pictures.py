@@ -1,7 +1,5 @@
 """Pictures of an answer: overviews of the map, and the place of the extreme stress close to it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from io import BytesIO

@@ -1,7 +1,5 @@
 """The report of an answer as one page, its first screen in a notebook, and its pictures as files."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec

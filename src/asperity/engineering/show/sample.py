@@ -1,7 +1,5 @@
 """A sample of maps as text, as a page and as a folder."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """All tables of an answer, a table for a reader, and the answer as text for the terminal."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from textwrap import fill
