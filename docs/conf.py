@@ -113,12 +113,14 @@ def link_included(app: Sphinx, relative_path: Path, parent: str, content: list[s
 
 
 def write_results(app: Sphinx) -> None:
-    """A finished report and the page of a sample, to which the first page links."""
+    """A finished report and the page of a sample, which the first page names."""
     folder = Path(app.outdir, "results")
     folder.mkdir(parents=True, exist_ok=True)
     maps = sorted((Path(asperity.__file__).parent / "engineering/maps").glob("ground_*.x3p"))
     answers = [asperity.run(path, {"material": "100Cr6"}, mean_pressure="50 MPa") for path in maps]
-    (folder / "report.html").write_text(answers[0].report(), encoding="utf-8")
+    for answer in answers:  # to which the page of the sample links
+        (folder / answer.face.name).mkdir(exist_ok=True)
+        (folder / answer.face.name / "report.html").write_text(answer.report(), encoding="utf-8")
     (folder / "sample.html").write_text(asperity.pool(answers).report(), encoding="utf-8")
 
 

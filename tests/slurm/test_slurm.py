@@ -1,11 +1,12 @@
 """A small study on a real SLURM: the same results as on this machine, and a failed job is named."""
 
 import importlib.util
+import shutil
 import subprocess
 
 import pytest
 from cluster import cluster, missing
-from project import TINY, copy_project, numbers, snakemake
+from project import ROOT, TINY, copy_project, numbers, snakemake
 
 REASON = missing()
 if not REASON and importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
@@ -45,6 +46,8 @@ def test_cluster_gives_the_same_results(slurm, tmp_path):
 
 def test_failed_job_is_named_with_its_log(slurm, tmp_path):
     folder = copy_project(tmp_path / "project")
+    (folder / "src").unlink()  # a link to the library, which keeps its module
+    shutil.copytree(ROOT / "src", folder / "src")
     module = folder / "src/asperity/study/stages/statistics.py"
     text = module.read_text()
     module.write_text(text + "\n\ndef surface_statistics(*_, **settings):\n    raise ValueError('none')\n")
