@@ -205,11 +205,12 @@ def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys):
     assert "contact area fraction" in capsys.readouterr().out
     assert dataset.read(tmp_path / "steel/contact.nc").attrs["unit_system"] == "SI"
     # The example has two bodies, whose stress is in two files.
-    lines = re.findall(r"^    (asperity (?:view|export) .*)$", OWN_MAP, re.MULTILINE)
-    assert len(lines) == 4
+    shown = f"{OWN_MAP}\n{PAGES['export.md']}"
+    lines = re.findall(r"^    (asperity (?:view|export) .*)$", shown, re.MULTILINE)
+    assert len(lines) == 5
     for line in lines:
         assert main(shlex.split(line.replace("stress.nc", "stress_lower.nc"))[1:]) == 0
-    written = {"surface.csv", "line.csv", "all.csv", "field.vti"}
+    written = {"surface.csv", "line.csv", "peaks.csv", "field.vti"}
     assert written <= {path.name for path in tmp_path.iterdir()}
 
 

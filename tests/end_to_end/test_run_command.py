@@ -269,7 +269,8 @@ def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):
     command = ["run", *files, *COMMAND, "--out", str(tmp_path / "both")]
     assert main(command) == 0
     _, _, compared = capsys.readouterr().out.rpartition("report.html\n\n")
-    compared = compared.splitlines()
+    *compared, _, report = compared.splitlines()
+    assert report.endswith("comparison.html")
     assert " against " in " ".join(compared[:2])
     assert any("difference" in line for line in compared)
     assert max(map(len, compared)) <= 100

@@ -11,7 +11,7 @@ import numpy as np
 from asperity.contact import Contact
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
-from asperity.core.units import shown_si
+from asperity.core.units import shown_si, to_si
 from asperity.engineering.answer_data import at_the_top
 from asperity.engineering.numbers import EXTREMES, LIMITS, limit_of
 from asperity.engineering.question import RESOLUTION_CHANGE, Stages
@@ -168,8 +168,9 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
     if math.isinf(stages.contact.hardness) and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
     for each in (each for each in surfaces if math.isinf(stages.contact.hardness)):
-        known = {found.name: found.constants for found in each.materials}.get(each.material or "", {})
-        if "hardness" in known and numbers.maximum_pressure > (limit := known["hardness"].value):
+        known = each.materials[0].constants if each.material else {}
+        limit = to_si(known["hardness"].value, "pressure") if "hardness" in known else math.inf
+        if numbers.maximum_pressure > limit:
             size = numbers.maximum_pressure / limit - 1
             yield True, "beyond_material", {"material": each.material, "limit": limit, "size": size}
     if (elastic := compared.elastic) is not None:

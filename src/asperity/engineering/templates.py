@@ -30,7 +30,7 @@ WORDS = {
     "body.young": "e modulus",
     "film.lambda_ratio": "film_thickness lambda",
     "map.s_filter": "filter",
-    "leak.pressure_difference": "leak leakage seal",
+    "leak.pressure_difference": "leak leakage",
     "leak.viscosity": "fluid",
     "map.detrend": "level",
     "cycles.fatigue_scatter": "life",

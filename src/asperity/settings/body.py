@@ -342,7 +342,7 @@ class Body(OfMaterial):
 
 def _in_words(part: OfMaterial) -> str:
     """Material and elastic constants."""
-    state = material(part.material).state if part.material else ""
+    state = part.materials[0].state if part.material else ""
     name = f"{part.material}{', annealed' * state.startswith('annealed')}: " if part.material else ""
     return f"{name}E = {shown_si(part.young, 'Pa')}, ν = {part.poisson:g}"
 

@@ -332,7 +332,7 @@ def test_solid_of_the_library_is_a_body():
         ("--run-in", "running_in.loads"),
         ("--fatigue", "body.fatigue_torsion"),
         ("--coating", "body.layers.0.thickness"),
-        ("leak", "leak.direction"),
+        ("leak", "leak.pressure_difference"),
         ("--hertz-pressure", "load.hertz_pressure"),
     ],
 )
