@@ -272,7 +272,7 @@ def test_questions_are_answered_in_a_sentence():
     answer = asp.run(HEIGHT, RUBBER, mean_pressure="1 MPa", **given)
     first, growth, *_ = answer.verdict
     assert first.startswith("Sealed along x: the contact closes the gap; a mean pressure of ")
-    assert first.endswith(" seals it only if it exceeds the pressure of the fluid, 500 kPa, as well.")
+    assert first.endswith(" closes the gap, and more than that of the fluid, 500 kPa, keeps it closed.")
     assert growth.startswith("From 10 kPa to 1 MPa the contact area fraction grows from ")
     assert [each.quantity for each in answer.tiles[:2]] == ["leakage along x", "mean pressure that seals"]
     metal = {"young": "100 GPa", "poisson": 0.3, "resistivity": 2e-8}

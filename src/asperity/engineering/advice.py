@@ -191,7 +191,8 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         )
         pressure = smooth.pressure(y[:, None], x) / (smooth.maximum_pressure * case.load.share)
         size = float(np.abs(pressure - 1).max())
-        values = {"size": size, "ratio": smooth.narrow / max(face.grid.length), "width": 2 * smooth.narrow}
+        along_it = face.grid.length[int(np.argmin(widths))]
+        values = {"size": size, "ratio": smooth.narrow / along_it, "width": 2 * smooth.narrow}
         yield size > NOT_SEPARATE, "scales", values
     wanted, area = case.load.value, numbers.contact_area_fraction
     if case.load.kind == "contact_area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:

@@ -75,7 +75,7 @@ def test_value_at_the_limit_is_that_of_hertz(other):
         assert record.value == pytest.approx(force, rel=0.03)
         assert record.note.endswith("its error is not known")  # with a free boundary
         assert record.unit == "N"
-    assert "meets its limit, 2 GPa, at a force of" in answer.verdict[0]
+    assert "is below its limit, 2 GPa, for a force below" in answer.verdict[0]
 
 
 def sweeps(**given):

@@ -72,7 +72,7 @@ class Cycles(Question):
 
     ASKS = "Does it fatigue, sliding or rolling?"
     TILES = (
-        *("maximum Dang Van stress over limit", "probability of no crack on the track"),
+        *("probability of no crack on the track", "maximum Dang Van stress over limit"),
         *("shakedown factor, at least", "probability of no crack on the map"),
     )
     LEAD = "cycles"
@@ -292,9 +292,9 @@ class Cycles(Question):
                 )
                 yield Advice(True, "fatigue limits", text)
         if any("dang_van" in cycles for cycles in found.values()):
-            film = "" if "film" in case.questions else "of dry faces: there is no lubricant film, "
-            text = f"the fatigue limits are compared with elastic stress cycles {film}no residual stress "
-            yield Advice(False, "fatigue", f"{text}except the one given, and no life is predicted.")
+            film = "" if "film" in case.questions else " of dry faces, without a lubricant film"
+            text = f"the fatigue limits are compared with elastic stress cycles{film}; residual stress "
+            yield Advice(False, "fatigue", f"{text}counts only where it is given, and no life is predicted.")
 
     def _motion(self, case: Scene) -> str:
         """The motion that makes the cycles, in words."""

@@ -179,10 +179,13 @@ class Leak(Question):
             seals, last_open = self._sealing(stages, search)
             records.insert(min(len(records), 1), seals)
             if not seals.words:
-                verdict += f"; a mean pressure of {seals.best_text()} seals it"
+                closes = f"; a mean pressure of {seals.best_text()} seals it"
                 if (fluid := self.pressure_difference or 0.0) > seals.value:
-                    above = shown_si(fluid, "Pa", 3)
-                    verdict += f" only if it exceeds the pressure of the fluid, {above}, as well"
+                    closes = (
+                        f"; a mean pressure of {seals.best_text()} closes the gap, and more than that of "
+                    )
+                    closes += f"the fluid, {shown_si(fluid, 'Pa', 3)}, keeps it closed"
+                verdict += closes
                 datasets |= self._close_up(last_open, "just below the load that seals")
         if 0 < width < LEAST_WIDTH:
             text = f"the narrowest constriction, {shown_si(width, 'm', 3)}, is smaller than molecules"

@@ -397,7 +397,9 @@ def _at_limit(
     cubics, ends = PchipInterpolator(along, excess), along[near].tolist()
     root = float(brentq(lambda at: float(cubics(at)), *ends))
     value = math.exp(root) if is_log else root
-    sentence = f"the {first.quantity} meets its limit, {met}, at a {name} of "
+    safe = "above" if first.better == "more" else "below"
+    side = "above" if (slope > 0) == (safe == "above") else "below"
+    sentence = f"the {first.quantity} is {safe} its limit, {met}, for a {name} {side} "
     note = f"of the {name}, where the {first.quantity} meets {met}"
     if not all(each.errors for each in numbers[near]):
         return Record(AT_LIMIT, value, note=f"{note}; its error is {NOT_KNOWN}"), sentence

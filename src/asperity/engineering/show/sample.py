@@ -92,7 +92,7 @@ def write_sample(sample: SampleData, folder: Path) -> list[Path]:
 
 
 def predicted(sample: SampleData) -> Iterator[str]:
-    """Sentences about maxima and cracks on the area that is asked for, or on the area of all maps."""
+    """Sentences about maxima and cracks on the area that is asked for, or cracks on that of all maps."""
     area, bodies = _area(sample), [*sample.case.bodies.values()]
     alike = bodies[0].is_like(bodies[-1])
     maxima: list[Any] = [] if area is None else [*sample.maximum(area).itertuples()]
@@ -107,7 +107,8 @@ def predicted(sample: SampleData) -> Iterator[str]:
             f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
             f"{row.times:.3g} times the area of the maps."
         )
-    for row in sample.survival(float(sample.areas.sum()) if area is None else area).itertuples():
+    track = getattr(sample.case.questions.get("cycles"), "area", None)
+    for row in sample.survival(area or track or float(sample.areas.sum())).itertuples():
         between = f"95 % between {1 - row.high:.2g} and {1 - row.low:.2g}"
         if not row.low <= row.high:
             between = "no interval of one map"
