@@ -11,16 +11,7 @@ from typing import Any, NamedTuple
 
 from asperity.core.errors import InputError
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import (
-    CHECKSUMS,
-    MAP_FILES,
-    OUT,
-    at,
-    case_of_map,
-    changed_files,
-    leaves,
-    put,
-)
+from asperity.engineering.case_file import CHECKSUMS, OUT, at, case_of_map, changed_files, leaves, put
 from asperity.engineering.templates import yaml_line
 from asperity.settings.model import (
     Entry,
@@ -236,7 +227,7 @@ def has_several(values: Mapping[str, str]) -> bool:
 
 def contents_of(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The groups of the case of each of its maps."""
-    files = at(content, MAP_FILES[0])
+    files = at(content, ("map", "file"))
     return [case_of_map(content, number) for number in range(len(files) if isinstance(files, list) else 1)]
 
 
@@ -271,7 +262,7 @@ def values_of(content: Mapping[str, Any]) -> dict[str, str]:
     values["choose.load"] = (
         "hertz" if {"radius_x", "hertz_pressure"} & load.keys() else (kinds or ["mean_pressure"])[0]
     )
-    if isinstance(at(content, MAP_FILES[0]), list):
+    if isinstance(at(content, ("map", "file")), list):
         values["choose.maps"] = "pooled" if "sample" in content else "compared"
     if counter:
         elastic = "elastic" if counter.keys() - {"map"} else "rigid"

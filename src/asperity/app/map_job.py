@@ -113,12 +113,9 @@ class MapJob:
                 self._drawn = first.rough
             wavenumber, power = spectrum(face.height, face.grid.length)
             found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
-            doubts, faces = list(first.rough.doubts), {job.name: job.rough.face for job in jobs if job.rough}
-            if arrangement.pooled and (
-                doubt := doubt_of_one_surface(
-                    {name: float(each.height.std()) for name, each in faces.items()}
-                )
-            ):
+            doubts = list(first.rough.doubts)
+            heights = {job.name: float(job.rough.face.height.std()) for job in jobs if job.rough}
+            if arrangement.pooled and (doubt := doubt_of_one_surface(heights)):
                 doubts.append(f"file: {doubt}")
             found |= {"doubts": doubts, "done": face.done, "map_length": face.grid.length}
         with suppress(InputError, ValueError, OSError):  # reported above

@@ -133,6 +133,7 @@ function enable() {  // while it computes the button keeps the focus
 
 document.addEventListener("input", (event) => {
   const input = event.target, key = input.dataset.key;
+  if (input.tagName === "TEXTAREA") input.rows = input.value.split("\n").length;
   if (input.id === "depth") {
     input.dataset.moving = "yes";
     act("depth", input.value);

@@ -31,7 +31,6 @@ from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.elasticity.solid import SMALLEST_IN_PASCAL
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Work
-from asperity.results.variables import SI_UNITS
 from asperity.stress.peaks.finder import (
     PeakFinder,
     Peaks,
@@ -384,7 +383,7 @@ class _Analysis:
                 "friction": stream.friction,
                 "sliding_direction": stream.sliding_direction,
                 "fft_engine": current_engine().description,
-                **({"unit_system": SI_UNITS} if solid.layer.effective_modulus >= SMALLEST_IN_PASCAL else {}),
+                **({"unit_system": "SI"} if solid.layer.effective_modulus >= SMALLEST_IN_PASCAL else {}),
                 **({"plastic_contact": PLASTIC_CONTACT} if solid.is_plastic else {}),
             },
         )
