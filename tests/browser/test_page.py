@@ -381,6 +381,8 @@ def test_everything_by_the_keyboard_alone(page, app):
     page.keys(Keys.ENTER)
     page.until(f"document.querySelectorAll('[data-do=show] option').length > {known}", seconds=200)
     page.until(f"{TITLE}.includes('at depth')")
+    page.until("document.activeElement.id === 'answer'")
+    assert abs(page.run("return document.getElementById('answer').getBoundingClientRect().top")) < 200
     page.tab_to("#depth")
     title = page.run(f"return {TITLE}")
     page.keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
@@ -436,6 +438,8 @@ def test_a_sample_is_shown_before_its_maps(example, app):
     example.type("map.file", "\n".join([str(MAP), str(MAP)]))
     example.until("document.getElementById('ready').textContent.includes('different names')")
     example.type("map.file", "\n".join(str(MAPS / f"ground_{number}.x3p") for number in (1, 2, 3)))
+    example.until("document.getElementById('ready').textContent.includes('positions of one surface')")
+    example.click("[data-key='choose.maps'][value='pooled']")
     example.until("document.getElementById('command').textContent.includes('--pooled')")
     example.start()
     example.until(f"document.querySelectorAll('[data-do=show] option').length > {known}", seconds=200)
@@ -462,6 +466,46 @@ def test_a_sample_is_shown_before_its_maps(example, app):
     assert pressure == pytest.approx(1e-9 * sample.answers["ground_3"].contact.pressure.max(), rel=1e-5)
     example.picture("app_sample", 1280, "#answer-step", for_docs=False)
     example.picture("app_phone_sample", 390, "#answer-step", for_docs=False)
+    example.type("map.file", str(MAP))
+
+
+def test_different_surfaces_are_compared(example, tmp_path):
+    """Each has its answer; the second is shown beside the first, with numbers and differences of both."""
+    rough = asp.read_map(MAP)
+    np.save(tmp_path / "rough.npy", 3 * rough.height[:24, :24])
+    np.save(tmp_path / "smooth.npy", rough.height[:24, :24])
+    known = example.answers()
+    example.type("map.unit", "m")
+    example.type("map.physical_size", "37.5 um, 37.5 um")
+    example.click("[data-key='choose.maps'][value='pooled']")
+    example.type("map.file", "\n".join(str(tmp_path / f"{name}.npy") for name in ("rough", "smooth")))
+    example.until("document.getElementById('doubt-map.file').textContent.includes('Sq')")
+    example.click("[data-key='choose.maps'][value='compared']")
+    example.until("!document.getElementById('command').textContent.includes('--pooled')")
+    example.until("!document.getElementById('doubt-map.file').textContent")
+    example.start()
+    example.until("document.querySelector('article.both')", seconds=200)
+    assert example.answers() == known + 2
+    rows = example.run(
+        "return [...document.querySelectorAll('.both tr')]"
+        ".map((row) => [...row.cells].map((each) => each.textContent))"
+    )
+    first, second = (int(name.partition(":")[0]) for name in rows[0][1:3])
+    chosen = "[...document.querySelectorAll('[data-do={}] option')].find((each) => each.selected).text"
+    for number, name in ((first, "show"), (second, "beside")):
+        assert example.run(f"return {chosen.format(name)}").startswith(f"{number}: ")
+    assert first < second
+    assert all("MPa" in name for name in rows[0][1:3])
+    (heights,) = [row[1:] for row in rows if row[0] == "Sq"]
+    assert float(heights[0].split()[0]) == pytest.approx(3 * float(heights[1].split()[0]), rel=0.01)
+    assert heights[2].startswith("-")
+    assert all(row[3] for row in rows)
+    assert not example.text("stale")
+    example.run("act('show', arguments[0])", str(second - 1))  # the one that is beside
+    example.until("!document.querySelector('article.both')")
+    assert example.run("return document.querySelectorAll('article.answer').length") == 1
+    example.type("map.unit", "")
+    example.type("map.physical_size", "")
     example.type("map.file", str(MAP))
 
 

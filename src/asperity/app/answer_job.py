@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from asperity.app.map_job import Ends, along, contents_of, picture
+from asperity.app.form import contents_of
+from asperity.app.map_job import Ends, along, picture
 from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.engineering.answer import Answer, Sample, opened
@@ -107,7 +108,7 @@ class AnswerJob:
         found = compared(dict(zip(names, (self._whole, opened(folder)), strict=True)))
         first, second = (found.records[name] for name in names)
         differences = [found.difference(key, *names) for key in first if key in second]
-        return {"verdict": found.verdict, "differences": differences}
+        return {"names": list(names), "verdict": found.verdict, "differences": differences}
 
     def _look_at(self, name: str) -> None:
         """Forget the planes of the answer of another map."""

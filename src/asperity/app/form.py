@@ -42,6 +42,36 @@ COUNTER_BODIES = {
 }
 """Kind of the counter body → its words."""
 
+MAPS = {
+    "pooled": "positions of one surface, pooled to one answer",
+    "compared": "different surfaces, an answer of each beside the other",
+}
+"""What several maps are → the words for it."""
+
+LABELS = {
+    "young": "Young's modulus",
+    "poisson": "Poisson's ratio",
+    "fatigue_torsion": "fatigue limit in torsion",
+    "fatigue_bending": "fatigue limit in bending",
+    "shear": "shear strength",
+    "tension": "tensile strength",
+    "energy": "fracture energy",
+    "toughness": "fracture toughness",
+    "work": "work of adhesion",
+    "range": "range of adhesion",
+    "at": "position in the contact",
+    "fields": "stresses to be shown",
+    "detrend": "form removal",
+    "undefined": "non-measured points",
+    "missing": "number of a non-measured point",
+    "seal": "load that seals",
+    "lambda_ratio": "film thickness ratio Λ",
+}
+"""Setting → its label, where that is not its name."""
+
+LONGEST_PROPOSED = 24
+"""Characters of a proposed value that a field can show; a longer one stands below the field."""
+
 QUESTIONS = {name: kind.ASKS for name, kind in Case.kinds().items() if kind.ASKS}
 """Group of a question → how the page asks it."""
 
@@ -58,6 +88,7 @@ SWITCHES = {f"use.{name}": name for name in (*QUESTIONS, "sliding", "sample")} |
 CHOICES: dict[str, tuple[str, ...]] = {
     "choose.load": tuple(LOADS),
     "choose.counter_body": tuple(COUNTER_BODIES),
+    "choose.maps": tuple(MAPS),
 }
 """Key of a choice of the page → its values; the first holds at the start."""
 
@@ -108,13 +139,18 @@ def inputs(group: str) -> Iterator[Input]:
             proposed = f"such as {_text(key, entry['example'])}"
         yield Input(
             key,
-            name.replace("_", " "),
+            label_of(name),
             entry["description"].replace("`", ""),
             accepted(entry).replace("`", ""),
             _text(key, proposed),
             options,
             first is None or name in first,
         )
+
+
+def label_of(name: str) -> str:
+    """Label of a setting or a group in words of the field."""
+    return LABELS.get(name, name.replace("_", " "))
 
 
 def _group_of(key: str) -> str:
@@ -138,6 +174,8 @@ def is_used(key: str, values: Mapping[str, str]) -> bool:
         return False
     if key.startswith("load."):
         return key.removeprefix("load.") in LOADS[chosen("choose.load", values)]
+    if key.startswith("sample.") and has_several(values):
+        return chosen("choose.maps", values) == "pooled"
     if key.startswith("counter_body."):
         kind = chosen("choose.counter_body", values)
         return ("map" if key.startswith("counter_body.map.") else "elastic") in kind
@@ -177,9 +215,20 @@ def content_of(values: Mapping[str, str]) -> dict[str, Any]:
         elif key.endswith(".file") and "\n" in text:
             value = text.splitlines()
         put(content, key.split("."), value)
-    if isinstance(at(content, ("map", "file")), list):
+    if has_several(values) and chosen("choose.maps", values) == "pooled":
         content.setdefault("sample", {})
     return content
+
+
+def has_several(values: Mapping[str, str]) -> bool:
+    """True for several maps of the body."""
+    return "\n" in values.get("map.file", "").strip()
+
+
+def contents_of(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The groups of the case of each of its maps."""
+    files = at(content, ("map", "file"))
+    return [case_of_map(content, number) for number in range(len(files) if isinstance(files, list) else 1)]
 
 
 def values_of(content: Mapping[str, Any]) -> dict[str, str]:
@@ -213,6 +262,8 @@ def values_of(content: Mapping[str, Any]) -> dict[str, str]:
     values["choose.load"] = (
         "hertz" if {"radius_x", "hertz_pressure"} & load.keys() else (kinds or ["mean_pressure"])[0]
     )
+    if isinstance(at(content, ("map", "file")), list):
+        values["choose.maps"] = "pooled" if "sample" in content else "compared"
     if counter:
         elastic = "elastic" if counter.keys() - {"map"} else "rigid"
         values["choose.counter_body"] = f"{elastic} map" if "map" in counter else "elastic"

@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from asperity.app.form import contents_of
 from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import MAP_FILES, at, case_of_map
+from asperity.engineering.case_file import MAP_FILES, at
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.jobs import SMALL, Job, arranged
+from asperity.engineering.sample import doubt_of_one_surface
 from asperity.engineering.stages import work_of
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
@@ -71,12 +73,6 @@ def along(shown: Mapping[str, Any], ends: Ends) -> tuple[Array, Array]:
     return np.hypot(x - x[0], y - y[0]), values
 
 
-def contents_of(content: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The groups of the case of each of its maps."""
-    files = at(content, MAP_FILES[0])
-    return [case_of_map(content, number) for number in range(len(files) if isinstance(files, list) else 1)]
-
-
 class MapJob:
     """Checks a case as ``asperity run --check`` does, and describes its map as ``asperity info`` does."""
 
@@ -117,7 +113,11 @@ class MapJob:
                 self._drawn = first.rough
             wavenumber, power = spectrum(face.height, face.grid.length)
             found["spectrum"] = 2 * np.pi / wavenumber[power > 0], power[power > 0]
-            found |= {"doubts": first.rough.doubts, "done": face.done, "map_length": face.grid.length}
+            doubts = list(first.rough.doubts)
+            heights = {job.name: float(job.rough.face.height.std()) for job in jobs if job.rough}
+            if arrangement.pooled and (doubt := doubt_of_one_surface(heights)):
+                doubts.append(f"file: {doubt}")
+            found |= {"doubts": doubts, "done": face.done, "map_length": face.grid.length}
         with suppress(InputError, ValueError, OSError):  # reported above
             options = Map.read(first.content["map"])
             found["info"] = self._description(options)

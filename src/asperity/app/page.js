@@ -5,7 +5,7 @@ const limit = Number(document.currentScript.dataset.limit);
 const byId = (id) => document.getElementById(id);
 const inputs = () => document.querySelectorAll("[data-key]");
 const values = {};
-let socket, waiting = {}, timer, wasOpen = false;
+let socket, waiting = {}, timer, wasOpen = false, isAwaited = false;
 
 function connect() {
   socket = new WebSocket(`${location.protocol.replace("http", "ws")}//${location.host}${root}events`);
@@ -94,6 +94,7 @@ function show(found) {
     }
     document.body.classList.toggle("has-map", found.has_map);
     document.body.dataset.ready = found.ready;
+    byId("several").hidden = !found.several;
     enable();
   }
   if (found.progress) {
@@ -104,8 +105,14 @@ function show(found) {
     byId("stop").hidden = byId("progress").hidden = !running;
     byId("progress").value = done || 0;
     byId("progress-text").textContent = text || "";
+    const ended = document.body.dataset.running === "true" && !running;
     document.body.dataset.running = running;
     enable();
+    if (ended && isAwaited && !text) {
+      byId("answer").focus();
+      byId("answer").scrollIntoView();
+    }
+    isAwaited &&= !ended;
   }
   if (found.plane) {
     document.body.classList.toggle("has-answer", "last" in found.plane);
@@ -126,6 +133,7 @@ function enable() {  // while it computes the button keeps the focus
 
 document.addEventListener("input", (event) => {
   const input = event.target, key = input.dataset.key;
+  if (input.tagName === "TEXTAREA") input.rows = input.value.split("\n").length;
   if (input.id === "depth") {
     input.dataset.moving = "yes";
     act("depth", input.value);
@@ -142,6 +150,7 @@ document.addEventListener("click", (event) => {
   const button = event.target.closest("button");
   if (!button) return;
   if (button.dataset.do) act(button.dataset.do, button.value);
+  if (button.id === "start") isAwaited = true;
   if (button.dataset.copy) copy(byId(button.dataset.copy), button);
   if (button.id === "open") byId("path-dialog").showModal();
 });

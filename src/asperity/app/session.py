@@ -45,6 +45,7 @@ NEEDED = {
     "body": "the material of the body, or its Young's modulus and Poisson's ratio",
     "load": "the load",
     "choose.counter_body": "the kind of the counter body: a rigid one makes the contact smaller",
+    "choose.maps": "whether the maps are positions of one surface, or surfaces to be compared",
 }
 """Key that is missing → what is needed, in words."""
 
@@ -72,6 +73,8 @@ class Slot:
         As of `AnswerJob.open`.
     drawn : dict
         As of `AnswerJob.map`, for the map that is looked at.
+    first : Slot or None
+        The answer beside which it is shown when it is computed.
     """
 
     label: str
@@ -87,6 +90,7 @@ class Slot:
     plane: dict[str, Any] | None = None
     section: dict[str, Any] | None = None
     message: str = ""
+    first: Slot | None = None
 
 
 class Tab:
@@ -144,6 +148,7 @@ class Session:
         self._profile: Any = None
         self._lines: dict[str, Ends] = {}
         self._number, self._starts = 0, False
+        self._left: list[dict[str, Any]] = []
         self._map = self._listen(reader, self._of_map)
 
     def _listen(self, worker: Worker, handler: Callable[..., None]) -> Worker:
@@ -175,7 +180,8 @@ class Session:
             values, socket = {"load.force": "", "load.mean_pressure": ""} | dict(values), None
         if (file := values.get("map.file", "").strip()).endswith(".zip"):
             try:
-                values, socket = dict(values) | {"map.file": "\n".join(maps_in(file))}, None
+                maps = {"map.file": "\n".join(maps_in(file)), "choose.maps": "pooled"}
+                values, socket = dict(values) | maps, None
             except InputError as error:
                 self._say(str(error))
         self.values |= values
@@ -213,7 +219,13 @@ class Session:
         if self._starts or self._running() or self._problems():
             return
         content = form.content_of(self.values)
-        slot = self._add(Slot("", None, "running", content))
+        self._left = [content] if "sample" in content else form.contents_of(content)
+        self._run_next(None)
+
+    def _run_next(self, first: Slot | None) -> None:
+        """Compute the next of the cases of one start, whose answers are shown beside the first of them."""
+        content = self._left.pop(0)
+        slot = self._add(Slot("", None, "running", content, first=first))
         slot.worker.send("run", content=content, out=str(self.folder), memory=self.memory)
 
     def do_stop(self, _: str) -> None:
@@ -224,16 +236,17 @@ class Session:
     def do_show(self, number: str) -> None:
         """Show an answer, with the plane of its largest peak and the section through it."""
         if (slot := self._chosen(number)) is not None:
-            self.shown[0] = slot
-            self._look_at_largest(slot)
+            self.shown = [slot, None if self.shown[1] is slot else self.shown[1]]
             self._compare()
+            self._look_at_largest(slot)
 
     def do_beside(self, number: str) -> None:
         """Show an answer beside the other, and their differences; none for an empty number."""
-        self.shown[1] = self._chosen(number)
+        slot = self._chosen(number)
+        self.shown[1] = None if slot is self.shown[0] else slot
+        self._compare()
         self._ask(True)
         self._draw("contact", "planes")
-        self._compare()
 
     def do_view(self, value: str) -> None:
         """Show another field, body, or picture of the contact, or other units: ``name=value``."""
@@ -335,15 +348,20 @@ class Session:
             slot.done, slot.stage = found
         elif name in ("run", "open"):
             slot.state, slot.summary, slot.drawn, slot.label = "shown", found, found["drawn"], found["label"]
-            self.do_show(str(self.slots.index(slot)))
+            self.do_show(str(self.slots.index(slot.first or slot)))
+            if slot.first is not None:
+                self.do_beside(str(self.slots.index(slot)))
+            if name == "run" and self._left:
+                self._run_next(slot.first or slot)
         elif name == "map":
             slot.drawn = found
             if slot is self.shown[0]:
                 self._look_at_largest(slot)
             self._ask(True)
         elif name == "compare":
-            self.compared = found if all(self.shown) else {}
-            self._tell_answer()
+            if found["names"] == self._names():  # else of answers that were shown before
+                self.compared = found
+                self._tell_answer()
         elif name in ("plane", "section"):
             setattr(slot, name, found)
             self._draw("planes")
@@ -356,7 +374,7 @@ class Session:
         elif name == "ended" and slot.state != "shown":
             if slot.state == "running" and slot.folder is not None:
                 remove_made(slot.folder)
-            slot.state = "ended"
+            slot.state, self._left = "ended", []
             killed = f"The computation (exit code {found}) {KILLED}"
             slot.message = slot.message or ("Stopped." if slot.worker.stopped else killed)
         elif name == "ended" and not slot.worker.stopped:
@@ -435,7 +453,8 @@ class Session:
 
     def _problems(self) -> list[tuple[str, str]]:
         """Keys and texts of everything that is missing or wrong."""
-        asked = [] if self.values.get("choose.counter_body") else [("choose.counter_body", ": missing")]
+        needed = ["choose.counter_body", *(["choose.maps"] if form.has_several(self.values) else [])]
+        asked = [(key, ": missing") for key in needed if not self.values.get(key)]
         return [*self.check["problems"], *asked]
 
     def _state_of_form(self) -> dict[str, Any]:
@@ -456,13 +475,15 @@ class Session:
             "constants": self.check.get("constants", {}),
             "ready": not listed,
             "has_map": bool(self.values.get("map.file")),
+            "several": form.has_several(self.values),
         }
 
     @property
     def outdated(self) -> list[str]:
         """Numbers of the answers that are shown whose inputs have changed since."""
         content, shown = form.content_of(self.values), filter(None, self.shown)
-        changed = [slot for slot in shown if slot.content is not None and slot.content != content]
+        same = (None, content, *form.contents_of(content))
+        changed = [slot for slot in shown if slot.content not in same]
         return [str(self.slots.index(slot) + 1) for slot in changed]
 
     def _repeat(self) -> str:
@@ -504,9 +525,12 @@ class Session:
         """Ask for the differences of the two answers that are shown."""
         first, second = self.shown
         self.compared = {}
-        if first is not None and second is not None and first is not second:
-            names = [f"{self.slots.index(slot) + 1}: {slot.label}" for slot in (first, second)]
-            first.worker.send("compare", names=names, folder=str(second.folder))
+        if first is not None and second is not None:
+            first.worker.send("compare", names=self._names(), folder=str(second.folder))
+
+    def _names(self) -> list[str]:
+        """Numbers and labels of the answers that are shown."""
+        return [f"{self.slots.index(slot) + 1}: {slot.label}" for slot in filter(None, self.shown)]
 
     def _look_at(self, slot: Slot, number: int) -> None:
         """Show the plane of a peak, and the section through it along x; without peaks the surface."""
@@ -623,7 +647,7 @@ def _words(text: str) -> str:
 
     def words(found: re.Match[str]) -> str:
         is_key = known.issuperset(found[0].split("."))  # and no name of a file
-        return found[0].replace(".", ", ").replace("_", " ") if is_key else found[0]
+        return ", ".join(map(form.label_of, found[0].split("."))) if is_key else found[0]
 
     return re.sub(r"\b[a-z]+(?:[._][a-z]+)+\b", words, text.replace("layers.0", "layer"))
 

@@ -40,7 +40,7 @@ from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, did_you_mean, shown
 from asperity.core.parallel import in_strips, map_parts
 from asperity.core.types import Array, ArrayLike, DTypeLike, Progress
-from asperity.elasticity.solid import Solid
+from asperity.elasticity.solid import SMALLEST_IN_PASCAL, Solid
 from asperity.elasticity.two_bodies import Solids, TwoBodies
 from asperity.fourier.grid import Boundary, Edges, Grid, real_type, with_mirror_images
 
@@ -55,9 +55,6 @@ FULL_CONTACT = (
 # Random surfaces of 3 × 200, 64² and 200 × 3 nodes in contact on 1 to 50 % are solved up to this ratio, in at
 # most 10,000 iterations; with a ratio of 1000 some are not.
 MAX_SPACING_RATIO = 300.0
-
-SMALLEST_IN_PASCAL = 1e3
-"""Effective modulus from which a solid is in SI units; gels have 1 kPa."""
 
 _LEAST_LOAD, _LARGEST_LOAD = 1e-150, 1e150
 _LOAD = (

@@ -75,6 +75,9 @@ LATERALS = ("confined", "free")
 
 _KINDS = {"bonded": BONDED, "frictionless": FRICTIONLESS, "free": FREE}
 
+SMALLEST_IN_PASCAL = 1e3
+"""Effective modulus from which a solid is in SI units; gels have 1 kPa."""
+
 MANY = 8192
 """Number of wavenumbers from which kernels are interpolated between some of them, to rounding."""
 

@@ -44,6 +44,9 @@ SAME = 1e-6
 OTHER_UNIT = 100
 """Ratio of rms heights from which two maps have heights in different units, as nm and µm."""
 
+OTHER_SURFACE = 1.3
+"""Ratio of rms heights from which maps may be of different surfaces: those of a ground one differ by 13 %."""
+
 VOLUME, FRACTION_ABOVE = "volume above yield per area", "volume fraction above yield"
 DEEPEST = "maximum depth above yield"
 
@@ -219,6 +222,15 @@ def check_alike(faces: Mapping[str, TreatedMap]) -> None:
             raise ValueError(f"pooled: {name} has Sq = {own}, {first} has {other}; the same unit is needed")
 
 
+def doubt_of_one_surface(heights: Mapping[str, float]) -> str:
+    """A sentence about the rms heights of maps that are to be pooled; empty if they are alike."""
+    low, high = (choose(heights, key=heights.__getitem__) for choose in (min, max))
+    if heights[high] <= OTHER_SURFACE * heights[low]:
+        return ""
+    values = (f"{shown_si(heights[name], 'm', 3)} on {name}" for name in (low, high))
+    return f"Sq is {' and '.join(values)}: pool positions of one surface, and compare different surfaces"
+
+
 def warnings_by_kind(answers: Mapping[str, AnswerData]) -> list[Advice]:
     """Warnings of several maps, one of each subject: number of maps, and the text of the first."""
     kinds: dict[str, dict[str, str]] = {}
@@ -327,7 +339,9 @@ class SampleData:
     @property
     def warnings(self) -> list[Advice]:
         """Warnings of the maps, one of each subject."""
-        return warnings_by_kind(self.answers)
+        doubt = doubt_of_one_surface({name: each["Sq"].value for name, each in self.answers.items()})
+        found = [Advice(True, "different surfaces", doubt)] if doubt else []
+        return [*found, *warnings_by_kind(self.answers)]
 
     def frame(self) -> pd.DataFrame:
         """All means, and the value of each map; the columns are described in ``docs/tables.md``."""

@@ -28,6 +28,7 @@ from asperity.core.arguments import choices, own_errors, require_finite
 from asperity.core.parallel import KeptArrays
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
+from asperity.elasticity.solid import SMALLEST_IN_PASCAL
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Work
 from asperity.stress.peaks.finder import (
@@ -382,6 +383,7 @@ class _Analysis:
                 "friction": stream.friction,
                 "sliding_direction": stream.sliding_direction,
                 "fft_engine": current_engine().description,
+                **({"unit_system": "SI"} if solid.layer.effective_modulus >= SMALLEST_IN_PASCAL else {}),
                 **({"plastic_contact": PLASTIC_CONTACT} if solid.is_plastic else {}),
             },
         )

@@ -184,6 +184,9 @@ def _largest(stress: Stress, progress: Progress | None) -> tuple[float, tuple[in
 MAX_SHAPE = 0.25
 """Largest depth of a section over its length, where no depth is given."""
 
+FLATTEST_SECTION = 0.25
+"""Height over width of the picture of a section; depths of flatter ones are stretched."""
+
 MIN_SHAPE = 0.12
 """Smallest depth of a section over its length, where no depth is given."""
 
@@ -283,10 +286,11 @@ def draw_sections(
         float(np.ptp(section["depth"].values) / np.ptp(nodes))
         for section, nodes in zip(sections, positions, strict=True)
     ]
-    scale = Scale(look, limits, unit, length)
-    with canvas(shapes, axes, columns=1, bar="bottom") as (figure, panels, bar):
+    scale, stretch = Scale(look, limits, unit, length), max(1.0, FLATTEST_SECTION / max(shapes))
+    tall = [stretch * shape for shape in shapes]
+    with canvas(tall, axes, columns=1, bar="bottom") as (figure, panels, bar):
         for axis, section in zip(panels, sections, strict=True):
-            _draw(axis, section, scale)
+            _draw(axis, section, scale, stretch)
         add_colour_bar(figure, panels, scale, "bottom", bar)
     return figure
 
@@ -351,7 +355,7 @@ def until_faded(sections: Sequence[xr.DataArray], faded: float) -> list[xr.DataA
     return [section.isel(depth=slice(end)) for section, end in zip(sections, ends, strict=True)]
 
 
-def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
+def _draw(axis: Axes, section: xr.DataArray, scale: Scale, stretch: float) -> None:
     along, length, unit = str(section.dims[1]), scale.length, scale.unit
     starts = np.arange(0, section.sizes[along], -(-section.sizes[along] // MAX_POINTS))
     block = int(starts[1]) if starts.size > 1 else 1
@@ -385,6 +389,7 @@ def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
         ylim=(depth[-1], 0),
         xlabel=length.label(along),
         ylabel=length.label("depth"),
-        aspect="equal",
+        aspect=stretch,
     )
-    finish_title(axis, str(section.name), scale.limits.beyond(section.values, unit))
+    stretched = f"depth drawn {stretch:.2g} times as large" if stretch > 1 else ""
+    finish_title(axis, str(section.name), stretched, scale.limits.beyond(section.values, unit))

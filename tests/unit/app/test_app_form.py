@@ -72,8 +72,11 @@ def test_a_group_of_a_case_file_that_is_none_is_named():
 @pytest.mark.parametrize(
     ("message", "shown"),
     [
-        ("body.layers.0.young: missing", "body, layer, young: missing"),
-        ("partial_slip: needs sliding.friction, above 0", "partial slip: needs sliding, friction, above 0"),
+        ("body.layers.0.young: missing", "body, layer, Young's modulus: missing"),
+        (
+            "partial_slip: needs sliding.friction, above 0",
+            "partial slip: needs sliding, friction, above 0",
+        ),
         ("map.file = my_map.x3p: no such file", "map, file = my_map.x3p: no such file"),
     ],
 )

@@ -63,6 +63,10 @@ def test_single_maps_say_that_positions_are_not_known():
     assert "The cases differ in body.hardness: " in found.verdict
     assert "p = " not in found.text()
     assert found.frame()["chance_hard"].isna().all()
+    numbers = pd.concat(found._numbers().values())
+    both = numbers[(numbers["soft"] != "") & (numbers["hard"] != "")]
+    assert (both["difference"] != "").all()  # where an error is not known, too
+    assert found.text().count("± not known") == 1
     mixed = compared({"several": sample_of(1, 2, 3), "one": answer_of(4)})
     assert "one is one map: differences between positions are not known" in mixed.verdict
 

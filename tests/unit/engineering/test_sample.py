@@ -10,7 +10,7 @@ from samples import refuses
 import asperity as asp
 from asperity import Body, run
 from asperity.engineering.records import DISCRETISATION, POSITIONS, Bounds, Record
-from asperity.engineering.sample import mean_of_maps
+from asperity.engineering.sample import doubt_of_one_surface, mean_of_maps
 from asperity.stress.statistics.largest import largest_on
 
 EDGE = 64e-6
@@ -132,6 +132,12 @@ def test_verdict_of_a_sample_comes_first(answers, tmp_path):
     assert list(json.loads((tmp_path / "sample.json").read_text())["maps"]) == [*sample.names]
     single = asp.pool(answers[:1])
     assert single.verdict[0].endswith("on 1 map; differences between positions are not known.")
+
+
+def test_maps_of_other_heights_are_doubted():
+    assert not doubt_of_one_surface({"a": 1e-7, "b": 1.29e-7, "c": 1.1e-7})
+    doubt = doubt_of_one_surface({"a": 1e-7, "b": 1.31e-7, "c": 1.1e-7})
+    assert doubt.startswith("Sq is 100 nm on a and 131 nm on b: ")
 
 
 @pytest.mark.parametrize("draw", ["exponential", "uniform", "rayleigh"])

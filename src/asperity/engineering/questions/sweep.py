@@ -419,7 +419,8 @@ def _drawn(case: Scene, table: pd.DataFrame, keys: list[str], chosen: Record | N
 
     shown = table[table["is_shown"] & np.isfinite(table["value"].astype(float))]
     first = [] if chosen is None else [(chosen.quantity, chosen.body)]
-    names = [*dict.fromkeys([*first, *zip(shown["quantity"], shown["body"], strict=True)])][:PANELS]
+    varying = shown[shown["value"] != 0]  # of a number that is 0 everywhere there is nothing to draw
+    names = [*dict.fromkeys([*first, *zip(varying["quantity"], varying["body"], strict=True)])][:PANELS]
     per, symbol = Record("", table[keys[0]].max(), _unit(case, keys[0].removeprefix("at_"))).scale()
     several = len(case.different_bodies) > 1
     with canvas([0.8] * len(names), None) as (figure, axes, _):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -56,6 +57,9 @@ OF_FILES = {"file", "channel", "unit", "physical_size", "height_factor", "missin
 }
 """Settings of a map that say how to read its file, in which surfaces may differ."""
 
+INCOMPLETE = re.compile(r" \((± (?:without [^()]*|not known))\)")
+"""What the text of a number says of an error that is not whole."""
+
 SHOWN_KEYS = 4
 """Keys that are named of those in which cases differ."""
 
@@ -86,13 +90,14 @@ class Difference(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The difference with its interval; empty without an interval."""
+        """The difference with its interval, or that this is not known."""
         if abs(self.value) <= SAME * abs(self.first.best):
             return "none"
-        if math.isnan(self.error):
+        if math.isnan(self.value):
             return ""
         factor, symbol = max(self.first, self.second, key=lambda each: abs(each.best)).scale()
-        return f"{with_error(self.value / factor, self.error / factor, signed=True)} {symbol}".strip()
+        text = f"{with_error(self.value / factor, self.error / factor, signed=True)} {symbol}".strip()
+        return f"{text} (± not known)" if math.isnan(self.error) else text
 
 
 def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData | SampleData]) -> Comparison:
@@ -189,8 +194,11 @@ class Comparison:
         found = self.difference(key, best, second)
         counts = {name: len(getattr(self.items[name], "names", [name])) for name in order}
         maps = {name: "1 map" if count == 1 else f"{count} maps" for name, count in counts.items()}
-        first, *others = (f"{self.records[name][key].best_text()} of {name} ({maps[name]})" for name in order)
+        texts = {name: self.records[name][key].best_text() for name in order}
+        first, *others = (f"{INCOMPLETE.sub('', texts[name])} of {name} ({maps[name]})" for name in order)
+        lacks = ", ".join(dict.fromkeys(INCOMPLETE.findall(" ".join(texts.values()))))
         numbers = f"{found.first.quantity} {first}, against {' and '.join(others)}"
+        numbers += f", {lacks}" if lacks else ""
         if found.text == "none":
             return f"{best} and {second} are equal: {numbers}."
         if math.isnan(found.chance):
@@ -256,18 +264,28 @@ class Comparison:
             texts = ["" if each is None else each.best_text() for each in known]
             if len(names) == 2:
                 texts.append(self.difference(key, *names).text if all(known) else "")
-            rows.append([label_of(next(filter(None, known))), *texts])
+            rows.append(
+                [label_of(next(filter(None, known))), *(INCOMPLETE.sub(" *", each) for each in texts)]
+            )
         return pd.DataFrame(rows, columns=["", *names, *(["difference"] if len(names) == 2 else [])])
 
     def text(self) -> str:
         """The verdict and the numbers as lines of at most `WIDEST` characters."""
-        return in_columns(self._numbers(), [fill(self.verdict, WIDEST), ""] if self.verdict else [])
+        lines = [fill(self.verdict, WIDEST), ""] if self.verdict else []
+        return "\n".join([in_columns(self._numbers(), lines), *([self.footnote] if self.footnote else [])])
+
+    @cached_property
+    def footnote(self) -> str:
+        """What the stars in the tables stand for; empty if there are none."""
+        texts = (each.best_text() for records in self.records.values() for each in records.values())
+        lacks = dict.fromkeys(INCOMPLETE.findall(" ".join(texts)))
+        return f"* {' or '.join(lacks)}" if lacks else ""
 
     __str__ = text
 
     def _repr_html_(self) -> str:
         tables = [f"<p>{title}</p>{html_table(rows)}" for title, rows in self._numbers().items()]
-        return f"<p><b>{escape(self.verdict)}</b></p>{''.join(tables)}"
+        return f"<p><b>{escape(self.verdict)}</b></p>{''.join(tables)}<p>{self.footnote}</p>"
 
     def page(self, folder: Path | None = None) -> str:
         """The comparison as a page for a folder, with pictures of its first maps in one scale."""
@@ -283,6 +301,7 @@ class Comparison:
             shown,
             title=" and ".join(self.items),
             heading=" and ".join(self.items),
+            footnote=self.footnote,
             case=cases[next(iter(cases))] if same else "; ".join(f"{n}: {c}" for n, c in cases.items()),
             notes=["Numbers extrapolated to zero pixel size where they can be, ± their whole known error."],
             names=[name for name in self.items if folder and (folder / name / "report.html").is_file()],

@@ -111,7 +111,7 @@ def page_of(
         warnings=warnings_by_kind(answers),
         tables={title: Markup(html_table(rows)) for title, rows in tables.items()},
         pictures=[Drawn(each, png_of(each.figure)) for each in compared_pictures(shown)],
-        **{"tiles": (), "case_file": "", **words},
+        **{"tiles": (), "case_file": "", "footnote": "", **words},
     )
 
 
