@@ -47,7 +47,7 @@ def test_own_figure_is_drawn_from_results(quick_study, tmp_path, monkeypatch):
         r"```python\n(.*?)```", (ROOT / "docs/own_study.md").read_text("utf-8"), re.DOTALL
     ):
         exec(block, {})
-    assert {path.name for path in tmp_path.glob("*.png")} == {"von_mises_peaks.png", "pressure.png"}
+    assert {path.name for path in tmp_path.glob("*.png")} == {"von_mises_peaks.png"}
 
 
 def rules_in(folder):

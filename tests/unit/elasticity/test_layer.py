@@ -190,7 +190,7 @@ def test_sliding_coupling_of_a_bonded_layer_is_that_of_the_page():
     """`docs/stress.md`, over waves from 0.06 to 6000 heights."""
     page = " ".join((ROOT / "docs/stress.md").read_text("utf-8").split())
     numbers = re.search(
-        r"at most ([\d.]+) at ν = ([\d.]+) and ([\d.]+) at ν = ([\d.]+), and above 1 only at ν > ([\d.]+), "
+        r"at most ([\d.]+) at ν = ([\d.]+) and ([\d.]+) at ν = ([\d.]+)\. It exceeds 1 only at ν > ([\d.]+), "
         r"for waves longer than ([\d.]+) heights",
         page,
     )
