@@ -12,6 +12,7 @@ from asperity.fourier.grid import Fourier
 from asperity.stress.analysis import QUANTITIES, analyse_lateral_conditions
 from asperity.stress.planes import stream
 from asperity.stress.planes.planes import depth_grid
+from asperity.stress.statistics import covariance
 from asperity.stress.statistics.covariance import decay_lengths
 
 RATIOS = [0.0, 0.33, 0.5]
@@ -194,12 +195,13 @@ test_wrong_argument_is_refused = refuses(
 )
 
 
+@pytest.mark.parametrize("limit", [(stream, "KEPT_BYTES"), (covariance, "MOST_KEPT")])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5])
-def test_large_planes_are_computed_again(contact, monkeypatch, tolerance):
-    """With one plane in memory at a time: the same peaks, and covariances to the steps of kept planes."""
+def test_planes_are_computed_again(contact, monkeypatch, tolerance, limit):
+    """If none or one are kept: the same peaks, and covariances to the steps of kept planes."""
     settings = COVARIANCES | {"tolerance": tolerance}
     both = asp.analyse_stress(contact, **settings)
-    monkeypatch.setattr(stream, "KEPT_BYTES", 1)
+    monkeypatch.setattr(*limit, 1)
     one = asp.analyse_stress(contact, **settings)
     packed = [name for name in both if name.startswith("covariance")]
     xr.testing.assert_identical(one.drop_vars(packed), both.drop_vars(packed))

@@ -45,7 +45,7 @@ from asperity.stress.planes.fields import (
 )
 from asperity.stress.planes.planes import StressPlane
 
-REFINED_AT_ONCE = 2**14
+REFINED_AT_ONCE = 2**12
 """Peaks that are refined together: about a kilobyte each."""
 
 REACH = 3.001

@@ -63,8 +63,7 @@ class References:
         self._packed = np.empty((0, 1, 1), PACKED[self._real.name])
         self._largest, self._means, self._steps = np.full(fields, -np.inf), np.zeros(fields), np.ones(fields)
         self._rising = np.full(fields, keeps)
-        self._above: list[tuple[Array, Array, Array]] = []
-        self._free: list[Array] = []
+        self._above: list[list[tuple[float, float, Array]]] = [[] for _ in range(fields)]
         self._own: dict[int, tuple[Grid, Array, float, float]] = {}
         self._modes: dict[int, tuple[Grid, Array]] = {}
         self._in_plane: dict[int, Array] = {}
@@ -80,7 +79,7 @@ class References:
             if is_settled:  # each field takes the place of those before it
                 packed = former.reshape(-1)[: len(former) * grid.size].reshape(-1, *grid.shape)
             else:
-                packed = self._empty(grid)
+                packed = np.empty((len(former), *grid.shape), former.dtype)
             fourier = Fourier(grid, self._real, self._threads, self._work)
             numbers = memory.reshape(-1)
             if numbers.size < grid.size + 3 * self._grid.size:
@@ -122,15 +121,13 @@ class References:
         self._end(np.flatnonzero(self._rising & ~has_risen))
         if not risen:
             return
-        if self._rising.any() and len(self._packed):
-            self._above.append((self._steps.copy(), self._means.copy(), self._packed))
-        if len(self._above) > MOST_KEPT:
-            self._rising[:] = False
-            self._above = []
-        if self._above or not len(self._packed):
-            former, self._packed = self._packed, self._empty(self._grid)
-            for m in np.flatnonzero(~has_risen).tolist():
-                self._packed[m] = former[m]
+        if not len(self._packed):
+            self._packed = np.empty((largest.size, *self._grid.shape), self._packed.dtype)
+        for m in np.flatnonzero(self._rising & (number > 0)).tolist():
+            if len(self._above[m]) == MOST_KEPT:
+                self._rising[m], self._above[m] = False, []
+            else:
+                self._above[m].append((self._steps[m], self._means[m], self._packed[m].copy()))
         self._largest[risen] = largest[risen]
         self._fill(self._packed, risen, largest[risen], fields(risen).rows, ROW_MARGIN)
         self.number[risen] = number
@@ -168,23 +165,14 @@ class References:
         sums = np.sum(run_tasks(tasks, self._threads), axis=0)
         self._steps[places], self._means[places] = steps, steps * sums / packed[0].size
 
-    def _empty(self, grid: Grid) -> Array:
-        """An array for the references on a grid, in memory that is used again: new memory is cleared."""
-        size = self.number.size * grid.size
-        fits = self._free and self._free[-1].size >= size
-        numbers = self._free.pop()[:size] if fits else np.empty(size, self._packed.dtype)
-        return numbers.reshape(-1, *grid.shape)
-
     def _end(self, fields: Array) -> None:
         """Compare the kept planes with the references of some fields, which have not risen further."""
         self._rising[fields] = False
         for m in fields.tolist():
-            for above, (steps, means, packed) in enumerate(self._above):
-                product = steps[m] * self._steps[m] * _mean_product(packed[m], self._packed[m])
-                self.covariance[m, above] = product - means[m] * self._means[m]
-        if not self._rising.any():
-            self._free += [packed.reshape(-1) for _, _, packed in self._above]
-            self._above = []
+            for above, (step, mean, packed) in enumerate(self._above[m]):
+                product = step * self._steps[m] * _mean_product(packed, self._packed[m])
+                self.covariance[m, above] = product - mean * self._means[m]
+            self._above[m] = []
 
     def _transformed(self, m: int, finer: bool, memory: Array | None = None) -> tuple[Grid, Array]:
         """Modes and grid of a reference: if `finer`, on the grid of its plane, else on the present one."""
