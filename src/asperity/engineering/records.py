@@ -264,15 +264,20 @@ class Record:
             return f"{text} {symbol}".strip()
         return f"{with_error(self.best / factor, error / factor)} {symbol}".strip()
 
-    def best_text(self, units: Any = None) -> str:
-        """The best value with its whole known error, as a sentence shows it."""
+    @property
+    def lacking(self) -> str:
+        """What its error does not include, positions apart; empty if that is nothing."""
+        missing = [cause for cause in self.unknown if cause != POSITIONS]
+        if self.words or not missing:
+            return ""
+        return f"± without {' and '.join(missing)}" if self.errors else "± not known"
+
+    def best_text(self, units: Any = None, whole: bool = True) -> str:
+        """The best value with its whole known error, as a sentence shows it; `whole` with what that lacks."""
         if self.words:
             return self.words
-        missing = [cause for cause in self.unknown if cause != POSITIONS]
-        if not self.errors:
-            return self.number(units, 3) + (" (± not known)" if missing else "")
-        without = f" (± without {' and '.join(missing)})" if missing else ""
-        return self._best_text(self.error, *self.scale(units)) + without
+        text = self._best_text(self.error, *self.scale(units)) if self.errors else self.number(units, 3)
+        return f"{text} ({self.lacking})" if whole and self.lacking else text
 
     def text(self, units: Any = None) -> str:
         """The number, its position, its note and its known errors, in one line."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -57,8 +56,8 @@ OF_FILES = {"file", "channel", "unit", "physical_size", "height_factor", "missin
 }
 """Settings of a map that say how to read its file, in which surfaces may differ."""
 
-INCOMPLETE = re.compile(r" \((± (?:without [^()]*|not known))\)")
-"""What the text of a number says of an error that is not whole."""
+STAR = " *"
+"""Mark of a number whose error is not whole, which the footnote explains."""
 
 SHOWN_KEYS = 4
 """Keys that are named of those in which cases differ."""
@@ -89,15 +88,24 @@ class Difference(NamedTuple):
         return self.second.best - self.first.best
 
     @property
+    def is_complete(self) -> bool:
+        """False if the difference has no interval although the numbers differ."""
+        return not math.isnan(self.error) or math.isnan(self.value) or self.number == "none"
+
+    @property
     def text(self) -> str:
         """The difference with its interval, or that this is not known."""
+        return self.number if self.is_complete else f"{self.number} (± not known)"
+
+    @property
+    def number(self) -> str:
+        """The difference with its interval where it has one."""
         if abs(self.value) <= SAME * abs(self.first.best):
             return "none"
         if math.isnan(self.value):
             return ""
         factor, symbol = max(self.first, self.second, key=lambda each: abs(each.best)).scale()
-        text = f"{with_error(self.value / factor, self.error / factor, signed=True)} {symbol}".strip()
-        return f"{text} (± not known)" if math.isnan(self.error) else text
+        return f"{with_error(self.value / factor, self.error / factor, signed=True)} {symbol}".strip()
 
 
 def compared(items: Mapping[str, AnswerData | SampleData] | Sequence[AnswerData | SampleData]) -> Comparison:
@@ -194,9 +202,9 @@ class Comparison:
         found = self.difference(key, best, second)
         counts = {name: len(getattr(self.items[name], "names", [name])) for name in order}
         maps = {name: "1 map" if count == 1 else f"{count} maps" for name, count in counts.items()}
-        texts = {name: self.records[name][key].best_text() for name in order}
-        first, *others = (f"{INCOMPLETE.sub('', texts[name])} of {name} ({maps[name]})" for name in order)
-        lacks = ", ".join(dict.fromkeys(INCOMPLETE.findall(" ".join(texts.values()))))
+        known = {name: self.records[name][key] for name in order}
+        first, *others = (f"{known[name].best_text(whole=False)} of {name} ({maps[name]})" for name in order)
+        lacks = ", ".join(dict.fromkeys(each.lacking for each in known.values() if each.lacking))
         numbers = f"{found.first.quantity} {first}, against {' and '.join(others)}"
         numbers += f", {lacks}" if lacks else ""
         if found.text == "none":
@@ -261,12 +269,14 @@ class Comparison:
         names, rows = [*self.records], []
         for key in keys:
             known = [self.records[name].get(key) for name in names]
-            texts = ["" if each is None else each.best_text() for each in known]
+            texts = [
+                "" if each is None else f"{each.best_text(whole=False)}{STAR * bool(each.lacking)}"
+                for each in known
+            ]
             if len(names) == 2:
-                texts.append(self.difference(key, *names).text if all(known) else "")
-            rows.append(
-                [label_of(next(filter(None, known))), *(INCOMPLETE.sub(" *", each) for each in texts)]
-            )
+                found = self.difference(key, *names) if all(known) else None
+                texts.append(f"{found.number}{STAR * (not found.is_complete)}" if found else "")
+            rows.append([label_of(next(filter(None, known))), *texts])
         return pd.DataFrame(rows, columns=["", *names, *(["difference"] if len(names) == 2 else [])])
 
     def text(self) -> str:
@@ -277,8 +287,8 @@ class Comparison:
     @cached_property
     def footnote(self) -> str:
         """What the stars in the tables stand for; empty if there are none."""
-        texts = (each.best_text() for records in self.records.values() for each in records.values())
-        lacks = dict.fromkeys(INCOMPLETE.findall(" ".join(texts)))
+        each_lacks = (each.lacking for records in self.records.values() for each in records.values())
+        lacks = dict.fromkeys(filter(None, each_lacks))
         return f"* {' or '.join(lacks)}" if lacks else ""
 
     __str__ = text
