@@ -22,9 +22,11 @@ from typing import NamedTuple
 import pandas as pd
 import psutil
 from contact import FRACTION, SINGLE
+from matplotlib.ticker import LogLocator
 from measuring import in_words, parser_of
 
 from asperity.core.markup import markdown
+from asperity.engineering.drawing import plain_logarithms
 from asperity.study.small_studies import rendered
 from asperity.views.style import panels, save, style
 
@@ -34,8 +36,8 @@ FOLDER = ROOT / "paper/supplement/performance"
 PAGES = {"performance": FOLDER.with_suffix(".md"), "summary": ROOT / "docs/performance.md"}
 """Template → the page that it makes."""
 
-MARKERS = {"asperity": "o-", "ASPHER": "s--", "ASPHER, candidate nodes": "^:"}
-"""Program → marker and line of its times against the area."""
+LINES = {"asperity": "C1o-", "ASPHER": "C0s--", "ASPHER, candidate nodes": "C2^:"}
+"""Program → colour, marker and line of its times against the area."""
 
 COLUMNS = ["command", "wall", "seconds", "memory_GB", "promised", "ratio", "low", "high"]
 """Of the tables of commands."""
@@ -161,11 +163,15 @@ def draw_areas(table: pd.DataFrame, path: Path) -> None:
             for points, some in table[table["boundary"] == boundary].groupby("points"):
                 own = some.drop_duplicates("area").assign(program="asperity", seconds=some["own_seconds"])
                 for program, line in pd.concat([own, some]).groupby("program"):
-                    given = {"label": f"{program}, {points}²", "alpha": 1.0 if points == 1024 else 0.5}
+                    given = {"label": f"{program}, {points}²"} | ({} if points == 1024 else {"mfc": "white"})
                     line = line.sort_values("area")
-                    axis.loglog(100 * line["area"], line["seconds"], MARKERS[str(program)], **given)
+                    axis.plot(100 * line["area"], line["seconds"], LINES[str(program)], **given)
             axis.set(title=f"{boundary} boundary", xlabel="contact area, %", ylabel="time on one thread, s")
-            axis.legend()
+            plain_logarithms(axis.xaxis)
+            plain_logarithms(axis.yaxis)
+            axis.xaxis.set_major_locator(LogLocator())
+        lines = {line.get_label(): line for axis in axes for line in axis.get_lines()}
+        figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3)
         save(figure, path)
 
 
