@@ -131,6 +131,7 @@ class SplitResponse:
         alpha, unit = division.alpha(grid), 1 / response.nodal_compliance
         self._threads, self._near = threads, unit * _near_field(response, alpha, division.radius)
         self._products = StencilProduct(grid, response.free, threads, WIDE_RADIUS)
+        self._stencil = whole_stencil(self._near)
         far = division.far_grid(response)
         self._fourier = Fourier(far, division.real, threads, response.fourier.work)
         self._factors: Array = (unit * _far_field(response, far, alpha, division.order)).astype(division.real)
@@ -149,7 +150,7 @@ class SplitResponse:
             Sorted indices in the flattened map, of the nodes that bear pressure and of the displaced nodes.
         """
         far_field = partial(self._convolve, nodes, pressure)
-        out = self._products(whole_stencil(self._near), nodes, pressure, at, meanwhile=far_field)
+        out = self._products(self._stencil, nodes, pressure, at, meanwhile=far_field)
         in_parts(
             lambda part: _add_interpolant(at[part], *self._splines, self._field, out[part]),
             out.size,

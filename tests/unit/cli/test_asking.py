@@ -240,6 +240,12 @@ def test_settings_are_checked_before_a_map_is_treated(load, key, tmp_path, monke
     assert job.rough is None
 
 
+@pytest.mark.parametrize("name", ["map.npy", "body.x3p", "sample.csv"])
+def test_the_name_of_a_file_is_no_key(name, capsys):
+    command = ["run", name, "--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "1 MPa", "--check"]
+    assert f"{name}: no such file" in said(capsys, *command)
+
+
 def test_numbers_that_follow_from_each_other_have_one_relative_error():
     answer = asp.run(ground(128), STEEL, mean_pressure=400e6)
     names = ("contact area fraction", "contact area", "mean contact pressure")

@@ -173,13 +173,16 @@ def _in_words(problem: Problem, source: str, given: Mapping[str, Any], content: 
 
 def _with_flags(text: str) -> str:
     """A text in which flags stand for the keys that it names, with the values that it gives to them."""
-    groups = "map|body|counter_body|load|sliding|cycles|leak|film|running_in"
 
     def written(found: re.Match[str]) -> str:
         key, value = found["key"], found["value"]
+        if not entry_of(Case, key):  # the name of a file, such as map.npy
+            return found[0]
         return f"{FLAGS[key]} {value or ''}".strip() if key in FLAGS else f"--set {key}={value or '…'}"
 
-    return re.sub(rf"\b(?P<key>(?:{groups})(?:\.\w+)+)(?:(?:: | = )(?P<value>\w+))?", written, text)
+    return re.sub(
+        rf"\b(?P<key>(?:{'|'.join(Case.model_fields)})(?:\.\w+)+)(?:(?:: | = )(?P<value>\w+))?", written, text
+    )
 
 
 def _is_written(save: str, out: Path) -> bool:
