@@ -159,7 +159,7 @@ def tables(of_answers: bool) -> str:
     parts = []
     shown: dict[str, dict[str, list[str]]] = {}
     for name, described_table in TABLES.items():
-        if of_answers != (name.startswith("answer") or name == "peaks"):
+        if of_answers != (name.startswith("answer") or name == "export_peaks"):
             continue
         columns = described_table["columns"]
         common = {

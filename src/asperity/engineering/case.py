@@ -1,7 +1,8 @@
 """A case: the map, the bodies, the load and the questions that are asked.
 
-A group of settings is a class; a case has a field for each. To add a question, add its file in `questions`
-and its field here. The physics is imported where it is needed: forms, help and schemas are made without it.
+A group of settings is a class; a case has a field for each. A question is a file in `questions` and a field
+here; CONTRIBUTING.md lists its examples and pages. The physics is imported where it is needed: forms, help
+and schemas are made without it.
 """
 
 from collections.abc import Mapping

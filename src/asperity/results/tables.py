@@ -145,12 +145,6 @@ The file is a zip archive of XML parts (Office Open XML, ECMA-376), written with
 takes a tenth of the time of a whole calculation to write the peaks of a map of 512 × 512 points.
 """
 
-SHEET_COLUMNS = {"m": "m", "m2": "m^2", "Pa": "Pa"}
-"""End of the name of a column → its unit."""
-
-PLACES = "depth_m", "y_m", "x_m"
-"""Columns whose unit is not in the column ``unit``."""
-
 _OPEN = "http://schemas.openxmlformats.org"
 _SHEETS = f"{_OPEN}/spreadsheetml/2006/main"
 _NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -162,8 +156,7 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
     Parameters
     ----------
     tables : mapping
-        Name of a sheet → table whose columns end in their units, as ``_m`` and ``_Pa``, or that has a column
-        ``unit`` for its other numbers.
+        Name of a sheet → table, described in `TABLES` under that name, or under it after ``answer_``.
     path : path
         Ends in .xlsx.
     """
@@ -183,7 +176,7 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
         f"<sheets>{names}</sheets></workbook>",
     }
     for part, name in sheets.items():
-        shown = _in_sheet_units(tables[name])
+        shown = _in_sheet_units(name, tables[name])
         columns = (map(_cell, shown[column].tolist()) for column in shown)
         rows = [map(_cell, shown), *zip(*columns, strict=True)]
         lines = "".join(f"<row>{''.join(row)}</row>" for row in rows)
@@ -203,18 +196,17 @@ def _relations(kind: str, targets: Mapping[str, str]) -> str:
     return f'<Relationships xmlns="{_OPEN}/package/2006/relationships">{found}</Relationships>'
 
 
-def _in_sheet_units(frame: "pd.DataFrame") -> "pd.DataFrame":
+def _in_sheet_units(name: str, frame: "pd.DataFrame") -> "pd.DataFrame":
+    """A table with lengths in µm and stresses in MPa; names of columns end in the units of the sheet."""
     shown = frame.copy()
-    for column in shown.select_dtypes("number"):
-        if str(column).startswith("at_"):
-            continue
-        if "unit" in shown and column not in PLACES:
-            factors = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[1])
+    for column, unit in units(f"answer_{name}" if f"answer_{name}" in TABLES else name, frame).items():
+        if unit == "see unit":
+            factors = shown["unit"].map(lambda each: SHEET_UNITS.get(each, (each, 1.0))[1])
             shown[column] = shown[column] / factors
-        elif (end := str(column).rpartition("_")[2]) in SHEET_COLUMNS:
-            unit, factor = SHEET_UNITS[SHEET_COLUMNS[end]]
+        elif unit in SHEET_UNITS:
+            new, factor = SHEET_UNITS[unit]
             shown[column] = shown[column] / factor
-            shown = shown.rename(columns={column: f"{str(column).removesuffix(end)}{unit}"})
+            shown = shown.rename(columns={column: f"{column.removesuffix(unit.replace('^', ''))}{new}"})
     if "unit" in shown:
         shown["unit"] = shown["unit"].map(lambda unit: SHEET_UNITS.get(unit, (unit, 1.0))[0])
     return shown

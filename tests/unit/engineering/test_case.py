@@ -169,6 +169,7 @@ def test_own_materials_beside_the_case_are_known(tmp_path):
 
 
 def test_flags_of_a_run_are_few():
+    """A new flag takes the place of another one; every key has `--set`."""
     entry = COMMANDS["run"]
     flags = {name for each in (entry, *entry["groups"]) for name in arguments(each) if name.startswith("--")}
     assert 15 <= len(flags) <= 33

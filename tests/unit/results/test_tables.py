@@ -35,8 +35,8 @@ def test_tables_of_an_answer_are_described(tmp_path):
         pd.testing.assert_frame_equal(pd.read_csv(path), frame.replace("", np.nan), check_dtype=False)
     for system, unit in (("SI", "depth_um"), ("study", "depth_cell_length")):
         frame = peak_table(answer.stress["lower"].assign_attrs(unit_system=system))
-        check_columns(frame, "peaks")
-        assert units("peaks", frame)[unit] == unit.removeprefix("depth_")
+        check_columns(frame, "export_peaks")
+        assert units("export_peaks", frame)[unit] == unit.removeprefix("depth_")
 
 
 def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
@@ -44,12 +44,20 @@ def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
     rows = [("contact", "mean gap", 1.2e-7, "m", np.nan), ("contact", "maximum pressure", 2e9, "Pa", np.inf)]
     answer = pd.DataFrame(rows, columns=["topic", "quantity", "value", "unit", "error"])
     peaks = pd.DataFrame({"quantity": ["von_mises"], "value_Pa": [3e9], "depth_m": [2e-6]})
-    write_workbook({"answer": answer, "peaks": peaks}, tmp_path / "a.xlsx")
+    curve = pd.DataFrame(
+        {"mean_pressure_Pa": [1e6], "stiffness_Pa_m": [2e13], "electrical_conductance_S_m2": [3e8]}
+    )
+    per_area = pd.DataFrame({"map_steel_m": [12.0]})
+    sheets = {"answer": answer, "peaks": peaks, "curve": curve, "peaks_per_area": per_area}
+    write_workbook(sheets, tmp_path / "a.xlsx")
     found = pd.read_excel(tmp_path / "a.xlsx", sheet_name=None)
     assert found["answer"]["value"].tolist() == pytest.approx([0.12, 2000.0])
     assert found["answer"]["unit"].tolist() == ["µm", "MPa"]
     assert found["peaks"].iloc[0].tolist() == ["von_mises", 3000.0, 2.0]
     assert [*found["peaks"]] == ["quantity", "value_MPa", "depth_µm"]
+    assert [*found["curve"].iloc[0]] == [1.0, 2e13, 3e8]
+    assert [*found["curve"]] == ["mean_pressure_MPa", "stiffness_Pa_m", "electrical_conductance_S_m2"]
+    assert found["peaks_per_area"]["map_steel_m"].tolist() == [12.0]
     errors = [*openpyxl.load_workbook(tmp_path / "a.xlsx")["answer"]["E"]][1:]
     assert [(cell.value, cell.data_type) for cell in errors] == [(None, "n"), ("inf", "s")]
 

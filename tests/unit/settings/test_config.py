@@ -1,4 +1,4 @@
-"""The schema of the settings, and what is made from it: check, defaults, presets of accuracy, README."""
+"""The schema of the settings of a study, and what is made from it: check, defaults, presets, README."""
 
 import copy
 from pathlib import Path

@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> None:
             results[stage] = data
     for (path,) in wanted["peaks"]:
         table = peak_table(required(results, "stress", "--peaks"))
-        write_table(table, "peaks", path, float_format="%.7g")
+        write_table(table, "export_peaks", path, float_format="%.7g")
         print(f"{one_line(path)}: {len(table)} peaks")
     if wanted["surface"] or lines:
         stage = "contact" if "contact" in results else "surface"
