@@ -187,7 +187,11 @@ def shown(table: pd.DataFrame, **columns: str) -> str:
 def commands() -> pd.DataFrame:
     """Rows of all commands that were measured."""
     names = [name for name, part in PARTS.items() if part.command.startswith("commands.py")]
-    tables = [read(name).assign(part=name) for name in names if (FOLDER / f"{name}.csv").exists()]
+    tables = [
+        read(name).assign(part=name).rename(columns={"study": "command"})
+        for name in names
+        if (FOLDER / f"{name}.csv").exists()
+    ]
     return pd.concat([pd.DataFrame(columns=COLUMNS), *tables])
 
 

@@ -103,7 +103,7 @@ def link_to_pages(app: Sphinx, name: str, content: list[str]) -> None:
     text = text.replace("](../docs/", "](").replace("](docs/", "](")
     text = re.sub(r"\[([^]]+)\]\(\.\./([\w/.]+?)(/README\.md)?(#[\w-]+)?\)", r"\1 (`\2`)", text)
     text = re.sub(r"\[(?:docs/|config/)?\w+\.md\]\(", "[](", text)
-    text = re.sub(r"`results/(report|sample)\.html`", r'<a href="results/\1.html">\1</a>', text)
+    text = re.sub(r"`(results/[\w/]+\.html)`", r'<a href="\1">\1</a>', text)
     content[0] = re.sub(r"`docs/(\w+\.md)`", r"[](\1)", text)
 
 
