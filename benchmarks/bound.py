@@ -4,7 +4,7 @@
     python benchmarks/bound.py --layers 100000 --seed 1 --coated
 
 draws layers with q height from 0.01 to 10, ν from −0.9 to 0.5, both bottoms, any depth, friction from 0 to 1
-(on a bonded bottom) in any direction, and prints the largest stress of any kind over its bound; with
+(on a bonded bottom) in any direction, and prints the maximum stress of any kind over its bound; with
 ``--coated`` half-spaces under coatings of q height from 1e-4 to 30, with a ratio of the moduli from 1e-4 to
 1e4, to a depth of three heights. The phase is searched in steps of five degrees.
 """
@@ -66,7 +66,7 @@ def main() -> None:
         found = largest_field(layer, scaled, share, friction, random.uniform(0, np.pi))
         decayed = (1 + scaled * share) * np.exp(-scaled * share)
         worst = max(worst, found / (envelope_of(layer, layer.poisson, friction, share) * decayed))
-    print(f"{options.layers} layers, seed {options.seed}: largest stress over its bound {worst:.4f}")
+    print(f"{options.layers} layers, seed {options.seed}: maximum stress over its bound {worst:.4f}")
 
 
 if __name__ == "__main__":

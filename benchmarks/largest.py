@@ -1,8 +1,8 @@
-"""Largest stress of 9 and 39 times the area of 4 cells of a surface, predicted from these.
+"""Maximum stress of 9 and 39 times the area of 4 cells of a surface, predicted from these.
 
     python benchmarks/largest.py    # writes paper/supplement/largest.csv and prints it, in three minutes
 
-Each group of 4 of the 160 cells of a surface predicts the largest pressure and von Mises stress of 36 and of
+Each group of 4 of the 160 cells of a surface predicts the maximum pressure and von Mises stress of 36 and of
 all 156 other cells. A prediction is met if the true value is in its 95 % interval; the other two shares are
 of true values above and below. The method was chosen on other surfaces.
 """

@@ -115,7 +115,7 @@ SOLVERS: dict[str, Callable[[Array, float, float, str], Array]] = {
 
 
 def stress_difference(contact: asp.LoadedSolid, depths: Array) -> float:
-    """Largest difference of the stress at the surface and some depths from tamaas, over the largest pressure.
+    """Largest difference of the stress at the surface and some depths from tamaas, over the maximum pressure.
 
     Nyquist modes, which tamaas keeps in its shear stresses, are left out of the pressure. In tamaas the first
     axis is y, z points downward, and shear components carry √2.

@@ -3,11 +3,11 @@ Ball on a flat: Hertz
 =====================
 
 A steel ball of 10 mm radius is pressed on a rigid flat with 20 N. Nothing surrounds the contact, so the
-boundary is free. Hertz gives the contact radius and the largest pressure,
+boundary is free. Hertz gives the contact radius and the maximum pressure,
 
 .. math:: a^3 = \frac{3 F R}{4 E^*}, \qquad p_0 = \frac{3 F}{2 \pi a^2},
 
-and Huber the stress inside: for :math:`\nu = 0.3` the largest von Mises stress is :math:`0.620\,p_0`, at
+and Huber the stress inside: for :math:`\nu = 0.3` the maximum von Mises stress is :math:`0.620\,p_0`, at
 the depth :math:`0.48\,a`.
 """
 
@@ -24,7 +24,7 @@ steel = asp.Solid(young=210e9, poisson=0.3)  # Pa; without a height it is a half
 grid = asp.Grid((128, 128), 0.3e-3)
 height = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
 contact = asp.solve_contact(height, steel, grid.length, force=force, boundary="free")
-print(f"largest pressure {contact.maximum_pressure / 1e9:.3f} GPa")
+print(f"maximum pressure {contact.maximum_pressure / 1e9:.3f} GPa")
 print(f"largest violation of the conditions of contact {contact.certificate.worst:.1e}")
 
 # %%
@@ -45,12 +45,12 @@ left.legend()
 profile = stress["maximum_von_mises"].isel(poisson=0).values
 right.plot(stress["plane_depth"] / contact_radius, profile / maximum_pressure)
 right.plot(0.481, 0.620, "o", label="Huber: 0.620 p₀ at 0.48 a")
-right.set(xlabel="depth/a", ylabel="largest von Mises stress/p₀")
+right.set(xlabel="depth/a", ylabel="maximum von Mises stress/p₀")
 right.legend()
 plt.show()
 
 # %%
-# **Check**: pressure, contact area and the largest von Mises stress with its depth.
+# **Check**: pressure, contact area and the maximum von Mises stress with its depth.
 deepest = int(profile.argmax())
 assert abs(contact.maximum_pressure / maximum_pressure - 1) < 0.002
 assert abs(contact.contact_area_fraction * grid.area / (np.pi * contact_radius**2) - 1) < 0.02

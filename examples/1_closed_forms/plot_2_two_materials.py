@@ -22,7 +22,7 @@ contact = asp.solve_contact(ball, pair, grid.length, force=force, boundary="free
 hertz = Hertz.from_load(force, radius, pair.effective_modulus)
 print(f"E* of the pair {pair.effective_modulus / 1e9:.1f} GPa")
 print(
-    f"largest pressure {contact.maximum_pressure / 1e6:.0f} MPa, Hertz {hertz.maximum_pressure / 1e6:.0f} MPa"
+    f"maximum pressure {contact.maximum_pressure / 1e6:.0f} MPa, Hertz {hertz.maximum_pressure / 1e6:.0f} MPa"
 )
 
 # %%
@@ -39,7 +39,7 @@ for name, layer in (("lower", bronze), ("upper", steel)):
     )
     axes.plot(depths / hertz.contact_radius, on_axis / 1e6, color=line.get_color())
     largest[name] = profile.max(), on_axis.max()
-axes.set(xlabel="depth/a", ylabel="largest von Mises stress (MPa)")
+axes.set(xlabel="depth/a", ylabel="maximum von Mises stress (MPa)")
 axes.legend()
 plt.show()
 

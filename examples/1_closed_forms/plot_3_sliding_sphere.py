@@ -2,12 +2,12 @@ r"""
 Sliding ball: Hamilton and Goodman
 ==================================
 
-In full sliding the surface bears the shear traction :math:`\mu p` beside the pressure :math:`p`. Behind the
+In gross sliding the surface bears the shear traction :math:`\mu p` beside the pressure :math:`p`. Behind the
 contact the surface is pulled: Hamilton and Goodman (1966) found the largest tension at the trailing edge,
 
 .. math:: \sigma_{xx} = p_0 \left[ \frac{1 - 2\nu}{3} + \frac{4 + \nu}{8} \pi \mu \right],
 
-and the largest von Mises stress moves to the surface once :math:`\mu` exceeds about 0.3.
+and the maximum von Mises stress moves to the surface once :math:`\mu` exceeds about 0.3.
 """
 
 import matplotlib.pyplot as plt

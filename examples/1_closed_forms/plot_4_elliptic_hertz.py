@@ -33,7 +33,7 @@ axes.add_patch(Ellipse((middle[1], middle[0]), *size, fill=False, linestyle="--"
 plt.show()
 
 # %%
-# **Check**: largest pressure, semi-axes, and the largest von Mises stress below the middle.
+# **Check**: maximum pressure, semi-axes, and the maximum von Mises stress below the middle.
 print(f"p₀ {contact.maximum_pressure / 1e6:.0f} MPa, closed form {hertz.maximum_pressure / 1e6:.0f} MPa")
 assert abs(contact.maximum_pressure / hertz.maximum_pressure - 1) < 0.005
 touching = contact.pressure > 0

@@ -54,6 +54,6 @@ axes.legend()
 plt.show()
 
 # %%
-# **Check**: the load, to the error of the grid; thinner layers are stiffer.
+# **Check**: the load, to the discretisation error; thinner layers are stiffer.
 np.testing.assert_allclose(ratios, expected, rtol=0.005)
 assert ratios[0] > ratios[1] > ratios[2] > 1

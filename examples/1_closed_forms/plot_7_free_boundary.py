@@ -20,7 +20,7 @@ contact_radius = np.array([0.15, 0.25, 0.35, 0.45])
 forces = [Hertz(a, 20.0, solid.effective_modulus).load for a in contact_radius]
 
 # %%
-# The same loads with both boundaries. The largest pressure is compared with that of Hertz.
+# The same loads with both boundaries. The maximum pressure is compared with that of Hertz.
 errors = {}
 for boundary in ("free", "periodic"):
     path = asp.solve_load_path(ball, solid, grid.length, forces=forces, boundary=boundary)
@@ -30,7 +30,7 @@ for boundary in ("free", "periodic"):
 figure, axes = plt.subplots(figsize=(6, 3.6), layout="compressed")
 for boundary, error in errors.items():
     axes.plot(contact_radius, 100 * error, "o-", label=boundary)
-axes.set(xlabel="contact radius/edge of the map", ylabel="largest pressure, % above Hertz")
+axes.set(xlabel="contact radius/edge of the map", ylabel="maximum pressure, % above Hertz")
 axes.legend()
 plt.show()
 

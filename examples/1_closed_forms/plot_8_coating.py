@@ -31,7 +31,7 @@ for name, ratio in {"soft coating": 0.25, "no coating": 1.0, "hard coating": 4.0
     contacts[name] = asp.solve_contact(height, solid, grid, force=single.load)
     expected[name] = float(single.pressure(0.0))
     print(
-        f"{name}: largest pressure {contacts[name].maximum_pressure / expected[name]:.4f} of the expected one"
+        f"{name}: maximum pressure {contacts[name].maximum_pressure / expected[name]:.4f} of the expected one"
     )
 
 # %%
@@ -70,7 +70,7 @@ figure.colorbar(colours, label=r"$\sigma_{xx}/p_0$")
 plt.show()
 
 # %%
-# **Check**: the largest pressure, to the error of the grid and of the periodic cell; tractions are continuous
+# **Check**: the maximum pressure, to the errors of the grid and of the periodic cell; tractions are continuous
 # on the interface, and the strain under the middle, where both lateral stresses are equal.
 faces = [thickness, np.nextafter(thickness, 1)]
 for name, contact in contacts.items():

@@ -47,7 +47,7 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.4), layout="compressed"
 for name, contact in contacts.items():
     left.plot(y, contact.pressure.max(axis=1) / hertz.maximum_pressure, label=name)
     right.plot(y, stress[name] / hertz.maximum_pressure)
-left.set(xlabel="position along the axis/edge across", ylabel="largest pressure/p₀ of Hertz", ylim=(0, 2.5))
+left.set(xlabel="position along the axis/edge across", ylabel="maximum pressure/p₀ of Hertz", ylim=(0, 2.5))
 right.set(xlabel="position along the axis/edge across", ylabel="von Mises stress at 0.704 b/p₀")
 left.legend()
 plt.show()

@@ -20,9 +20,9 @@ height = asp.self_affine((128, 128), 0.8, 0.05e-3, 12.5e-6, rms_height=0.2e-6, s
 contact = asp.solve_contact(height, solid, 0.2e-3, mean_pressure=50e6)
 
 # %%
-# A section through the largest pressure: as a dataset, and with ``plot_section``.
+# A section through the maximum pressure: as a dataset, and with ``plot_section``.
 section = asp.stress_section(contact, along="x", depths=np.linspace(0, 20e-6, 41), fields=("von_mises", "xz"))
-print(f"largest shear stress in it: {1e-6 * float(abs(section['xz']).max()):.0f} MPa")
+print(f"maximum |σ_xz| in it: {1e-6 * float(abs(section['xz']).max()):.0f} MPa")
 figure, axes = plt.subplots(2, 1, figsize=(8, 5), layout="compressed")
 for axis, field in zip(axes, ("xz", "von_mises"), strict=True):
     asp.views.plot_section(contact, depth=20e-6, field=field, axes=axis, unit_system="SI")

@@ -51,7 +51,7 @@ figure, axis = plt.subplots(figsize=(5, 3.5), layout="compressed")
 axis.loglog(hardness / 1e9, area, "o-", label="real contact")
 axis.loglog(hardness / 1e9, load / hardness, "k--", label="load / hardness")
 axis.axhline(elastic.contact_area_fraction, color="C1", label="elastic")
-axis.set(xlabel="hardness (GPa)", ylabel="share of the area")
+axis.set(xlabel="hardness (GPa)", ylabel="fraction of the area")
 axis.legend()
 plt.show()
 

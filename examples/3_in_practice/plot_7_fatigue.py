@@ -50,7 +50,7 @@ figure.colorbar(mesh, ax=axes, label="Dang Van stress over fatigue limit")
 plt.show()
 
 # %%
-# **Check**: under a cylinder, σ_xz changes by half of the largest pressure, at half of the half-width below
+# **Check**: under a cylinder, σ_xz changes by half of the maximum pressure, at half of the half-width below
 # the surface, and elastic shakedown ends at 4 k, with the yield stress k in shear (Johnson 1985, Sec. 9.3).
 cell = (1e-3 / 64, 1e-3)
 roller = asp.surface.add_cylinder(np.zeros((16, 1024)), cell, 0.01, axis="y")

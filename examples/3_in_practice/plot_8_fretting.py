@@ -46,11 +46,11 @@ for name, solid, mu in (
 ):
     stress = asp.analyse_stress(solid, quantities=("von_mises",), friction=mu, tolerance=1e-4)
     largest[name] = float(stress["maximum_von_mises"].max())
-    print(f"{name}: largest von Mises stress {largest[name] / 1e9:.2f} GPa")
+    print(f"{name}: maximum von Mises stress {largest[name] / 1e9:.2f} GPa")
 
 # %%
 # **Check**: the loop encloses the energy that the slip loses against friction, 4 μ² r ∫ p g* dA; chords of
-# the loop leave out a share that falls with the square of their number. The traction carries the force, and
+# the loop leave out a part that falls with the square of their number. The traction carries the force, and
 # a ball sticks within (1 − Q/μP)^(1/3) of its contact radius (Cattaneo 1938, Mindlin 1949).
 enclosed = abs(np.trapezoid(force, displacement))
 assert abs(enclosed / slip.lost_energy - 1) < 0.02

@@ -50,7 +50,7 @@ for title, moving in {"along the lay": along, "through the contact": through}.it
 figure, axes = plt.subplots(figsize=(6, 4), layout="compressed")
 for title, found in cycles.items():
     axes.plot(found["dang_van"].max("cycle_y"), found["cycle_depth"] * 1e6, label=title)
-axes.set(xlabel="largest Dang Van stress over limit", ylabel="depth (µm)", ylim=(120, 0.2), yscale="log")
+axes.set(xlabel="maximum Dang Van stress over limit", ylabel="depth (µm)", ylim=(120, 0.2), yscale="log")
 axes.legend()
 plt.show()
 

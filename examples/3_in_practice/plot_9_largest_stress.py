@@ -1,8 +1,8 @@
 r"""
-Largest stress of an area that was not measured
+Maximum stress of an area that was not measured
 ===============================================
 
-The largest stress of a map holds for its few square micrometres. A larger area has a higher one:
+The maximum stress of a map holds for its few square micrometres. A larger area has a higher one:
 peaks above a threshold follow a generalised Pareto distribution, from which ``Sample.maximum`` predicts it,
 with an interval, up to a hundred times the area of the maps.
 """
@@ -29,11 +29,11 @@ found = [sample.maximum(n * cells * edge**2).set_index("quantity").loc["von_mise
 figure, axis = plt.subplots(figsize=(5.5, 3.8), layout="compressed")
 axis.fill_between(times, *([row[end] / 1e9 for row in found] for end in ("low_Pa", "high_Pa")), alpha=0.3)
 axis.plot(times, [row["value_Pa"] / 1e9 for row in found])
-axis.set(xscale="log", xlabel="area over that of the maps", ylabel="largest von Mises stress (GPa)")
+axis.set(xscale="log", xlabel="area over that of the maps", ylabel="maximum von Mises stress (GPa)")
 plt.show()
 
 # %%
-# **Check**: the largest stress of five times as many other cells is within the interval that was predicted.
+# **Check**: the maximum stress of five times as many other cells is within the interval that was predicted.
 others = 0.0
 for seed in range(100, 100 + 5 * cells):
     contact = asp.solve_contact(cell(seed), asp.Solid(steel.young, steel.poisson), edge, hardness=6e9, **load)

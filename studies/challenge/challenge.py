@@ -132,7 +132,7 @@ def stress_on(
 ) -> xr.Dataset:
     """Peaks and depth profiles of the von Mises stress over E*ḡ, and cost, under one load on one grid.
 
-    With the numbers of the grid before, `other`, also the estimates at vanishing spacing and their errors.
+    With the numbers of the grid before, `other`, also the estimates at zero spacing and their errors.
     """
     height, grid = on_grid(*surface, points)
     unit = config["effective_modulus"] * config["rms_gradient"]
@@ -208,7 +208,7 @@ def draw_stress(profiles: pd.DataFrame) -> Figure:
 
 
 def limits(data: xr.Dataset) -> pd.DataFrame:
-    """Numbers of each grid, and their limits at vanishing spacing from the first two grids, a row each.
+    """Numbers of each grid, and their limits at zero spacing from the first two grids, a row each.
 
     From the area the strip along its boundary on the finer grid is subtracted (`asperity.continuum_limit`);
     the other numbers are extrapolated with second order.
@@ -283,7 +283,7 @@ def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
             "area, %": 100 * limit["contact_area_fraction"],
             f"area on {grids[-1]}², %": 100 * finest["contact_area_fraction"],
             "mean gap / rms height": limit["mean_gap"],
-            "largest pressure / E*ḡ": limit["maximum_pressure"],
+            "maximum pressure / E*ḡ": limit["maximum_pressure"],
         }
     )
     best, fine = (stress[stress["points"] == points].set_index("poisson") for points in (0, grids[-1]))

@@ -51,7 +51,7 @@ def shaped(gaussian: np.ndarray, distribution: Mapping[str, Any]) -> np.ndarray:
 
 
 def numbers_of(config: Mapping[str, Any], distribution: Mapping[str, Any], seed: int) -> xr.Dataset:
-    """Numbers of one surface and seed under the area, with estimates at vanishing grid spacing."""
+    """Numbers of one surface and seed under the area, with estimates at zero grid spacing."""
     points, band = config["points"], config["spectrum"]
     gaussian = asp.self_affine((points, points), seed=seed, **band)
     height = shaped(gaussian, distribution)

@@ -173,7 +173,7 @@ def order_of(found: Sequence[Array]) -> float:
 
 
 def limit(levels: Sequence[Array], order: float) -> tuple[float, float]:
-    """Mean over seeds at vanishing grid spacing by Richardson's extrapolation, and its standard error."""
+    """Mean over seeds at zero grid spacing by Richardson's extrapolation, and its standard error."""
     gain = 1 / (2**order - 1)
     found = means(levels)
     parts = [levels[0], *(fine - coarse[: fine.size] for coarse, fine in pairwise(levels))]
@@ -186,7 +186,7 @@ def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dat
     """Limits of the area, κ and κ_r of all surfaces under all loads, a row each.
 
     With and without the strip along the boundary the numbers converge in different ways to one limit. Each of
-    the two has one order of convergence for all rows. The error of the grid is the difference of the two
+    the two has one order of convergence for all rows. The discretisation error is the difference of the two
     limits; column ``…_error`` holds the errors of the grid and of the seeds together.
     """
     rows: list[dict[str, Any]] = []

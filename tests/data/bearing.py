@@ -3,7 +3,7 @@
     python tests/data/bearing.py FOLDER    # ring_1.x3p to ring_3.x3p, counter_1.x3p to counter_3.x3p
 
 800 x 600 pixels of 0.5 µm by default, ground along y, in whole nanometres, with a tilt, spikes of an optical
-instrument, and 0.5 % of the points without data.
+instrument, and 0.5 % of the non-measured points.
 """
 
 import sys

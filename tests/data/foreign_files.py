@@ -209,7 +209,7 @@ def write_nms(path, raw, pixel):
 
 
 def write_spip(path, raw, void):
-    """`void` is the mask of the points without data; a matrix of zeros and ones follows the heights."""
+    """`void` is the mask of the non-measured points; a matrix of zeros and ones follows the heights."""
     ny, nx = raw.shape
     lines = [f"x-pixels = {nx}", f"y-pixels = {ny}", f"x-length = {2000 * nx}", f"y-length = {2000 * ny}"]
     lines = ["File Format = ASCII", *lines, "z-unit = nm", f"voidpixels = {void.sum()}", "Start of Data:"]

@@ -1,7 +1,7 @@
 """The surface of the test maps.
 
 All files `steel.*` hold this surface: steel, ground along y, 40 x 48 pixels of 2 µm, in whole nanometres,
-with a tilt, spikes of an optical instrument, and points without data.
+with a tilt, spikes of an optical instrument, and non-measured points.
 """
 
 import numpy as np

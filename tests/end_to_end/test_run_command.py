@@ -22,7 +22,7 @@ POINTS, EDGE = 128, 128e-6
 
 @pytest.fixture(scope="module")
 def steel():
-    """Ground steel: grooves along y, fine roughness, a tilt, points without data; heights in µm."""
+    """Ground steel: grooves along y, fine roughness, a tilt, non-measured points; heights in µm."""
     rng = np.random.default_rng(7)
     along_x = np.convolve(rng.normal(size=POINTS + 8), np.hanning(9), "valid")
     fine = rng.normal(size=(POINTS, POINTS))

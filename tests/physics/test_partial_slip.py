@@ -61,7 +61,7 @@ def test_cycle_encloses_the_energy_that_is_lost():
 
 @pytest.mark.parametrize(("body", "tolerance"), [("lower", 1e-3), ("upper", 0)])
 def test_stress_is_that_of_two_sliding_spheres(body, tolerance):
-    """The traction is the difference of two ellipsoids (Hamilton and Goodman); error of the grid."""
+    """The traction is the difference of two ellipsoids (Hamilton and Goodman); discretisation error."""
     slip, exact = sphere(96, 0.5, EQUAL)
     solid, inner = slip.in_body(body), 0.5 ** (1 / 3)
     outer, stuck = (SlidingSphere(Hertz(a * RADIUS, a * RADIUS * 2 / np.pi), FRICTION) for a in (1, inner))

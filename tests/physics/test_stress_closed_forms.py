@@ -11,7 +11,7 @@ from asperity.stress.planes.planes import depth_grid
 
 
 def hertz(radius, points, centre):
-    """The pressure √(1 − r²/a²) from its exact Fourier transform: no error of the grid but the cut."""
+    """The pressure √(1 − r²/a²) from its exact Fourier transform: no discretisation error but the cut."""
     grid = asp.Grid((points, points))
     reach = grid.wavenumber() * radius
     shape = np.full(reach.shape, 1 / 3)

@@ -33,7 +33,7 @@ ROWS = 160
 """Rows of a section."""
 
 FADED = 0.05
-"""A section ends where the stress is below this share of its largest value."""
+"""A section ends where the stress is below this fraction of its largest value."""
 
 PEAKS = ("value_Pa", "depth_m", "y_m", "x_m")
 """Columns of the peaks that are shown, beside their body and quantity."""

@@ -43,16 +43,16 @@ class Certificate:
     """Violations of the conditions of contact, and the work spent on the solution.
 
     Lengths are relative to the rms height of the surface, which no pressure changes; for a flat surface
-    they are relative to the largest pressure × grid spacing / E*, about the displacement of a single node.
+    they are relative to the maximum pressure × grid spacing / E*, about the displacement of a single node.
 
     Attributes
     ----------
     penetration : float
         Largest overlap, max(−g), where p is below the hardness.
     contact_gap : float
-        Largest gap |g| where p > 0, and g > 0 where p is at the hardness.
+        Maximum gap |g| where p > 0, and g > 0 where p is at the hardness.
     tension : float
-        Largest tension max(−p), or excess over the hardness, relative to the largest pressure.
+        Maximum tension max(−p), or excess over the hardness, relative to the maximum pressure.
     load_imbalance : float
         Relative difference between the mean pressure and the imposed one; 0 if the load is not imposed.
     complementarity : float
@@ -163,7 +163,7 @@ def verify_contact(
     mean_pressure : float, optional
         The load imposed, if it was.
     hardness : float, optional
-        Largest pressure, see `asperity.contact.solve`.
+        Maximum pressure, see `asperity.contact.solve`.
     adhesion : Adhesion, optional
         Attraction of the faces; the approach is then needed.
     boundary : "periodic" | "free" | (str, str)

@@ -61,7 +61,7 @@ class Division:
     Attributes
     ----------
     error : float
-        Largest error of a displacement, over the displacement of a node under the largest pressure.
+        Largest error of a displacement, over the displacement of a node under the maximum pressure.
     radius_times_alpha : float
         The stencil ends where α × distance is this number.
     spacing_times_alpha : float
@@ -274,7 +274,7 @@ def divided(problem: Problem, tolerance: float) -> Problem:
 
 
 def first_margin(iterate: Iterate, finer: Problem, is_finest: bool) -> float:
-    """Largest pressure that closes the gap of nodes that may touch; 0 if the contact is not dilute."""
+    """Maximum pressure that closes the gap of nodes that may touch; 0 if the contact is not dilute."""
     fewest = MIN_POINTS if is_finest else MIN_COARSE_POINTS
     dilute = 0 < iterate.nodes.size <= MAX_AREA * iterate.problem.grid.size
     if not dilute or min(finer.response.mode_grid.shape) < fewest or not can_be_split(finer.response):

@@ -1,4 +1,4 @@
-"""The same contact on half of the nodes along both edges, from which the error of the grid is estimated."""
+"""The same contact on half of the nodes along both edges, which estimates the discretisation error."""
 
 from dataclasses import replace
 from typing import Any
@@ -10,17 +10,17 @@ from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 
 HALF_TOLERANCE = 1e-4
-"""Tolerance of the second solution and of the planes of its stress, far below the error of the grid."""
+"""Tolerance of the second solution and of the planes of its stress, far below the discretisation error."""
 
 
 def solve_on_half(
     height: Array, solid: Solids, grid: Grid, boundary: str = "periodic", **settings: Any
 ) -> tuple[Contact, float]:
-    """The contact on half of the nodes, and the share of the squared gradient that they do not hold.
+    """The contact on half of the nodes, and the fraction of the squared gradient that they do not hold.
 
     `settings` of `asperity.solve_contact` hold the load. A range of adhesion that half of the nodes do not
     resolve is longer. Where the map ends every second node is kept,
-    and the share is not computed: it is 0.
+    and the fraction is not computed: it is 0.
     """
     lost = 0.0
     if boundary != "periodic":
@@ -43,9 +43,9 @@ def solve_on_half(
 
 
 def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
-    """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
+    """Long waves of periodic heights on half as many nodes, their grid, and the gradient lost.
 
-    It is the share of the squared gradient in waves that half of the nodes along both edges do not hold.
+    It is lost in waves that half of the nodes along both edges do not hold, as a part of its square.
     """
     half = replace(grid, shape=(max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)))
     modes = Fourier(grid).forward(height)

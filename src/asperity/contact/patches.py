@@ -1,4 +1,4 @@
-"""Connected patches of contact, or of the gap."""
+"""Contact spots, and connected parts of the gap."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -11,18 +11,18 @@ from asperity.core.types import Array
 
 
 class Patches(NamedTuple):
-    """Connected patches of contact.
+    """Contact spots: nodes in contact that are neighbours.
 
     Parameters
     ----------
     number : (ny, nx) array
-        Number of the patch at each node, from 1; 0 outside contact.
+        Number of the spot at each node, from 1; 0 outside contact.
     radii : (patches,) array
         Radius of the disc of the same area, in grid spacings.
     cells : (2, ny, nx) array
-        Cells (y, x) by which each node has to be moved so that its patch is not cut by the edges.
+        Cells (y, x) by which each node has to be moved so that its spot is not cut by the edges.
     spans : (patches, 2) boolean array
-        True if the patch meets its own periodic image along y and x. It is then cut somewhere.
+        True if the spot meets its own periodic image along y and x. It is then cut somewhere.
     """
 
     number: Array
@@ -34,14 +34,14 @@ class Patches(NamedTuple):
 def contact_patches(
     contact: Array, periodic: bool | tuple[bool, ...] = True, diagonals: bool = True
 ) -> Patches:
-    """Connected patches of contact.
+    """Contact spots: nodes in contact that are neighbours.
 
     Parameters
     ----------
     contact : (ny, nx) boolean array
     periodic : bool or (bool, bool)
         True if opposite edges of the cell are neighbours, or along y and along x. The edges of a mirrored
-        map are not: a patch at an edge touches its own mirror image.
+        map are not: a spot at an edge is a neighbour of its own mirror image.
     diagonals : bool
         True if nodes are neighbours along diagonals, too, not along edges only.
     """

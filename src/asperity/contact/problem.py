@@ -78,7 +78,7 @@ class Problem:
     height : (ny, nx) array
     response : Response
     hardness : float
-        Largest pressure, rounded to the precision of the fields.
+        Maximum pressure, rounded to the precision of the fields.
     plastic : Event, optional
         Set once a pressure has met the hardness, on any grid.
 

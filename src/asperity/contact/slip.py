@@ -20,7 +20,7 @@ across the force (a line contact), for ν = 0, and in the stick zone of circles 
 of the pressure distribution applied as a shear traction, over the energy of the pressure itself; for a circle
 it is Mindlin's (2 − ν)/(2 − 2ν). In other contacts the displacements of the nodes that stick should be equal
 but are not, and `PartialSlip.deviation` measures the difference. The change of the pressure by the shear
-traction is neglected as in full sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
+traction is neglected as in gross sliding, see `asperity.elasticity.two_bodies.sliding_coupling`.
 
 Mirrored maps
 -------------
@@ -92,7 +92,7 @@ class PartialSlip:
 
     @property
     def sticking_area(self) -> float:
-        """Share of the real contact that sticks; NaN without contact."""
+        """Fraction of the real contact that sticks; NaN without contact."""
         area = self.contact.contact_area_fraction
         return self.sticking.contact_area_fraction / area if area else float("nan")
 
@@ -115,7 +115,7 @@ class PartialSlip:
 
     @property
     def _uniform(self) -> float:
-        """Tangential displacement by the mean traction, beyond its share in the compliance ratio."""
+        """Tangential displacement by the mean traction, beyond its part in the compliance ratio."""
         compliance = sum(float(body.tangential_compliance(0.0)[0]) for body in _bodies(self.contact))
         return compliance - self.compliance_ratio * self.contact.solid.uniform_compliance()
 

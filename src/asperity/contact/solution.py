@@ -61,7 +61,7 @@ class Contact:
     method : str
     rtol : float
     hardness : float
-        Largest pressure, infinite in an elastic contact.
+        Maximum pressure, infinite in an elastic contact.
     plastic_depth : (ny, nx) array or None
         Depth by which the surface is flattened where the pressure is the hardness: the overlap of the bodies,
         zero elsewhere. The gap is measured from the flattened surface. None without a hardness.
@@ -246,7 +246,7 @@ class Contact:
 
     @property
     def maximum_pressure(self) -> float:
-        """Largest contact pressure."""
+        """Maximum contact pressure."""
         return float(self.pressure.max())
 
     @property
@@ -263,7 +263,7 @@ class Contact:
 
     @property
     def plastic_load(self) -> float:
-        """Share of the load on nodes at the hardness; with adhesion of the pressures without tension."""
+        """Fraction of the load on nodes at the hardness; with adhesion of the pressures without tension."""
         if not self.plastic_area:
             return 0.0
         borne = self.mean_pressure if self.adhesion is None else float(np.maximum(self.pressure, 0).mean())

@@ -122,7 +122,7 @@ def solve_contact(
         the displacement has no limit far away: the depth is measured from the surface beside a line of load,
         at a distance of the edge of the map along that axis.
     hardness : float, optional
-        Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
+        Maximum pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
         that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact
         is elastic everywhere. Needs method "active_set".
     adhesion : Adhesion, optional

@@ -39,7 +39,7 @@ class ContactLike(Protocol):
 
 
 SMALLEST, LARGEST = 1e-60, 1e60
-"""Accepted edges of the cell and largest pressures: squares of wavenumbers and third powers of stresses stay
+"""Accepted edges of the cell and maximum pressures: squares of wavenumbers and third powers of stresses stay
 within double precision."""
 
 RANGE = f"from {SMALLEST:g} to {LARGEST:g}"
@@ -65,14 +65,14 @@ class LoadedSolid:
         Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as the stress
         of a contact far wider than the cell.
     deepest : float
-        Depth down to which the background has its largest stresses; planes reach it by default.
+        Depth down to which the background has its maximum stresses; planes reach it by default.
     sticking_pressure : (ny, nx) array, optional
         Part of the pressure that causes no shear traction: the traction is μ times the rest of the pressure.
-        `asperity.contact.partial_slip` finds it; by default none, full sliding.
+        `asperity.contact.partial_slip` finds it; by default none, gross sliding.
 
     Examples
     --------
-    Hertz's pressure on a circle of radius 0.3, for which the largest von Mises stress is 0.620 of the largest
+    Hertz's pressure on a circle of radius 0.3, for which the maximum von Mises stress is 0.620 of the maximum
     pressure, 0.48 radii deep:
 
     >>> grid = asp.Grid((64, 64))
@@ -248,7 +248,7 @@ def solid_of(contact: xr.Dataset) -> Solids:
 
 @dataclass(frozen=True)
 class Sliding:
-    """Full sliding of a body: friction, and the direction of the traction on it; see `stress_planes`."""
+    """Gross sliding of a body: friction, and the direction of the traction on it; see `stress_planes`."""
 
     friction: float = 0.0
     sliding_direction: str | float = "x"

@@ -90,7 +90,7 @@ def sliding_coupling(solid: Solids, q: ArrayLike) -> Array:
     """Normal displacement of the surfaces by a shear traction along a wave, over the displacement by an equal
     pressure.
 
-    Full sliding with friction μ changes the gap of each wave by up to μ times this ratio, which a contact
+    Gross sliding with friction μ changes the gap of each wave by up to μ times this ratio, which a contact
     without friction neglects. By reciprocity it follows from the kernels V and W of `Solid.kernels` at the
     surface. It is 0 for two equal bodies, (1 − 2ν)/(2 − 2ν) for a half-space against a rigid body, and
     Dundurs' constant β for two half-spaces (J. Dundurs, J. Appl. Mech. 36 (1969) 650,

@@ -45,7 +45,7 @@ EDGE_STEP = 3.0
 """Height step across edges over the step between pixels, above which a warning is given; 1 if periodic."""
 
 EDGE_LOAD = 0.01
-"""Share of the load on the edges of a map with a free boundary above which a warning is given."""
+"""Fraction of the load on the edges of a map with a free boundary above which a warning is given."""
 
 NEIGHBOUR_CHANGE = 0.05
 """Change of contact area or maximum pressure by the periodic images of a form that deserves a warning."""
@@ -57,7 +57,7 @@ WIDE_SPAN = 0.5
 """Width of a contact over the distance between neighbouring forms above which they influence each other."""
 
 ALTERED_SHARE = 0.02
-"""Share of the area with altered or filled heights that makes a note."""
+"""Fraction of the area with altered or filled heights that makes a note."""
 
 SOFTEST, SOFT, STIFF, STIFFEST = 1e3, 5e7, 5e9, 1.25e12
 """Young's moduli in Pa: gels from 1 kPa; rubbers up to 50 MPa; metals, glasses and ceramics from 5 GPa;
@@ -222,7 +222,7 @@ def _on_part(part: OfMaterial, stress: float) -> Iterator[Found]:
 
 
 def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
-    """Advice on load on small patches, and on the change of the numbers at half the resolution."""
+    """Advice on load on small contact spots, and on the change of the numbers at half the resolution."""
     numbers, limits = stages.numbers, stages.bodies["lower"].limits
     share, width = numbers.load_on_small_patches, numbers.typical_patch_width
     if share > SMALL_PATCH_SHARE and width <= 2 and not numbers.pressure_on_spike:

@@ -28,7 +28,7 @@ STRESS_TOLERANCE = 1e-4
 coarser grid, relative to the rms of σ_zz in it. The default of the library is `PLANE_TOLERANCE`."""
 
 ESTIMATED = ("pressure", "von_mises")
-"""Quantities whose peaks are estimated for vanishing pixels."""
+"""Quantities whose peaks are estimated for zero pixel size."""
 
 CYCLE_ERRORS = {
     "shear_range": ((2.9, 1.5), (0.45, 0.25)),

@@ -1,4 +1,4 @@
-"""Numbers of the contact in an answer, in SI units: patches, areas, pressures, and the certificate."""
+"""Numbers of the contact in an answer, in SI units: contact spots, areas, pressures, and the certificate."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,7 @@ from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
 SPANS = "none", "y", "x", "x and y"
-"""Directions along which a patch of contact spans the cell."""
+"""Directions along which a contact spot spans the cell."""
 
 
 def _named(name: str, unit: str) -> Any:
@@ -38,7 +38,7 @@ class ContactNumbers:
     contact_area_fraction, contact_area, nominal_area : float
         Real over nominal contact area, real contact area, and area of the map.
     nominal_pressure, mean_pressure, maximum_pressure : float
-        Load over nominal area, load over real contact area, and the largest pressure at a node.
+        Load over nominal area, load over real contact area, and the maximum pressure at a node.
     force : float
         Load on the area of the map.
     load_per_length : float
@@ -50,17 +50,17 @@ class ContactNumbers:
     gradient_rms_contact : float
         Rms gradient of the deformed surface over the real contact.
     patches, contact_nodes : int
-        Connected patches of nodes of the map under pressure, and these nodes.
+        Contact spots of the map, and their nodes.
     typical_patch_width : float
-        Width in pixels; wider patches carry half of the load.
+        Width in pixels; wider spots carry half of the load.
     pressure_on_spike : bool
-        True if the largest pressure is on a spike of the map.
+        True if the maximum pressure is on a spike of the map.
     presses_spikes : bool
         True if a spike bears pressure.
     load_of_largest_node, load_on_small_patches : float
-        Share of the load on one node, and on patches of at most four nodes.
+        Fraction of the load on one node, and on spots of at most four nodes.
     load_on_edges : float
-        Share of the load on the outermost nodes where the map ends.
+        Fraction of the load on the outermost nodes where the map ends.
     violation : float
         Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
     """
@@ -149,7 +149,7 @@ def stored_certificate(
 
 
 def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
-    """Connected patches of contact on the map, the largest load first.
+    """Contact spots on the map, the largest load first.
 
     Returns
     -------
@@ -200,7 +200,7 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
 
 
 def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> ContactNumbers:
-    """Numbers of the contact: areas, pressures, patches."""
+    """Numbers of the contact: areas, pressures, spots."""
     face = rough.face
     pressure, load = np.maximum(contact.pressure, 0), spots["load_N"].clip(lower=0)
     nominal = face.grid.area
@@ -215,7 +215,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     is_line = free.count(True) == 1
     roughness = roughness_parameters(face.height, face.grid)
     by_width, median = spots.sort_values("width_m"), 0.0
-    if len(spots):  # width of a patch such that wider patches carry half of the load
+    if len(spots):  # width of a spot such that wider spots carry half of the load
         carried = by_width["load_N"].clip(lower=0).cumsum().to_numpy()
         median = float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
     return ContactNumbers(

@@ -1,4 +1,4 @@
-"""Estimates at vanishing grid spacing, from a second solution on half as many nodes.
+"""Estimates at zero grid spacing, from a second solution on half as many nodes.
 
 The formulas are in `asperity.stress.statistics.extrapolation`.
 """
@@ -29,7 +29,7 @@ class HalfGrid:
     ----------
     contact : Contact
     lost : float
-        Share of the squared gradient of the surface that these nodes do not resolve.
+        Fraction of the squared gradient of the surface that these nodes do not resolve.
     reason : str
         Reason why the grid allows no estimate; empty if it does.
     """
@@ -46,7 +46,7 @@ def continuum_limit(
     body: str = "lower",
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Area, slope, peaks and decay lengths at vanishing grid spacing, each with the error that remains.
+    """Area, slope, peaks and decay lengths at zero grid spacing, each with the error that remains.
 
     The contact is solved again on half as many nodes along both edges, under the same load, and its stress is
     analysed, at about a quarter of the cost of the contact and its stress.
@@ -69,7 +69,7 @@ def continuum_limit(
     Returns
     -------
     dataset
-        Along `kind`, the value ``on_grid`` and ``on_half`` of the nodes, the ``estimate`` at vanishing
+        Along `kind`, the value ``on_grid`` and ``on_half`` of the nodes, the ``estimate`` at zero
         spacing, and the relative ``error`` of the estimate: ``contact_area_fraction``,
         ``gradient_rms_contact``, and ``proportionality`` κ_r, their product times the effective modulus over
         the mean pressure. With a stress, also along `quantity` and `poisson` the percentiles ``p90`` and
@@ -77,11 +77,11 @@ def continuum_limit(
         and of the highest tenth; along `poisson` the ``decay_length_depth`` and ``decay_length_plane``, NaN
         if `stress` has no covariances. Stresses are in the unit of the contact pressure. Where the grid
         allows no estimate, it is NaN, and the attribute ``reason`` says why, or ``reason_of_stress`` if only
-        the peaks have none. ``least_error`` is the least relative error of the largest von Mises stress by
-        the departure of the surface from an isotropic Gaussian one. The attribute ``lost_gradient`` is the
-        share of the squared gradient of the surface that half of the nodes do not resolve: a third or more if
-        the roughness continues below the spacing. ``plastic_area`` is copied from the contact: at a hardness
-        errors are larger, and depths and decay lengths have no estimate.
+        the peaks have no estimate. ``least_error`` is the least relative error of the maximum von Mises
+        stress by the departure of the surface from an isotropic Gaussian one. The attribute
+        ``lost_gradient`` is the fraction of the squared gradient of the surface that half of the nodes do not
+        resolve: a third or more if the roughness continues below the spacing. ``plastic_area`` is copied from
+        the contact: at a hardness errors are larger, and depths and decay lengths have no estimate.
 
     Raises
     ------

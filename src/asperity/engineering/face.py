@@ -195,7 +195,7 @@ def _completed(options: Map, surface: HeightMap | None = None) -> Map:
 
 
 def _levelled(surface: HeightMap, options: Map) -> tuple[HeightMap, float, list[str]]:
-    """A map without spikes, missing points and trend; the share that was filled, and the steps in words."""
+    """A map without spikes, missing points and trend; the fraction filled, and the steps in words."""
     later: dict[str, Any] = dict.fromkeys(
         ("wavelength_short", "points", "radius", "s_filter", "l_filter", "ends")
     )

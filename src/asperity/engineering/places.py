@@ -37,7 +37,7 @@ class Blocks:
     ----------
     shape : (rows, columns)
     load : (rows, columns) array
-        Share of the load on each block.
+        Fraction of the load on each block.
     """
 
     shape: tuple[int, int]

@@ -180,7 +180,7 @@ class Question(Settings):
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Settings that exclude each other or are missing: dotted key, and the message after it.
 
-        With the rough face, the settings that do not go with it.
+        With the rough face, the settings that are incompatible with it.
         """
         return iter(())
 

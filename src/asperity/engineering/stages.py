@@ -433,7 +433,7 @@ class _Parts:
 
 
 def check_edges(case: Case, edges: Sequence[float]) -> None:
-    """Raise `SettingsError` if the load of a case does not go with the edges (y, x) of its map."""
+    """Raise `SettingsError` if the load of a case is incompatible with the edges (y, x) of its map."""
     found: list[tuple[str, str]] = []
     if (contact := case.hertz_contact) is not None:
         widths = 2 * contact.half_width_y, 2 * contact.half_width_x
@@ -454,7 +454,7 @@ def check_edges(case: Case, edges: Sequence[float]) -> None:
 
 
 def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:
-    """Settings of a case that do not go with its map."""
+    """Settings of a case that are incompatible with its map."""
     found: list[tuple[str, str]] = []
     ny, nx = rough.face.grid.shape
     if min(ny, nx) < FEWEST_NODES:

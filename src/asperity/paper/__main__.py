@@ -41,10 +41,10 @@ def main(results: Path | None = None, *larger: Path) -> None:
     replace(FOLDER / "claims.md", f"{markdown(findings)}\n{undecided(findings, larger_studies)}")
     surfaces = max(finding.own.seeds for finding in findings)
     said = (
-        f"`make study` presses {surfaces} random surfaces of every kind, corrects the numbers for the error "
-        f"of the grid, and tests {len(findings)} statements of the paper under every interpretation that its "
-        f"text admits. **{counted(findings)}.** [A table](paper/supplement/claims.md) has each statement "
-        "with its number, its interval and the interpretations on which it depends."
+        f"`make study` presses {surfaces} random surfaces of every kind, corrects the numbers for the "
+        f"discretisation error, and tests {len(findings)} statements of the paper under every interpretation "
+        f"that its text admits. **{counted(findings)}.** [A table](paper/supplement/claims.md) has each "
+        "statement with its number, its interval and the interpretations on which it depends."
     )
     replace(Path("README.md"), textwrap.fill(said, 118, break_on_hyphens=False) + "\n")
 

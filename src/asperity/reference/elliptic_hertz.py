@@ -140,7 +140,7 @@ class EllipticHertz:
 
     @property
     def mean_contact_pressure(self) -> float:
-        """Load over contact area, two thirds of the largest pressure."""
+        """Load over contact area, two thirds of the maximum pressure."""
         return 2 / 3 * self.maximum_pressure
 
     @property
@@ -204,7 +204,7 @@ class EllipticHertz:
         return np.stack([xx, yy, -scale / product, none, none, none], axis=-1)
 
     def maximum_von_mises_on_axis(self, poisson: float) -> AxisPeak:
-        """Largest von Mises stress on the axis, and its depth: a sample, refined between its neighbours."""
+        """Maximum von Mises stress on the axis, and its depth: a sample, refined between its neighbours."""
 
         def measure(depth: ArrayLike) -> Array:
             return von_mises(self.stress_on_axis(depth, poisson))

@@ -94,7 +94,7 @@ class Hertz:
 
     @property
     def mean_contact_pressure(self) -> float:
-        """Load over contact area, two thirds of the largest pressure; P_0 in the paper."""
+        """Load over contact area, two thirds of the maximum pressure; P_0 in the paper."""
         return 2 / 3 * self.maximum_pressure
 
     @property

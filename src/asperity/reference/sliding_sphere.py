@@ -1,4 +1,4 @@
-"""Stress in a half-space under a sphere in full sliding: Hertz's pressure and a shear traction μ p along x.
+"""Stress in a half-space under a sphere in gross sliding: Hertz's pressure and a shear traction μ p along x.
 
 The traction is ``q0 √(1 − r²/a²)`` with q0 = μ p0 in the whole contact. Its effect on the pressure is
 neglected; there is none if both solids have the same elastic constants or are incompressible. Sources: G. M.

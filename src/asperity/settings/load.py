@@ -117,7 +117,7 @@ class Hertz(OneLoad):
 
     @property
     def share(self) -> float:
-        """Pressure at the place over the largest pressure."""
+        """Pressure at the position over the maximum pressure."""
         return math.sqrt(max(0.0, 1 - self.at[0] ** 2 - self.at[1] ** 2))
 
 

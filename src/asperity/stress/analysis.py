@@ -2,7 +2,7 @@
 
 A plane is computed, reduced and discarded: its fields are searched for peaks, and its von Mises stress gives
 one point of the depth profile and, where it is asked for, the covariance of Eq. 22 with the reference plane,
-which has the largest von Mises stress. The reference plane is known only when the stream has ended: the
+which has the maximum von Mises stress. The reference plane is known only when the stream has ended: the
 planes above it are kept, or computed again.
 
 On a mirrored map planes cover the map alone. Where the stress is no mirror image (`PlaneStream.solid`),
@@ -58,7 +58,7 @@ INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
 """Fields that are the same for every condition of the mean mode."""
 
 ROUNDING_SHARE = 1e-12
-"""Maxima below this share of the root mean square of σ_zz of their plane are rounding errors."""
+"""Maxima below this fraction of the root mean square of σ_zz of their plane are rounding errors."""
 
 PLASTIC_CONTACT = (
     "the hardness limits the pressure; the stress under it is elastic, without plastic strain and residual "
@@ -92,7 +92,7 @@ def analyse_stress(
         A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array, optional
         Rising from 0, the surface; by default from `depth_grid`, down to the bottom of the layer, and below
-        to where a background has its largest stresses.
+        to where a background has its maximum stresses.
     poisson, tolerance, threads, work, friction, sliding_direction
         As for `stress_planes`.
     quantities : names
@@ -115,7 +115,7 @@ def analyse_stress(
     dataset
         Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
         and Poisson's ratio: `asperity.stress.select_peaks` selects from them. Along `plane`, the mean and
-        largest von Mises stress and, with `covariances`, the covariance with the plane of the largest; along
+        maximum von Mises stress and, with `covariances`, the covariance with the plane of the largest; along
         `lag`, the covariance in that plane. The attribute ``effective_modulus`` is E* in the same unit,
         ``friction`` and ``sliding_direction`` are the arguments; ``plastic_contact``, where the pressure
         reaches the hardness, states the consequence. Of a mirrored map places are on the map, and

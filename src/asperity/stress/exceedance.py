@@ -9,7 +9,7 @@ Error:
 -----
 Near the onset a small error of the stress is a large one of the volume. The volume is therefore measured
 above lower limits, too: its error is its change when the stress rises by its error, which is more than when
-it falls. The error of the stress follows from the stated error of the largest von Mises stress, and falls
+it falls. The error of the stress follows from the stated error of the maximum von Mises stress, and falls
 with the number of peaks above the limit.
 """
 
@@ -36,7 +36,7 @@ NEAR_BELOW, NEAR_ABOVE = 0.95, 1.1
 below or above all limits."""
 
 LEAST_NODE = 0.8
-"""Nodes below this share of the lowest limit are left out."""
+"""Nodes below this fraction of the lowest limit are left out."""
 
 
 SHARES = 1 - np.array([0.15, 0.04, 0.0])
@@ -47,7 +47,7 @@ LOW_SHARES = 0.5, 0.7
 
 
 OF_ALL, OF_ONE, OF_PLASTIC = 0.4, 0.6, 1.2
-"""Error of the stress at all peaks, and at a single one, over the stated error of the largest stress; factor
+"""Error of the stress at all peaks, and at a single one, over the stated error of the maximum stress; factor
 of both under a hardness (`benchmarks/answers.py`)."""
 
 RESOLVED = 0.14
@@ -92,7 +92,7 @@ class Exceedance:
     def error(self, estimates: xr.Dataset, peaks: float) -> float:
         """Error of the volume over the area, by pixels and planes; NaN where the stress has no estimate.
 
-        If no peak is above the limit, the error is above 0 where the largest stress and its error reach it.
+        If no peak is above the limit, the error is above 0 where the maximum stress and its error reach it.
 
         Parameters
         ----------

@@ -5,7 +5,7 @@ von Mises stress is nearly as high: between nodes it may be higher there. Around
 components are then interpolated, by splines in the plane and by a polynomial through five planes along the
 depth, and the extreme value of the field of the interpolated tensor is sought. Every field is compared at the
 points of all of them. Inequalities between fields at one point therefore hold for their extreme values, too:
-the von Mises stress is from √3 to 2 times the largest shear stress (Tresca).
+the von Mises stress is from √3 to 2 times the maximum shear stress (Tresca).
 
 Where the pressure reaches a hardness, extreme values are those at the nodes: interpolation overshoots
 plateaus.

@@ -35,7 +35,7 @@ MOST_NODES = 100_000
 """Most nodes along an edge of the cell that a box may have."""
 
 ON_A_NODE = 1e-9
-"""A position nearer to a node than this share of a spacing is on it."""
+"""A position nearer to a node than this fraction of a spacing is on it."""
 
 
 class StressBox:
@@ -186,7 +186,7 @@ def stress_section(
     along : "x" | "y"
         Horizontal axis of the section.
     at : float, optional
-        Position of the section on the other axis, within the cell; by default through the largest pressure.
+        Position of the section on the other axis, within the cell; by default through the maximum pressure.
     depths : (planes,) array, optional
         By default from `depth_grid`.
     progress : callable, optional

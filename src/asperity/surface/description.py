@@ -48,7 +48,7 @@ LARGEST_EDGE, LARGEST_ASPECT, SLOPES = 1.0, 1.9, (1e-5, 3.0)
 instrument scans a metre, and a superpolished mirror has gradients of 1e-5."""
 
 CHOSEN = MapOptions(periodic="mirrored", undefined="harmonic")
-"""Treatment that asperity run chooses for a map that is not periodic and has points without data."""
+"""Treatment that asperity run chooses for a map that is not periodic and has non-measured points."""
 
 NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
@@ -69,7 +69,7 @@ PARAMETERS = {
     "Spk": "reduced height of the peaks above it",
     "Svk": "reduced depth of the valleys below it",
 }
-"""Parameters of ISO 25178-2 that spikes and a bow change, in words."""
+"""Parameters of ISO 25178-2 that spikes and form change, in words."""
 
 NEED_EDGES = ("tilt", "Sdq", "plasticity", "Sal", "Str", "tip", "waves")
 """Properties that depend on the edges of a map."""
@@ -107,7 +107,7 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
 
     Roughness is computed from the points that have data, without the mean plane (of a map that is one period,
     without the mean) and without a filter, as `asperity.run` presses the map by default: with its spikes and
-    its bow. With spikes or a bow that matters (`bow_counts`), the roughness without them is given beside it.
+    its form. If spikes or form matter (`bow_counts`), the roughness without them is given beside it.
 
     Raises
     ------
@@ -201,14 +201,14 @@ def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None,
 
 
 class MapMeasures:
-    """Spikes, tilt and bow of a height map, and its rms height without them; lengths in the unit of the map.
+    """Spikes, tilt and form of a height map, and its rms height without them; lengths in the unit of the map.
 
     Parameters
     ----------
     surface : HeightMap
         With at least one point that has data.
     options : MapOptions
-        A map that is taken as one period has no tilt and no bow.
+        A map that is taken as one period has no tilt and no form.
 
     Attributes
     ----------
@@ -226,13 +226,13 @@ class MapMeasures:
     spiky : (ny, nx) array
         Heights without tilt, with the spikes, NaN where there are no data.
     flat : (ny, nx) array
-        Heights without spikes, tilt and bow, filled where there are no data.
+        Heights without spikes, tilt and form, filled where there are no data.
     tilt : float
         Angle of the mean plane, in radians.
     bow : float
-        Height of the terms of degree two, from lowest to highest point.
+        Form: height of the terms of degree two, from lowest to highest point.
     bow_counts : bool
-        True if the bow changes the rms height by more than the error of a sample of this size.
+        True if the form changes the rms height by more than the error of a sample of this size.
     rms_height, rms_height_without_bow : float
         Of the measured points, without tilt and spikes.
     """
@@ -267,7 +267,7 @@ def map_warnings(
     measures: MapMeasures | None = None,
     edges_known: bool = True,
 ) -> list[str]:
-    """Doubts about a map that the options do not answer: its unit, edges, missing points, spikes and bow.
+    """Doubts about a map that the options do not answer: its unit, edges, missing points, spikes and form.
 
     Each begins with the field of `MapOptions` that answers it.
     """
@@ -303,14 +303,14 @@ def map_warnings(
         )
     if found.bow_counts and options.detrend != "curvature":
         warnings.append(
-            f"detrend: a bow of {length(found.bow)}, with it Sq is {length(found.rms_height)}, "
+            f"detrend: a form of {length(found.bow)} height, with it Sq is {length(found.rms_height)}, "
             f"without it {length(rms)}, a change larger than the error of a sample; set it to curvature"
         )
     return warnings
 
 
 def _defects(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
-    """Spikes, tilt and bow."""
+    """Spikes, tilt and form."""
     spikes = "no points"
     beyond = f", beyond {DESPIKE:g} robust standard deviations from the local median"
     if measures.spike_count:
@@ -322,7 +322,7 @@ def _defects(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
     if not measures.is_period:
         tilt = f"{math.degrees(measures.tilt):.3g}°"
         bow = f"{surface.shown_length(measures.bow, digits=4)} from lowest to highest point"
-    return {"spikes": f"{spikes}{beyond}", "tilt": tilt, "bow": bow}
+    return {"spikes": f"{spikes}{beyond}", "tilt": tilt, "form": bow}
 
 
 def _parameters(surface: HeightMap, height: Array) -> dict[str, str]:
@@ -349,14 +349,14 @@ def _parameters(surface: HeightMap, height: Array) -> dict[str, str]:
 
 
 def _roughness_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
-    """Parameters that spikes and bow change, with and without them, and the index of plasticity."""
+    """Parameters that spikes and form change, with and without them, and the index of plasticity."""
     shown, measured = _parameters(surface, measures.spiky), measures.measured
     level = np.where(measured, measures.level, np.nan)
     without = []
     if measures.spike_count:
         without.append((", without spikes", level))
     if measures.bow_counts:
-        words = f", without {'spikes and ' if measures.spike_count else ''}bow"
+        words = f", without {'spikes and ' if measures.spike_count else ''}form"
         without.append((words, np.where(measured, measures.flat, np.nan)))
     for words, height in without:
         texts = _parameters(surface, height)
@@ -380,8 +380,8 @@ def _wave_words(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
     sal, str_ = surface.shown_length(shortest, digits=4), f"{ratio:.2g}"
     if measures.bow_counts:
         shortest, ratio, direction = roughness.texture(measures.flat, surface.spacing)
-        sal += f", without bow {surface.shown_length(shortest, digits=4)}"
-        str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
+        sal += f", without form {surface.shown_length(shortest, digits=4)}"
+        str_ += f", without form {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
     level = measures.level
     tip = roughness.finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)

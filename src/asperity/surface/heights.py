@@ -345,7 +345,7 @@ def _heights_residual(height: Array, target: Array) -> float:
 
 
 def _sorted_heights(count: int, rms_height: Any, moments: Any, plateau: Any, sample: Any) -> Array:
-    """Rising heights of the distribution with mean zero, each of the same share of the area."""
+    """Rising heights of the distribution with mean zero, each of the same fraction of the area."""
     given = {"moments": moments, "plateau": plateau, "sample": sample}
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:

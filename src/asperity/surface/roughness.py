@@ -29,7 +29,7 @@ CORRELATED = 0.2
 """Value of the autocorrelation that ends a length of the texture (ISO 25178-2)."""
 
 CORE_SHARE, RATIO_CLASSES = 0.4, 5000
-"""Share of the area over which the equivalent line is fitted, and classes of the material ratio curve."""
+"""Fraction of the area over which the equivalent line is fitted, and classes of the material ratio curve."""
 
 DIRECTIONS = 180
 """Directions over half a turn in which the autocorrelation is followed."""

@@ -43,7 +43,7 @@ def plot_peaks(
 ) -> Figure:
     """Magnitude and depth of the stress peaks, each a point; peaks under a contact have another colour.
 
-    The line is the largest von Mises stress of each plane. Peaks that all lie in the surface, such as those
+    The line is the maximum von Mises stress of each plane. Peaks that all lie in the surface, such as those
     of the contact pressure, are drawn as a histogram.
 
     Parameters

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.colors import Normalize
 
 MPA_RANGE = (1e5, 1e11)
-"""Largest stresses, in Pa, that are shown in MPa: strengths of materials are given in MPa, up to 100 GPa."""
+"""Maximum stresses, in Pa, that are shown in MPa: strengths of materials are given in MPa, up to 100 GPa."""
 
 _SI_UNITS = {"length": "m", "stress": "Pa"}
 _STUDY_UNITS = {"length": ("cell length", "cell lengths"), "stress": ("$E^*$", "$E^*$")}
@@ -84,16 +84,16 @@ def measure(values: ArrayLike, dimension: str, system: str | None) -> Measure:
 
 
 TAIL_SHARE = 0.001
-"""Share of the values at each end that the limits ignore."""
+"""Fraction of the values at each end that the limits ignore."""
 
 MIN_IN_TAIL = 3
 """Fewest values at each end that are ignored: one wrong node of a map makes up to three high peaks."""
 
 BEYOND_SHARE = 1e-6
-"""Values beyond a limit by less than this share of the scale are not reported."""
+"""Values beyond a limit by less than this fraction of the scale are not reported."""
 
 QUANTILE_MARGIN = 0.25
-"""The limits reach beyond the quantiles by at most this share of their distance. So the limits of Gaussian
+"""The limits reach beyond the quantiles by at most this fraction of their distance. So the limits of Gaussian
 values lie 4.6 standard deviations from the mean; of 512² independent values one is expected beyond them."""
 
 SEQUENTIAL = "viridis"

@@ -27,7 +27,7 @@ Part = tuple[slice, slice]
 """Rows and columns of the nodes of a part of a cell: index of a field [y, x]."""
 
 _EDGE_ERROR = 1e-9
-"""A node outside by at most this share of the edge, by rounding, is taken as inside."""
+"""A node outside by at most this fraction of the edge, by rounding, is taken as inside."""
 
 
 @dataclass(frozen=True)

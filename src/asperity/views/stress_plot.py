@@ -90,7 +90,7 @@ def field_look(field: str) -> Look:
 
 
 SEARCH_TOLERANCE = 1e-4
-"""Largest relative error of the planes in which the depth of the largest stress is sought."""
+"""Largest relative error of the planes in which the depth of the maximum stress is sought."""
 
 MAX_DEPTH = 100
 """Largest depth of a plane over the longer edge of the cell; all waves have vanished far above it."""
@@ -191,8 +191,8 @@ MIN_SHAPE = 0.12
 """Smallest depth of a section over its length, where no depth is given."""
 
 FADED = 0.05
-"""Where no depth is given, a section ends below the depth at which the stress has fallen to this share of its
-largest, so that its small lower part does not fill the picture."""
+"""Where no depth is given, a section ends below the depth at which the stress is this fraction of its
+maximum, so that its small lower part does not fill the picture."""
 
 MAX_POINTS = 2048
 """Most nodes drawn along a section; of a finer grid the largest magnitude of each block is drawn."""
@@ -222,7 +222,7 @@ def plot_section(
     y, x : float, "max" or (first, last), optional
         A number for one of them is the place of the section, rounded to a node, "max" the place of the
         largest magnitude of the field; a pair for the other is the part that is drawn. By default the section
-        runs along x through the largest contact pressure.
+        runs along x through the maximum contact pressure.
     depth : float, optional
         Lower end of the section. By default it is chosen so that the stress is seen, at most a quarter of
         the length and the height of the layer.
@@ -233,8 +233,8 @@ def plot_section(
     body : "lower" | "upper"
         The body whose stress is drawn, if the contact has two; depths are from its surface.
     friction, sliding_direction : float, str or float, optional
-        Full sliding, as for `asperity.stress_planes`, in the direction in which the upper body moves over the
-        lower one; by default as in the result.
+        Gross sliding, as for `asperity.stress_planes`, in the direction in which the upper body moves over
+        the lower body; by default as in the result.
     axes, unit_system
         As for `asperity.views.plot_height`.
     progress : callable, optional

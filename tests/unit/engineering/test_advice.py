@@ -114,7 +114,7 @@ WARNINGS = [
     ({f"{BODY}.poisson": 0.5}, "Poisson's ratio"),
     ({f"{BODY}.yield_stress": 1.5e11}, "yield stress"),
     ({"numbers.violation": float("nan")}, "accuracy of the solution"),
-    ({"rough.doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "detrend of the map"),
+    ({"rough.doubts": ["detrend: a form of 2 µm height; set it to curvature"]}, "detrend of the map"),
     ({"rough.doubts": [SPIKES], "numbers.presses_spikes": True}, "despike of the map"),
 ]
 NOTES = [

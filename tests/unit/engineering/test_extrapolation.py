@@ -1,4 +1,4 @@
-"""Estimates at vanishing grid spacing, against finer grids and the closed form of Hertz."""
+"""Estimates at zero grid spacing, against finer grids and the closed form of Hertz."""
 
 import re
 

@@ -244,7 +244,7 @@ def test_heights_without_unit_take_the_option(tmp_path):
 
 
 def test_a_mask_is_no_gap_unless_asked(tmp_path):
-    """A mask of grains is named; one over a single number hides points without data."""
+    """A mask of grains is named; one over a single number hides non-measured points."""
     path, mask = tmp_path / "map.gwy", RAW > 60
     foreign_files.write_gwy(path, [("Height", "m", "m", RAW)], mask)
     assert_read(path)

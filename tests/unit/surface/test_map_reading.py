@@ -357,7 +357,7 @@ def test_doubts_about_a_map_name_their_option():
     found = map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), MapOptions())
     assert [text.split(":")[0] for text in found] == ["despike", "detrend"]
     assert "1 spikes of up to 5" in found[0]
-    assert "a bow of 1.2" in found[1]
+    assert "a form of 1.2" in found[1]
     answered = MapOptions(despike=8, detrend="curvature")
     assert map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), answered) == []
     (doubt,) = map_warnings(HeightMap(1e-3 * curved, (1e-7, 1e-7), unit="mm"), answered)

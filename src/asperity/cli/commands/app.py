@@ -13,7 +13,7 @@ SECONDS = {"s": 1, "min": 60, "h": 3600}
 """Unit of a time → its seconds."""
 
 MEMORY_SHARE = 0.75
-"""Share of the memory of this computer that a computation may use."""
+"""Fraction of the memory of this computer that a computation may use."""
 
 
 def run(options: argparse.Namespace) -> None:

@@ -59,7 +59,7 @@ class Adhesion(Attraction, Question):
     """Contacts on the path from the first attraction to the load; more follow on the way back."""
 
     def problems(self, case: Scene, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
-        """Loads and questions that do not go with adhesion, and a range that the grid does not resolve."""
+        """Loads and questions incompatible with adhesion, and a range that the grid does not resolve."""
         if rough is not None:
             grid = rough.face.grid
             try:

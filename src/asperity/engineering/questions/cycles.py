@@ -309,7 +309,7 @@ class Cycles(Question):
         )
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
-        """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
+        """The maximum Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
         for body in answer.case.different_bodies:
             name, limit = _name(answer.case, body), answer.case.bodies[body].fatigue_torsion
             if name in answer.datasets and limit is not None:

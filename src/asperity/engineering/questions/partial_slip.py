@@ -47,7 +47,7 @@ CYCLE_STEPS = 6
 """Steps of first loading in the cycle: chords enclose 97 % of the energy, and cost five more contacts."""
 
 UNEVEN = 0.1
-"""A warning is given if sticking nodes move unevenly by more than this share of the displacement."""
+"""A warning is given if sticking nodes move unevenly by more than this fraction of the displacement."""
 
 CYCLE_CAPTION = (
     "Tangential force against tangential displacement in a cycle between the force and its opposite, after "

@@ -1,7 +1,7 @@
 """Numbers of the claims: statistics of random surfaces, and numbers from closed forms and finite elements.
 
 The number of a statement of `paper.yaml` is a `Number` of random surfaces, one for each seed, or the function
-of this module with the name of the statement. Numbers of random surfaces are the estimates at vanishing grid
+of this module with the name of the statement. Numbers of random surfaces are the estimates at zero grid
 spacing where there are such; two surfaces are compared seed by seed. The paper leaves choices open; an
 *interpretation* takes one option of each (`asperity.paper.claims.sources.CHOICES`).
 """
@@ -49,7 +49,7 @@ class SeedNumbers(NamedTuple):
     Parameters
     ----------
     values : data array
-        Estimates at vanishing grid spacing, or values on the grid where no correction is known.
+        Estimates at zero grid spacing, or values on the grid where no correction is known.
     grid_errors : data array
         Absolute errors of the grid that remain after its correction; zero where no correction is known.
     on_grid : data array
@@ -122,7 +122,7 @@ class Number:
     poisson : sequence of str
         ``"contact"``, ``"smallest"`` or ``"largest"``: the Poisson's ratios at which it is taken.
     level : float, optional
-        Share of the peaks below a quantile.
+        Fraction of the peaks below a quantile.
     unscaled : bool
         Multiply by ḡ_r, the rms gradient over the real contact: stresses are then in units of E*.
     factor : float
@@ -200,7 +200,7 @@ class Number:
 def _kinds(
     statistics: xr.Dataset, variable: str, chosen: Mapping[str, Any]
 ) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
-    """A variable on the grid, its estimate at vanishing spacing, and the relative error of the estimate.
+    """A variable on the grid, its estimate at zero spacing, and the relative error of the estimate.
 
     Where there is no estimate, the value on the grid is used in its place, with no error.
     """
@@ -219,7 +219,7 @@ Raises `MissingEvidenceError` if the evidence lacks a surface or a dataset."""
 
 
 def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
-    """Largest difference between the shares of peaks below a value, for each seed, from their quantiles.
+    """Largest difference between the fractions of peaks below a value, for each seed, from their quantiles.
 
     Only values above the smallest peak of both are compared, because a grid finds no smaller peaks. The
     distance is smaller than the distance of all peaks, by at most 0.0025 for ten thousand of them
@@ -295,7 +295,7 @@ def coarse_grid(evidence: Evidence) -> FixedNumber:
 
 
 def punch_of_poisson(evidence: Evidence) -> FixedNumber:
-    """Largest von Mises stress under a punch at the smallest ν over the same at the largest ν.
+    """Maximum von Mises stress under a punch at the smallest ν over the same at the largest ν.
 
     Uncertain by the difference to the closed form.
     """

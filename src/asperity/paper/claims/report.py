@@ -142,7 +142,7 @@ def why_open(grids: Mapping[int, Judgement]) -> str:
     Parameters
     ----------
     grids : mapping
-        Nodes on the shortest wave → judgement. The error of the grid is taken to fall as from the coarsest
+        Nodes on the shortest wave → judgement. The discretisation error is taken to fall as from the coarsest
         to the finest grid, or, on one grid, in proportion to the spacing.
     """
     one = _narrowest(grids)
@@ -160,7 +160,7 @@ def why_open(grids: Mapping[int, Judgement]) -> str:
     enough = seeds[stdtrit(seeds - 1, 0.5 + verdicts.CONFIDENCE / 2) * scatter / np.sqrt(seeds) < half]
     needed = f"{enough[0]}" if enough.size else f"more than {seeds[-1]}"
     return (
-        f"{distance:.2g} from the edge of the region, beside an error of the grid of {one.grid_error:.2g}; "
+        f"{distance:.2g} from the edge of the region, beside a discretisation error of {one.grid_error:.2g}; "
         f"{nodes} nodes and {needed} seeds are needed"
     )
 

@@ -7,7 +7,7 @@ own options first. Under one of them (`judge`) the 95 % interval of the mean ove
 inside the region of the claim (`REGIONS`): *holds*; outside: *does not hold*; across its edge, or with one
 seed only: *not decided*. A claim that our number cannot refute holds or is *not testable here*. Two surfaces
 are compared seed by seed, since one seed gives both the same random phases. The numbers are estimates at
-vanishing grid spacing, and the error of the grid that remains widens the interval in quadrature. A number
+zero grid spacing, and the discretisation error that remains widens the interval in quadrature. A number
 that does not depend on a random surface has its numerical uncertainty as interval.
 
 The claim *holds* or *does not hold* if it does under every interpretation. It *depends on* choices if it
@@ -123,13 +123,13 @@ class Judgement:
     region_low, region_high : float
         Region of the number if the statement holds.
     value : float
-        Mean over seeds, at vanishing grid spacing where a correction is known.
+        Mean over seeds, at zero grid spacing where a correction is known.
     value_on_grid : float
         The same on the grid of the study.
     standard_error : float
         Over seeds, or the numerical uncertainty; NaN with one seed.
     grid_error : float
-        Error of the grid that remains after its correction.
+        Discretisation error that remains after its correction.
     interval_low, interval_high : float
         Interval that decides the verdict, from both errors.
     seeds : int

@@ -108,7 +108,7 @@ def draw_fields(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> Fi
     """Draw fields on the diagonal plane of the cubic cell, and their difference to the finite elements.
 
     There is a row for each field. `fields` maps names to label and colour map. Displacements are over the
-    approach, stresses over the largest pressure. Triangles mark the edge of contact.
+    approach, stresses over the maximum pressure. Triangles mark the edge of contact.
     """
     dataset = validation["elements"]
     maximum_pressure, radius = float(np.abs(dataset.stress_zz_spectral).max()), float(dataset.contact_radius)
@@ -200,14 +200,14 @@ def draw_von_mises(validation: Datasets) -> Figure:
 
 
 def caption_von_mises(validation: Datasets) -> Iterator[str]:
-    """Largest stress under the paraboloid, by Fourier series and in closed form."""
+    """Maximum stress under the paraboloid, by Fourier series and in closed form."""
     data = validation["punch"]
     scale, radius = data["maximum_pressure"], data["contact_radius"]
     for nu in data["poisson"].values:
         one = data.sel(poisson=nu)
         largest, depth = one["von_mises_spectral"].max() / scale, one["peak_depth_closed_form"] / radius
         yield (
-            f"ν = {nu:g}: largest von Mises stress {float(largest):.4f} p₀ in the periodic cell, "
+            f"ν = {nu:g}: maximum von Mises stress {float(largest):.4f} p₀ in the periodic cell, "
             f"{float(one['peak_von_mises_closed_form'] / scale):.4f} p₀ for a single contact, at a depth of "
             f"{float(depth):.3f} a"
         )

@@ -30,7 +30,7 @@ LARGEST_DISTANCE = 6.0
 """Largest depth or distance drawn, in units of the shortest wavelength."""
 
 MOST = 0.999
-"""Share of the peaks that an axis, of value or of depth, shows."""
+"""Fraction of the peaks that an axis, of value or of depth, shows."""
 
 DEPARTURE = 0.05
 """Difference between decay curves, over the variance, above which it is marked: the paper finds none."""
@@ -244,14 +244,14 @@ def draw_decay(statistics: Datasets, cases: str) -> Figure:
 
 
 def caption_decay(statistics: Datasets, cases: str) -> Iterator[str]:
-    """Depth of the largest von Mises stress, and where the covariance of Eq. 22 has fallen to half."""
+    """Depth of the maximum von Mises stress, and where the covariance of Eq. 22 has fallen to half."""
     for case in CASES[cases](statistics):
         reference, down, across = (
             float(case.statistics[length]) / case.wavelength_short
             for length in ("reference_depth", "decay_length_depth", "decay_length_plane")
         )
         yield (
-            f"{case.name}: largest von Mises stress at a depth of {reference:.3f} λ_s; covariance "
+            f"{case.name}: maximum von Mises stress at a depth of {reference:.3f} λ_s; covariance "
             f"halved at a depth of {reference + down:.3f} λ_s, and at a distance of {across:.3f} λ_s "
             f"in the plane"
         )
@@ -264,5 +264,5 @@ def _units(compared: Sequence[FigureCase], cases: str) -> list[float]:
 
 
 def _end_of_most(edges: Array, counts: Array) -> float:
-    """Upper edge of the bin in which the share `MOST` of the counts is reached."""
+    """Upper edge of the bin in which the fraction `MOST` of the counts is reached."""
     return float(edges[1:][np.searchsorted(np.cumsum(counts), MOST * counts.sum())])

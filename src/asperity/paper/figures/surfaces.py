@@ -37,7 +37,7 @@ PIXELS = 512
 """Smallest number of pixels along an edge of a map, where the grid has as many nodes."""
 
 WIDEST = 4.0
-"""Largest ratio of the upper end of the colours to the largest pressure of the surface with the smallest
+"""Largest ratio of the upper end of the colours to the maximum pressure of the surface with the smallest
 pressures: otherwise a surface with spikes would make the others pale."""
 
 
@@ -133,11 +133,11 @@ def caption_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Da
 def draw_pressure(contact: Datasets) -> Figure:
     """Draw the pressure over E* times the rms gradient of the real contact; white where there is no contact.
 
-    A second row magnifies the part of the cell around the largest pressure of the first surface.
+    A second row magnifies the part of the cell around the maximum pressure of the first surface.
 
     Notes
     -----
-    A pixel shows the largest pressure of the nodes under it, so that the smallest contacts are seen.
+    A pixel shows the maximum pressure of the nodes under it, so that the smallest contacts are seen.
     """
     maps = []
     for data in contact.values():

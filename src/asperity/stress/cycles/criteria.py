@@ -48,10 +48,10 @@ RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
 
 FATIGUE_SHARES = np.geomspace(0.1, 10, 461)
-"""Shares of the fatigue limit above which the volume is known, 1 % apart."""
+"""Fractions of the fatigue limit above which the volume is known, 1 % apart."""
 
 FATIGUE_EXPONENTS = np.geomspace(1, 130, 33)
-"""Exponents of the power means of the Dang Van stress: between them interpolation errs by less than 1e-4."""
+"""Exponents of the power means of the Dang Van stress: between them interpolation is exact to 1e-4."""
 
 NUMBERS = ("shear_range", "dang_van", *RESIDUALS)
 """Numbers of a history, in the order of `Criteria.numbers`."""
@@ -139,7 +139,7 @@ class Criteria:
         return (dang_van + self.alpha * 2 / 3 * self.residual_stress) / (self.fatigue_torsion or 1.0)
 
     def above(self, dang_van: Array) -> Array:
-        """Share of points whose Dang Van stress is above each of `FATIGUE_SHARES`."""
+        """Fraction of points whose Dang Van stress is above each of `FATIGUE_SHARES`."""
         rank = np.searchsorted(np.sort(self.over_limit(dang_van)), FATIGUE_SHARES, side="right")
         return 1 - rank / dang_van.size
 

@@ -36,7 +36,7 @@ DIRECTIONS = 1024
 """Number of directions over which the stress below an ellipse is averaged."""
 
 DEPTH_OF_LARGEST = 2.0
-"""Depth in smaller half-widths above which the largest stresses of a Hertz contact lie."""
+"""Depth in smaller half-widths above which the maximum stresses of a Hertz contact lie."""
 
 SMALLEST_DEPTH = 1e-12
 """Least depth over the smaller half-width: in the surface, a mode's stress is infinite at the edge."""
@@ -102,7 +102,7 @@ class HertzContact:
         Raises
         ------
         ValueError
-            If an argument is out of range, or not exactly one of largest pressure and force is given.
+            If an argument is out of range, or not exactly one of maximum pressure and force is given.
         """
         if (maximum_pressure is None) == (force is None):
             raise ValueError("exactly one of maximum_pressure and force is needed")
@@ -139,7 +139,7 @@ class HertzContact:
         return y, x
 
     def deepest(self, limit: float | None = None) -> float:
-        """Depth above which the largest stresses lie, and all von Mises stresses above a limit.
+        """Depth above which the maximum stresses lie, and all von Mises stresses above a limit.
 
         Far below a roller the von Mises stress is less than p₀ b/z, and less still below an ellipse.
         """
@@ -151,7 +151,7 @@ class HertzContact:
         return self.maximum_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def maximum_shear(self, poisson: float) -> tuple[float, float]:
-        """Largest shear stress (Tresca) on the axis without friction, and its depth, to 0.1 % of it."""
+        """Maximum shear stress (Tresca) on the axis without friction, and its depth, to 0.1 % of it."""
         depth = self.narrow * np.linspace(0, 2, 2001)
         if np.inf in (self.half_width_y, self.half_width_x):
             stress = LineHertz(self.narrow, self.maximum_pressure).stress(0.0, depth, poisson)
@@ -173,7 +173,7 @@ class HertzContact:
 
         In closed form under a roller; under an ellipse to rounding for axis ratios up to 100, except within
         1/40 of the smaller half-width below the edge or the surface around the contact, where the error is
-        below 1e-3 of the largest pressure.
+        below 1e-3 of the maximum pressure.
 
         Parameters
         ----------

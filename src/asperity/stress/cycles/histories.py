@@ -48,7 +48,7 @@ STATES_BYTES = 2**29
 Planes are computed again for the next rows, and modes for the next plane if they do not fit."""
 
 EXACT_ABOVE = 0.5
-"""Share of the largest Dang Van stress above which every point is computed, for the distribution."""
+"""Fraction of the maximum Dang Van stress above which every point is computed, for the distribution."""
 
 ERROR_OVER_CHANGE = 2.0
 """Error of the worst values over their change with half of the states: the estimate holds in 11 of 12 cases

@@ -169,7 +169,7 @@ def stress_cycles(
         Over ``cycle_depth`` and ``cycle_y`` (``cycle_x`` if a rough body moves along y over a smooth one),
         (depths, rows of the contact): ``shear_range``, the range of the shear stress on planes of constant
         z in the direction of motion, in the unit of the pressure; with fatigue limits ``dang_van``, the
-        largest stress of Dang Van over the limit in torsion; with a yield stress ``shakedown_upper``,
+        maximum stress of Dang Van over the limit in torsion; with a yield stress ``shakedown_upper``,
         ``shakedown_line`` and ``shakedown_lower``, the factors of the load up to elastic shakedown: an
         upper bound, the exact one under a contact that does not change along y, and a lower bound. Each
         row of a plane on a coarser grid is repeated at all rows of the contact nearest to it. The

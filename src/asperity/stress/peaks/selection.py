@@ -40,7 +40,7 @@ ROUNDING = 1e-9
 """Rounding error of the number of peaks above a quantile."""
 
 HIGHEST_SHARE = 0.1
-"""Share of the peaks that are the highest ones."""
+"""Fraction of the peaks that are the highest ones."""
 
 _LABELS = ("peak_quantity", "peak_poisson")
 
@@ -172,7 +172,7 @@ def peak_numbers(
     stress : dataset
         Result of `asperity.stress.analysis.analyse_stress`.
     levels : sequence of float
-        Shares of the peaks at which quantiles are taken.
+        Fractions of the peaks at which quantiles are taken.
     all_peaks : data array, optional
         Along `quantity` and `poisson`, the number of all peaks, for the quantiles: the peaks found are the
         highest of them, and the others are taken as equal to the smallest one.

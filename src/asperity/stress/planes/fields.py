@@ -12,7 +12,7 @@ two others comes from the trigonometric solution of the cubic (O. K. Smith, Comm
 the arc cosine loses half of the digits. Their mean is −λ/2, and half of their difference follows from the
 part of the tensor in the plane across the first principal direction n, less its mean. With the deviator S,
 n nᵀ is the adjugate of S − λ I over its trace, which has no small divisor because λ is far from the others.
-All three are accurate to rounding of the largest stress.
+All three are accurate to rounding of the maximum stress.
 """
 
 from __future__ import annotations
@@ -369,7 +369,7 @@ def _von_mises(first: float, second: float, xy: float, across: float) -> float:
 
 @compiled
 def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
-    """The largest shear stress or a principal stress."""
+    """The maximum shear stress or a principal stress."""
     first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
     if kind == _LARGEST_SHEAR:
         return 0.5 * (first - third)

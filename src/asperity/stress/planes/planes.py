@@ -39,7 +39,7 @@ COATING_PLANES = 4
 
 DEEP_GROWTH = 0.06
 """Distance between planes below the depth of the cell, relative to their depth, where only a background
-changes: a plane meets the largest stress of a Hertz contact to 0.1 %."""
+changes: a plane meets the maximum stress of a Hertz contact to 0.1 %."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -176,7 +176,7 @@ def depth_grid(
 ) -> Array:
     """Depths of planes from the surface to the bottom, close near the surface and farther apart below.
 
-    A contact spot of radius a has its largest von Mises stress at 0.38–0.55 a, and the stress changes over
+    A contact spot of radius a has its maximum von Mises stress at 0.38–0.55 a, and the stress changes over
     lengths of about a. A feature at depth d is at least about 2 d wide, because shorter modes have decayed.
     Planes are therefore `spacing` grid spacings apart at first, and `growth` × depth apart below.
 

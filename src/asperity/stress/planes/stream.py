@@ -57,7 +57,7 @@ SINGLE_PRECISION_TOLERANCE = 3e-5
 mean square."""
 
 SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
-"""Range of the largest pressure in which planes are in single precision: squares of stresses stay within its
+"""Range of the maximum pressure in which planes are in single precision: squares of stresses stay within its
 range."""
 
 KEPT_BYTES = 2 * 8 * 4096 * 4112 * 8
@@ -75,7 +75,7 @@ MAX_DEPTH = 1e30
 """Largest depth over the longer period. Modes vanish below a depth of 120; nothing overflows."""
 
 ROUNDED_SHEAR = 1e-12
-"""Shear stress of a background over its largest stress up to which it is a rounding error."""
+"""Shear stress of a background over its maximum stress up to which it is a rounding error."""
 
 ON_LINE = 1e-6
 """Distance from a mirror line, over the spacing, up to which a place is on the line."""
@@ -394,7 +394,7 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Solid) -> lis
 
 
 def shear_traction(friction: Any, direction: Any, layer: Solid) -> tuple[float, float]:
-    """Shear traction over pressure along x and y under full sliding, see `asperity.stress_planes`."""
+    """Shear traction over pressure along x and y under gross sliding, see `asperity.stress_planes`."""
     accepted = f"a number from 0 to {MAX_FRICTION:g}"
     friction = number("friction", friction, accepted, lambda size: 0 <= size <= MAX_FRICTION)
     cosine, sine = direction_cosines(direction)

@@ -199,7 +199,7 @@ def _mode_bound(z: Array, along: Array, across: Array, shear: Array) -> Array:
 
     The von Mises stress is largest where either the normal stresses or the shear stress are. Half of the sum
     and the half of the difference of two normal stresses, or the shear stress, bound the principal stresses,
-    by which the hydrostatic stress is bounded; the largest shear stress is at most the von Mises stress over
+    by which the hydrostatic stress is bounded; the maximum shear stress is at most the von Mises stress over
     √3.
     """
     differences = (z - along) ** 2 + (along - across) ** 2 + (across - z) ** 2

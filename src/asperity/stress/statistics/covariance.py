@@ -1,4 +1,4 @@
-"""Covariances of Eq. 22: within a plane, and of planes with the plane of the largest von Mises stress."""
+"""Covariances of Eq. 22: within a plane, and of planes with the plane of the maximum von Mises stress."""
 
 from __future__ import annotations
 

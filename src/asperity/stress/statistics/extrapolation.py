@@ -1,13 +1,13 @@
-"""Extrapolation to vanishing grid spacing, from a contact and the same contact on half as many nodes.
+"""Extrapolation to zero grid spacing, from a contact and the same contact on half as many nodes.
 
 The largest error of a contact on a grid is usually the discretisation error. Each of its parts is corrected
 by theory and by results of many random surfaces (``paper/supplement/continuum.md``):
 
 Area
-    The whole pixel of a node in contact is counted, so that every patch is too wide by a share of the spacing
-    along its boundary. The boundary, counted in edges between nodes inside and outside, times
+    The whole pixel of a node in contact is counted, so that every contact spot is too wide by a fraction of
+    the spacing along its boundary. The boundary, counted in edges between nodes inside and outside, times
     `BOUNDARY_SHARE` is subtracted. (Yastrebov, Anciaux and Molinari 2017,
-    https://doi.org/10.1016/j.triboint.2017.04.023, derive a share of 0.118 for random cuts.)
+    https://doi.org/10.1016/j.triboint.2017.04.023, derive a fraction of 0.118 for random cuts.)
 Slopes and depths
     The rms gradient over the contact and the depths of peaks converge with the square of the spacing:
     Richardson's extrapolation of second order.
@@ -15,23 +15,23 @@ Percentiles of peaks
     A coarse grid misses the lowest peaks and hardly changes the high ones. The number of peaks is
     extrapolated, and the percentile of all of them is the peak of the same rank among those found.
 
-The error that remains is a share of the change from half of the nodes to all nodes. It does not vanish near
+The error that remains is a fraction of the change from half of the nodes to all. It does not vanish near
 full contact. So that the stated error is not small by chance, sizes, depths and decay lengths use the
 largest change of the numbers of their kind. `SHARE_OF_CHANGE` and the constants beside it hold the measured
-shares. With hundreds of peaks the error of their sizes is a multiple of the share of peaks that the grid
-missed (`OF_MISSED`). Half of the nodes cannot represent waves shorter than four nodes; the corrections of a
+fractions. With hundreds of peaks the error of their sizes is a multiple of the fraction of missed peaks
+(`OF_MISSED`). Half of the nodes cannot represent waves shorter than four nodes; the corrections of a
 surface with such waves have larger errors.
 
 Extreme values of the fields are not corrected. Their errors grow with the change from half of the nodes to
-all, and with the correction of the area, which says how well patches are resolved (`OF_RESOLUTION`). On a
-surface with creases extreme stresses grow with every refinement and have no estimate. Such a surface has
-roughness up to the limit of the grid in all directions (`BEYOND_BAND`), while waves that are not shorter than
-two spacings leave the diagonals of the grid empty.
+all, and with the correction of the area, which says how well contact spots are resolved
+(`OF_RESOLUTION`). On a surface with creases extreme stresses grow with every refinement and have no
+estimate. Such a surface has roughness up to the limit of the grid in all directions (`BEYOND_BAND`), while
+waves that are not shorter than two spacings leave the diagonals of the grid empty.
 
-These shares hold for isotropic Gaussian surfaces. The errors of others are larger: along a lay neighbouring
-nodes err alike, plateaus and sharp crests have edges that the grid does not resolve. Their shares of the
-change are larger, and two measures of the grid are added (`OF_DEPARTURE`), both in proportion to the
-departure of the surface from an isotropic Gaussian one.
+These fractions hold for isotropic Gaussian surfaces. The errors of others are larger: along a lay the errors
+of neighbouring nodes are alike, and the grid does not resolve the edges of plateaus and sharp crests. Their
+fractions of the change are larger, and two measures of the grid are added (`OF_DEPARTURE`), both in
+proportion to the departure of the surface from an isotropic Gaussian one.
 
 The constants were fitted to surfaces that are not kept; `benchmarks/continuum.py` and `benchmarks/answers.py`
 test them on others.
@@ -98,7 +98,7 @@ of seven kinds, other ones than those of `benchmarks/answers.py`."""
 OF_EXTREME, OF_RESOLUTION_OF_PEAKS = 0.25, 0.5
 
 OF_TENSION = 1.25, 0.6, 2.5
-"""a, b, f of the relative error a c^b + f d s of the largest tension, with departure d and s as in
+"""a, b, f of the relative error a c^b + f d s of the maximum tension, with departure d and s as in
 `OF_DEPARTURE`: its peaks at the edges of the contacts change by a fifth at eight nodes on the shortest wave.
 """
 
@@ -109,7 +109,7 @@ COMMON = "pressure", "von_mises"
 """Quantities whose peaks enter the change of the sizes of every other quantity, too."""
 
 LOST_DEPTH = 5
-"""c in the factor 1 + c l of the error of the mean depth; l: share of the squared gradient lost on half of
+"""c in the factor 1 + c l of the error of the mean depth; l: fraction of the squared gradient lost on half of
 the nodes."""
 
 OF_AREA = 0.43, 0.043
@@ -130,7 +130,7 @@ OF_PROPORTIONALITY = 0.9
 
 OF_MISSED = {"pressure": 0.16, "von_mises": 0.16}
 """Quantity → c of the relative error of a quantile of its peaks, (c + `LOWER_PEAKS` (1 − level)) m, with the
-share m of the peaks that the grid missed."""
+fraction m of the peaks that the grid missed."""
 
 OF_MISSED_COMPONENT = 0.3
 """`OF_MISSED` for other quantities, whose number of peaks rises more from grid to grid."""
@@ -200,10 +200,10 @@ CURVED_RUN = 2.0
 """Mean length in nodes of straight parts of the boundary up to which it is curved; 1.7 if it is isotropic."""
 
 STRAIGHT = 1e-3
-"""Largest difference of the pressure along a line, over the largest pressure, along straight ridges."""
+"""Largest difference of the pressure along a line, over the maximum pressure, along straight ridges."""
 
 WIDTH = 0.75
-"""Relative error of the standard deviation of the peaks over the share of missed ones."""
+"""Relative error of the standard deviation of the peaks over the fraction of missed ones."""
 
 OUTPUTS = (
     *("contact_area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
@@ -292,7 +292,7 @@ def _second_differences(height: Array, axis: int, mirrored: bool) -> Array:
 
 
 def resolution(estimates: xr.Dataset) -> float:
-    """Relative correction of the area over the share out of contact: small where patches are resolved."""
+    """Relative correction of the area over the fraction out of contact: small if spots are resolved."""
     found, best = (
         float(estimates["contact_area_fraction"].sel(kind=kind)) for kind in ("on_grid", "estimate")
     )
@@ -302,7 +302,7 @@ def resolution(estimates: xr.Dataset) -> float:
 def extreme_error(estimates: xr.Dataset, field: str) -> float:
     """Relative error of the extreme value of a field; NaN where it has no estimate.
 
-    Of a result without ``extreme`` it is the error of the largest von Mises peak.
+    Of a result without ``extreme`` it is the error of the highest von Mises peak.
     """
     if "extreme" in estimates:
         return float(estimates["extreme"].sel(field=field, kind="error"))
@@ -317,7 +317,7 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
     fine, coarse : OnGrid
         On all nodes, and on half as many along both edges.
     lost : float
-        Share of the squared gradient of the surface in waves that the coarse grid does not hold.
+        Fraction of the squared gradient of the surface in waves that the coarse grid does not hold.
     reason : str
         Reason why there is no estimate; empty if there is one.
     """
@@ -340,7 +340,7 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
 def extrapolated_numbers(
     fine: OnGrid, other: xr.Dataset, lost: float, levels: Sequence[float] | Array = PERCENTILE_LEVELS
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """Numbers on a grid, their estimates at vanishing spacing, and the relative errors of these.
+    """Numbers on a grid, their estimates at zero spacing, and the relative errors of these.
 
     Parameters
     ----------
@@ -348,9 +348,9 @@ def extrapolated_numbers(
     other : dataset
         Numbers of the same contact on fewer nodes, as of `numbers_on`.
     lost : float
-        Share of the squared gradient of the surface in waves that the other grid does not hold.
+        Fraction of the squared gradient of the surface in waves that the other grid does not hold.
     levels : sequence of float
-        Shares of the peaks at which quantiles are taken, with the levels of `PERCENTILES`.
+        Fractions of the peaks at which quantiles are taken, with the levels of `PERCENTILES`.
     """
     found = numbers_on(fine, levels)
     # Datasets are made of the arrays in the end: a dataset compares all its coordinates at each assignment.
@@ -422,7 +422,7 @@ def extrapolated_numbers(
 def _of_departure(error: dict[Any, Any], found: xr.Dataset) -> dict[Any, Any]:
     """Relative errors of a surface that may not be isotropic and Gaussian.
 
-    ``least`` is the addition to the error of the largest von Mises stress.
+    ``least`` is the addition to the error of the maximum von Mises stress.
     """
 
     def added(shares: tuple[float, float, float], own: Any) -> Any:
@@ -523,8 +523,8 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = PERCENTILE_LEV
 def _of_surface(results: OnGrid, touching: Array) -> dict[str, float]:
     """Departure from an isotropic Gaussian surface, 0 to 1, and waves that the grids do not resolve.
 
-    ``unresolved`` is the root of u/(1 + u), where u is the share of the squared gradient over the contact in
-    waves that half of the nodes along both edges do not hold. ``beyond_band`` is the share of the squared
+    ``unresolved`` is the root of u/(1 + u), with the fraction u of the squared gradient over the contact in
+    waves that half of the nodes along both edges do not hold. ``beyond_band`` is the fraction of the squared
     curvature in modes shorter than two spacings, which a grid holds along its diagonals alone; 1 of
     creases in one direction or along the axes.
     """

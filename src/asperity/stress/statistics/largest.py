@@ -20,7 +20,7 @@ FEWEST_PEAKS, MOST_PEAKS = 20, 200
 """Fewest and most peaks above the threshold."""
 
 TAIL = 0.15
-"""Share of the peaks above the threshold, between these numbers."""
+"""Fraction of the peaks above the threshold, between these numbers."""
 
 MAX_AREA_RATIO = 100
 """Largest area over the area of the sample; `benchmarks/largest.py` measures the intervals up to 39."""

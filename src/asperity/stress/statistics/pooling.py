@@ -80,7 +80,7 @@ def pool_peaks(
     resamples : int
         Number of bootstrap resamples, at most `MOST_RESAMPLES`.
     confidence : float
-        Share of the resamples within a band, between 0 and 1.
+        Fraction of the resamples within a band, between 0 and 1.
     seed : int
         Seed of the bootstrap, at least 0.
 

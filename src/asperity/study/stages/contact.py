@@ -127,7 +127,7 @@ def press_surface(
 
 
 def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, Any]) -> xr.Dataset | None:
-    """The same contact under the same load on half as many nodes, for estimates at vanishing grid spacing.
+    """The same contact under the same load on half as many nodes, for estimates at zero grid spacing.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ number again. `verify_seed` and `verify_statistics` compare the results with law
 
 Stresses are divided by E* ḡ_r, ḡ_r being the rms gradient over the real contact. Lengths and depths are in
 units of the longer edge of the cell. Variables ``continuum_…`` are, along `kind`, the estimate of a number at
-vanishing grid spacing, and its relative error. NaN where there is nothing to measure or to estimate.
+zero grid spacing, and its relative error. NaN where there is nothing to measure or to estimate.
 """
 
 from collections.abc import Iterable
@@ -43,13 +43,13 @@ FEWEST_BINS = 10
 """Smallest number of bins of the densities, however few the peaks."""
 
 QUANTILES = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
-"""Shares of the peaks at which quantiles are stored: every percent, above 99 % every tenth of a percent."""
+"""Fractions of the peaks at which quantiles are stored: every percent, above 99 % every tenth of it."""
 
 EDGE_ROUNDING = 1e-6
 """Rounding of the position of a peak on a mirror line, over half of the spacing of the nodes."""
 
 LARGE_PATCH = 30
-"""A patch of contact is large if it has more nodes than this."""
+"""A contact spot is large if it has more nodes than this."""
 
 _SMALLEST_AREA = 0.01
 """Area fraction from which the load-area curve is fitted: below it the contacts have few nodes."""
@@ -240,9 +240,9 @@ def _on_grid(contact: xr.Dataset, stress: xr.Dataset) -> OnGrid:
 def _patch_correlations(
     stress: xr.Dataset, ratio: float, grid: Grid, patches: Array, radii: Array
 ) -> list[float]:
-    """Rank correlations of the depth of von Mises peaks with the radius of the patch of contact above.
+    """Rank correlations of the depth of von Mises peaks with the radius of the contact spot above.
 
-    One for all peaks, one for the highest peak below each patch, and one for the highest below large patches.
+    One for all peaks, one for the highest peak below each spot, and one for the highest below large spots.
     """
     found = select_peaks(stress, "von_mises", ratio, selection_for("von_mises"))
     row, column = (
@@ -261,14 +261,14 @@ def _patch_correlations(
 
 
 def depth_patch_correlation(depth: Array, row: Array, column: Array, patches: Array, radii: Array) -> float:
-    """Rank correlation (Spearman) between the depth of peaks and the radius of the patch above them.
+    """Rank correlation (Spearman) between the depth of peaks and the radius of the spot above them.
 
     Parameters
     ----------
     depth, row, column : (peaks,) arrays
         Depth of each peak, and the node above it.
     patches, radii : arrays
-        As of `contact_patches`. Peaks that are not under a patch are left out.
+        As of `contact_patches`. Peaks that are not under a spot are left out.
 
     Returns
     -------

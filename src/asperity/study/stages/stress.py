@@ -27,7 +27,7 @@ def stress_of_seed(
     quantities: Sequence[str] = SOUGHT,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Stress of one seed of the study with its numbers, and their estimates at vanishing grid spacing.
+    """Stress of one seed of the study with its numbers, and their estimates at zero grid spacing.
 
     Parameters are as for `compute_stress`.
 

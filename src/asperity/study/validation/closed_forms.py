@@ -206,7 +206,7 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
     The closed form is a single contact, the spectral solution a periodic one whose mean lateral stress is a
     choice: laterally confined, ``σ_xx = σ_yy = −ν/(1 − ν) p̄``, or free, zero. A sum of single contacts has
     ``−(½ + ν) p̄``, the mean over all directions of the kernels' limit q → 0. With this value ("array") the
-    largest stress differs from one contact's only by the effect of the neighbours on the pressure, and the
+    maximum stress differs from one contact's only by the effect of the neighbours on the pressure, and the
     two choices differ from it by known amounts.
 
     Parameters
@@ -272,7 +272,7 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Largest pressure, and largest von Mises stress on the axis with its depth, each ``solved_`` and
+        Maximum pressure, and maximum von Mises stress on the axis with its depth, each ``solved_`` and
         ``exact_`` (axis_ratio).
     """
     poisson, axis_ratios, middle = 0.3, [0.2, 0.4, 0.6, 0.8, 1.0], points // 2
@@ -309,7 +309,7 @@ def edge_tension(points: int = 512) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Radial stress over the largest pressure, ``solved_tension`` and ``exact_tension``, on the nodes of a
+        Radial stress over the maximum pressure, ``solved_tension`` and ``exact_tension``, on the nodes of a
         line through the axis outside the contact, up to 1.5 contact radii from the axis (poisson,
         radial_distance), the distance in contact radii.
     """
@@ -373,7 +373,7 @@ def coating_indentation(points: int = 512) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Contact radius and largest pressure, ``solved_`` and ``exact_`` (contact_ratio, modulus_ratio), at the
+        Contact radius and maximum pressure, ``solved_`` and ``exact_`` (contact_ratio, modulus_ratio), at the
         load of the closed form. The contact ratio is the exact contact radius over the height of the coating,
         the modulus ratio Young's modulus of the coating over the base's.
     """
@@ -439,7 +439,7 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     the contact radius, and a cycle between this force and its opposite loses energy (Johnson, Sec. 7.4). As a
     cylinder moves, σ_xz changes by p₀/2, and elastic shakedown ends at p₀ = 4 k (K. L. Johnson, Contact
     Mechanics, 1985, Sec. 9.3). A cylinder that ends across its axis is a line contact. A gap of white
-    noise percolates where a share 0.592746 of its nodes is open, as sites of a square lattice do (M. E. J.
+    noise percolates where a fraction 0.592746 of its nodes is open, as sites of a square lattice do (M. E. J.
     Newman, R. M. Ziff, Phys. Rev. Lett. 85 (2000) 4104).
 
     A sphere is pulled off by 1.60073 π w R at Maugis's parameter 1, at −0.48263 (π² w² R / K²)^(1/3) with

@@ -26,7 +26,7 @@ LARGEST_HEIGHT = 1e6
 """Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
 
 REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, EQUAL_HEIGHTS = 1e-3, 10, 2**16, 1e-9
-"""A height marks missing data if more than this share of the points has it, and if this many times as many
+"""A height marks missing data if more than this fraction of the points has it, and if this many times as many
 points have it as any of the neighbouring heights. It is sought in a sample of so many points; heights closer
 than this fraction of the interquartile range are equal. Neighbouring steps of a coarse quantisation have
 about as many points as each other; a plateau of one exact height is reported too."""

@@ -157,7 +157,7 @@ def _bruker_image(image: dict[str, str], scan: dict[str, str], is_wide: bool) ->
     """Number of stored lines of an image, and its size.
 
     The slow axis of a whole scan is the fast one over the aspect ratio of the scan, unless the file states
-    another size; of a scan that was captured early it is the share of the lines.
+    another size; of a scan that was captured early it is the fraction of the lines.
     """
     points, lines, length = (int(image[key]) for key in ("samps/line", "number of lines", "data length"))
     size = 4 if is_wide and length >= 4 * points * lines else int(image.get("bytes/pixel", "2"))

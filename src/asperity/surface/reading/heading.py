@@ -99,7 +99,7 @@ def names_points(header: Sequence[str], columns: int, separator: str) -> bool:
 
 
 def ends_with_validity(header: Sequence[str], columns: int, separator: str) -> bool:
-    """True if the heading calls the last column ``valid``, which is 0 for points without data."""
+    """True if the heading calls the last column ``valid``, which is 0 for non-measured points."""
     named = [fields for line in header if len(fields := _fields(line.strip("#% \r\n"), separator)) == columns]
     return any(re.match(r"\W*valid", fields[-1], re.IGNORECASE) for fields in named)
 

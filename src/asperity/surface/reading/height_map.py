@@ -153,7 +153,7 @@ class HeightMap:
 
     @property
     def missing(self) -> int:
-        """Number of points without data."""
+        """Number of non-measured points."""
         return int(self.height.size - np.count_nonzero(np.isfinite(self.height)))
 
     @property
@@ -215,7 +215,7 @@ class HeightMap:
         )
 
     def shown_share(self, count: int) -> str:
-        """A number of points and their share of the map as text."""
+        """A number of points and their fraction of the map as text."""
         return f"{count} points ({100 * count / self.height.size:.2g} %)"
 
     def in_map_unit(self, name: str, value: float | str) -> float:

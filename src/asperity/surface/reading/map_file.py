@@ -62,7 +62,7 @@ _NOT_IN_FILE = re.compile(r"(channel|missing|mask) = .*(; leave it out|: one of 
 """Messages about an option that does not suit the file."""
 
 _VOID = re.compile(r"voidpixels\s*=\s*[1-9]", re.IGNORECASE)
-"""Line of SPIP: a matrix of zeros, of points without data, and ones follows the heights."""
+"""Line of SPIP: a matrix of zeros, of non-measured points, and ones follows the heights."""
 
 LONGEST_LINE = 900_000
 """Largest number of bytes in a line of text: a row of 65536 heights has about twelve characters for each."""
@@ -499,7 +499,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             try:
                 topography = reader.topography(channel_index=index, **assumed)
                 marked, mask = np.ma.getmaskarray(topography.heights()), ""
-                if form.name == "gwy" and marked.any():  # grains, for example, besides points without data
+                if form.name == "gwy" and marked.any():  # grains, for example, besides non-measured points
                     reader._masks.clear()
                     kept = reader.topography(channel_index=index, **assumed)
                     is_kept = options.mask is None and bool(np.ptp(kept.heights()[marked]))

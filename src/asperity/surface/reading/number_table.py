@@ -1,7 +1,7 @@
 """Tables of numbers in text: any separator, points or commas as decimal marks, header lines and comments.
 
 A word for missing data such as *No data*, an empty field, signs alone, and numbers at the end of single
-precision are a point without data. Any other word in a table is refused with its line. Points x, y, z on a
+precision are a non-measured point. Any other word in a table is refused with its line. Points x, y, z on a
 regular grid are a map; nodes not listed have no data. A field in quotation marks may hold the separator, as a
 decimal comma or between thousands.
 """
@@ -34,7 +34,7 @@ ROUNDED_TOLERANCE = 0.55
 """Largest distance of positions printed with few digits from equal steps, in units of their last digit."""
 
 FEWEST_PRESENT = 0.05
-"""Smallest share of grid nodes that must have a point; below it, the points are not a map but scattered."""
+"""Smallest fraction of grid nodes that must have a point; below it, the points are no map but scattered."""
 
 SAMPLE = 400
 """Lines by which the dialect of a text is found; more than half of them belong to the table."""
@@ -49,7 +49,7 @@ DIALECTS = (
 """Separators of fields with their decimal marks; of two that suit a text equally, the first is taken."""
 
 CLOSING_ROWS = 0.9
-"""Share of the rows that end with as many separators as are no fields: the last lines may have fewer."""
+"""Fraction of the rows that end with as many separators as are no fields: the last lines may have fewer."""
 
 MATRIX_HEADER = re.compile(
     r"\b(?:width|breite|largeur|anchura|larghezza|x-pixels|x-length|nx|x\s+size|pixel\s+size|scale\s+x|z-unit)\b"
@@ -69,12 +69,12 @@ _MISSING = re.compile(
     re.IGNORECASE,
 )
 LARGEST_NUMBER = 1e38
-"""Programs mark points without data by the largest numbers of single precision, 1.7e38 and 3.4e38."""
+"""Programs mark non-measured points by the largest numbers of single precision, 1.7e38 and 3.4e38."""
 
 STEPS_TO_TELL, ROUGH, ALIKE = 7, 0.3, 0.8
 """A first row or column of so many steps that rises or falls throughout holds positions if its steps are
-equal as printed and those beside it are not, or if at least this share of the steps of the other lines rises
-and falls and it is not correlated with the next one by this factor, as a line of a smooth surface."""
+equal as printed and those beside it are not, or if at least this fraction of the steps of the other lines
+rises and falls and it is not correlated with the next one by this factor, as a line of a smooth surface."""
 
 _EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(,\d{3}){2,})")

@@ -22,7 +22,7 @@ from asperity.surface.form import AXES
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError
 
 ON_A_NODE = 1e-6
-"""A position nearer to a node than this share of a pixel is on it."""
+"""A position nearer to a node than this fraction of a pixel is on it."""
 
 FEWEST_NODES = 4
 """Fewest nodes on an edge of the common area."""
@@ -78,7 +78,7 @@ def face_to_face(
     Raises
     ------
     MapError, TypeError, ValueError
-        If an argument is out of range, a map has points without data or no orientation, the unit of one map
+        If an argument is out of range, a map has non-measured points or no orientation, the unit of one map
         alone is known, two periodic maps have different edges, or the maps have fewer than `FEWEST_NODES`
         nodes on an edge in common.
 

@@ -305,7 +305,7 @@ def level_lines(height: Array, how: str) -> tuple[Array, Array]:
 def gaussian_filter(height: Array, grid: Grid, s_filter: float | None, l_filter: float | None) -> Array:
     """Heights after an areal Gaussian S-filter, L-filter, or both.
 
-    An S-filter transmits the share ``2^-(λ_s/λ)²`` of a wave of length λ, one half at its nesting index λ_s;
+    An S-filter transmits ``2^-(λ_s/λ)²`` of a wave of length λ, one half at its nesting index λ_s;
     an L-filter transmits ``1 - 2^-(λ_l/λ)²`` (ISO 16610-61).
     """
     waves = grid.wavenumber() / (2 * np.pi)

@@ -1,7 +1,7 @@
 """From a measured map to the lower face of an indenter, with a record of everything that was done to it.
 
 The steps are, in this order: scan lines are levelled, spikes are found, a trend is fitted to all other points
-that have data and subtracted, spikes and points without data are filled, Gaussian filters are applied, the
+that have data and subtracted, spikes and non-measured points are filled, Gaussian filters are applied, the
 map is made periodic (or left as it is, for a contact without periodic boundaries), short waves are removed,
 the map is resampled, and the form of a sphere or cylinder is added.
 """
@@ -58,15 +58,15 @@ class MapTreatment:
     Parameters
     ----------
     missing, spikes : int
-        Points without data in the file, and points removed as spikes. Both were filled.
+        Non-measured points of the file, and points removed as spikes. Both were filled.
     filled_fraction : float
-        Share of the points that were filled.
+        Fraction of the points that were filled.
     tilt : float
         Angle of the mean plane that was removed, in radians.
     bow : float
         Height of the terms of degree two that were removed, from lowest to highest point.
     altered_fraction : float
-        Share of the area that a window lowered.
+        Fraction of the area that a window lowered.
     filtered_height, filtered_gradient : float
         Rms height and rms gradient between neighbouring points after the Gaussian filters over before; 1
         without a filter.
@@ -432,7 +432,7 @@ def _lengths(
 def _filtered(
     level: Array, surface: HeightMap, options: MapOptions, grid: Grid
 ) -> tuple[Array, tuple[float, float], list[str]]:
-    """Heights after the Gaussian filters, remaining shares of rms height and gradient, and these in words."""
+    """Heights after the Gaussian filters, remaining fractions of Sq and Sdq, and both in words."""
     given = {"s_filter": options.s_filter, "l_filter": options.l_filter}
     index = {name: surface.in_map_unit(name, value) for name, value in given.items() if value is not None}
     if not index:
