@@ -25,7 +25,7 @@ grid = asp.Grid((128, 128), 0.3e-3)
 height = asp.surface.add_sphere(np.zeros(grid.shape), grid, radius)
 contact = asp.solve_contact(height, steel, grid.length, force=force, boundary="free")
 print(f"maximum pressure {contact.maximum_pressure / 1e9:.3f} GPa")
-print(f"largest violation of the conditions of contact {contact.certificate.worst:.1e}")
+print(f"maximum violation of the conditions of contact {contact.certificate.worst:.1e}")
 
 # %%
 # The stress below the ball, in a section through its axis.

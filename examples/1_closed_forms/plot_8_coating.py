@@ -70,7 +70,7 @@ figure.colorbar(colours, label=r"$\sigma_{xx}/p_0$")
 plt.show()
 
 # %%
-# **Check**: the maximum pressure, to the errors of the grid and of the periodic cell; tractions are continuous
+# **Check**: the maximum pressure, to the errors of grid and periodic cell; tractions are continuous
 # on the interface, and the strain under the middle, where both lateral stresses are equal.
 faces = [thickness, np.nextafter(thickness, 1)]
 for name, contact in contacts.items():

@@ -215,7 +215,7 @@ ENDLESS = {"radius_y": np.inf}
 COATED = {"young": 2e11, "poisson": 0.3, "layers": [{"thickness": 1e-6, "young": 4e11, "poisson": 0.2}]}
 
 test_wrong_argument_is_refused = refuses(
-    (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a place inside the contact"),
+    (lambda: a_case(at=(0.9, 0.9)), "load.at = 0.9 0.9: a position inside the contact"),
     (lambda: a_case(at=(0.2, 0.0), radius_y=np.inf), "load.at = 0.2 0: .*across the axis of the roller"),
     (
         lambda: a_case(kind="normal_approach"),

@@ -44,7 +44,7 @@ def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
     (tmp_path / "materials.yaml").write_text("{}", encoding="utf-8")
     assert re.search(r"^answer +2$", snakemake(tmp_path, *arguments, "--dry-run").stdout, re.MULTILINE)
     logs = (tmp_path / f"study/logs/{names[1]}.log").read_text(encoding="utf-8")
-    assert "The bodies touch on " in logs
+    assert "The bodies are in contact on " in logs
     assert not (tmp_path / f"study/logs/{names[0]}.log").exists()
 
 

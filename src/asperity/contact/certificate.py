@@ -98,7 +98,7 @@ class Certificate:
 
     @property
     def worst(self) -> float:
-        """The largest violation, infinite if one is not a finite number."""
+        """The maximum violation, infinite if one is not a finite number."""
         violations = list(self.violations.values())
         return max(violations) if np.all(np.isfinite(violations)) else np.inf
 
@@ -213,7 +213,7 @@ def verify_contact(
     if hardness is not None:
         limit = number("hardness", hardness, "a number > 0", lambda value: value > 0)
     if approach is None and adhesion is not None:
-        raise ValueError("approach: needed with adhesion, where no pressure tells which nodes touch")
+        raise ValueError("approach: needed with adhesion, where no pressure shows which nodes are in contact")
     if approach is None:
         elastic, plastic = (pressure > 0) & (pressure < limit), pressure >= limit
         approach = float(gap[elastic].mean() if elastic.any() else gap.max(where=plastic, initial=gap.min()))

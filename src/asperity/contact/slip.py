@@ -98,7 +98,7 @@ class PartialSlip:
 
     @property
     def slip(self) -> Array:
-        """Distance [y, x] by which the faces have slipped, zero where they stick or do not touch."""
+        """Distance [y, x] by which the faces have slipped, zero where they stick or are not in contact."""
         slips = (self.contact.pressure > 0) & (self.sticking.pressure == 0)
         gap = np.maximum(self.sticking.gap, 0)
         return self.friction * self.compliance_ratio * np.where(slips, gap, 0)

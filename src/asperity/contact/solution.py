@@ -129,12 +129,12 @@ class Contact:
             ("solid", repr(self.solid)),
             ("real contact", f"{100 * self.contact_area_fraction:.4g} %"),
             (
-                "pressure: mean, in contact, largest",
+                "pressure: mean, in contact, maximum",
                 f"{self.mean_pressure:.4g}, {self.mean_contact_pressure:.4g}, {self.maximum_pressure:.4g}",
             ),
             ("approach", f"{self.approach:.4g}"),
             *([("plastic", f"{100 * self.plastic_area:.4g} %")] if np.isfinite(self.hardness) else []),
-            ("largest violation", f"{self.certificate.worst:.2g}"),
+            ("maximum violation", f"{self.certificate.worst:.2g}"),
             ("pictures, files", "plot(), section(), to_dataset()"),
         ]
         return table("Contact", rows, picture(self.pressure, "contact pressure"))

@@ -186,7 +186,7 @@ class LoadedSolid:
         ny, nx = self.grid.shape
         return (
             f"<LoadedSolid of {ny} × {nx} nodes, {self.boundary}: "
-            f"largest pressure {self.pressure.max():.4g}, {self.layer!r}>"
+            f"maximum pressure {self.pressure.max():.4g}, {self.layer!r}>"
         )
 
     def _repr_html_(self) -> str:
@@ -194,7 +194,7 @@ class LoadedSolid:
         rows = [
             ("nodes", f"{ny} × {nx}, {self.boundary}"),
             ("solid", repr(self.layer)),
-            ("mean, largest pressure", f"{self.pressure.mean():.4g}, {self.pressure.max():.4g}"),
+            ("mean, maximum pressure", f"{self.pressure.mean():.4g}, {self.pressure.max():.4g}"),
         ]
         return table("LoadedSolid", rows, picture(self.pressure, "pressure"))
 

@@ -260,7 +260,7 @@ def _on_pixels(stages: Stages, records: Sequence[Record]) -> Iterator[Found]:
     for each in top:
         of_pixels = [each.errors.get(cause, 0.0) for cause in (DISCRETISATION, PLANES)]
         if (relative := math.hypot(*of_pixels) / abs(each.best)) > size:
-            size, error = relative, f"the {each.quantity} errs by up to {per_cent(relative)}"
+            size, error = relative, f"the {each.quantity} has an error of up to {per_cent(relative)}"
     found = {"pixel": pixel, "changes": changed, "waves": waves, "size": size, "error": error}
     yield not settled, "resolved" if settled else "unresolved", found
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-IN_FULL_CONTACT = "infinite, as the bodies touch everywhere"
+IN_FULL_CONTACT = "infinite, as the bodies are in full contact"
 """Text in place of an infinite stiffness or conductance."""
 
 RESOLUTION_CHANGE = 0.1
@@ -240,7 +240,7 @@ def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, 
     changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
     size, factor = abs(most - 1), 1 / most if most else math.inf
     text = (
-        f"pixels as they are, instead of twice as large ones, changed {changed} (found by solving with both)."
+        f"pixels as they are, instead of pixels twice as large, changed {changed} (found by solving with both)."
     )
     short = f"pixels: those twice as large change {what} by a factor of {factor:.3g}"
     return Advice(size > RESOLUTION_CHANGE, "pixels of the interface", text, short, size)

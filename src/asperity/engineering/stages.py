@@ -328,7 +328,7 @@ def _verdict(stages: Stages, found: Mapping[str, Findings]) -> list[str]:
             of = "coating" if len(body.interfaces) == 1 else "layers"
             texts.append(f"{face} of the {of} of the {name} body bears shear of up to {shear} and {pulled}")
     pressure = shown_si(stages.numbers.maximum_pressure, "Pa", 3)
-    contact = f"the bodies touch on {per_cent(stages.numbers.contact_area_fraction)} of the area"
+    contact = f"the bodies are in contact on {per_cent(stages.numbers.contact_area_fraction)} of the area"
     texts.append(f"{contact}, under a pressure of up to {pressure}")
     texts += [each.verdict for name, each in found.items() if name == "sliding"]
     return [f"{text[0].upper()}{text[1:]}." for text in texts if text]

@@ -75,7 +75,7 @@ def template(name: str) -> str:
     named = [str(folder / each) for each in file] if isinstance(file, list) else str(folder / file)
     case["map"]["file"] = named
     lines = [f"# {known[name]['text']}"]
-    lines += ["# To run it: asperity run case.yaml. A question whose group is not here is not asked."]
+    lines += ["# To run it: asperity run case.yaml. A question whose group is not here is left out."]
     for group in (group for group in entry["properties"] if group in case):
         lines += ["", *_lines(group, entry["properties"][group], case[group], "")]
     return "\n".join(lines) + "\n"

@@ -101,7 +101,7 @@ class Hertz(OneLoad):
         y, x = self.at
         if not self.share > 0 or (is_roller and (y if self.radii[1] == math.inf else x)):
             where = " across the axis of the roller" if is_roller else ""
-            inside = f"a place inside the contact, nearer than one half-width{where}, is needed"
+            inside = f"a position inside the contact, nearer than one half-width{where}, is needed"
             yield "at", f" = {y:g} {x:g}: {inside}"
         if is_roller and self.force is not None:
             yield "force", ": the Hertz pressure is needed under a roller, whose length is not known"

@@ -94,7 +94,7 @@ def test_full_contact_is_infinitely_stiff():
     answer = run(surface, body, body, mean_pressure=10e9, load_curve={"loads": [1e9]})
     for name in ("thermal contact conductance", "stiffness"):
         assert answer[name].value == np.inf
-        assert answer[name].text().startswith("infinite, as the bodies touch everywhere")
+        assert answer[name].text().startswith("infinite, as the bodies are in full contact")
     assert answer.tables["curve"]["stiffness_Pa_m"].iloc[-1] == np.inf
 
 

@@ -119,5 +119,5 @@ class Sliding(Question):
             waves = "waves of every wavelength"
             text = f"Friction would change {waves} by up to {per_cent(size)}."
         text = f"the contact is solved without friction. {text}"
-        short = f"friction: the contact is solved without it; {waves} err by up to {per_cent(size)}"
+        short = f"friction: the contact is solved without it; {waves} have an error of up to {per_cent(size)}"
         yield Advice(size > NEGLECTED_COUPLING, "friction in the contact", text, short, size)

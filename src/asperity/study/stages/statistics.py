@@ -71,7 +71,7 @@ REFINEMENT = 0.25
 CERTIFIED = {
     "penetration": "penetration over its length scale",
     "contact_gap": "gap under contact over its length scale",
-    "tension": "tension over the largest pressure",
+    "tension": "tension over the maximum pressure",
     "complementarity": "complementarity",
     "load_imbalance": "load balance",
 }
