@@ -2,7 +2,7 @@
 
     python tests/data/example_maps.py
 
-Three positions on one ground surface, 96 x 128 pixels of 2 um, made up: H = 0.8, an rms height of 0.2 um, waves
+Three maps of one ground surface, 96 x 128 pixels of 2 um, made up: H = 0.8, an rms height of 0.2 um, waves
 of 12 to 96 um, and a lay along y. Each is cut out of a larger random surface and tilted a little, as an
 instrument shows it.
 """

@@ -239,8 +239,6 @@ def advice_on_pixels(what: str, fine: Mapping[str, float], coarse: Mapping[str, 
     most = max(ratios.values(), key=lambda ratio: abs(ratio - 1))
     changed = ", ".join(f"{name} by a factor of {ratio:.3g}" for name, ratio in ratios.items())
     size, factor = abs(most - 1), 1 / most if most else math.inf
-    text = (
-        f"pixels as they are, instead of pixels twice as large, changed {changed} (found by solving with both)."
-    )
+    text = f"the pixels, instead of pixels twice as large, changed {changed} (found by solving with both)."
     short = f"pixels: those twice as large change {what} by a factor of {factor:.3g}"
     return Advice(size > RESOLUTION_CHANGE, "pixels of the interface", text, short, size)
