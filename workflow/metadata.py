@@ -55,7 +55,7 @@ def environment() -> str:
 #                conda run --name asperity pip install --no-deps --editable .
 channels: [conda-forge, nodefaults]
 dependencies:
-  - python {project()["requires-python"]},<3.14
+  - python {project()["requires-python"]},<3.15
   - pip
   - pip:
 {lines}"""
