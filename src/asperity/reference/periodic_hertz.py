@@ -3,7 +3,7 @@
 Every contact carries Hertz's pressure distribution on a circle of radius a. The displacements by all
 neighbours are summed over the lattice, and the load is chosen so that the surface fits the paraboloid at the
 centre and at the edge of contact, r = (a, 0). This is an approximation because the true contact is not a
-circle: the radius is good to 0.2 % for a ≤ 0.3 periods and to 1.2 % at 0.45 (`docs/validation.md`).
+circle: the radius is good to 0.2 % for a ≤ 0.3 periods and to 1.2 % at 0.45.
 
 The printed sum diverges, since every neighbour adds ``4a³/(3r)``. Differences of displacement converge, if
 summed over windows symmetric in both indices; ``k ≠ 0, l ≠ 0`` in print must be read ``(k, l) ≠ (0, 0)``.
