@@ -2,7 +2,7 @@ r"""
 Two elastic bodies: steel on bronze
 ===================================
 
-Both bodies carry the same pressure, and their displacements add up: the contact is that of one solid with
+Both bodies carry the same pressure, and their displacements add up: the contact is the same as on one solid with
 :math:`1/E^* = (1 - \nu_1^2)/E_1 + (1 - \nu_2^2)/E_2`. The stress inside differs from body to body, because it
 depends on Poisson's ratio.
 """
@@ -44,8 +44,8 @@ axes.legend()
 plt.show()
 
 # %%
-# **Check**: the pressure is that of Hertz for the pair, the stress in each body that of its own Poisson's
-# ratio, and exchanging the bodies changes no pressure.
+# **Check**: the pressure is Hertz's for the pair, the stress follows from the Poisson's ratio of the
+# body, and exchanging the bodies changes no pressure.
 assert abs(contact.maximum_pressure / hertz.maximum_pressure - 1) < 0.003
 for found, expected in largest.values():
     assert abs(found / expected - 1) < 0.005

@@ -20,7 +20,7 @@ contact_radius = np.array([0.15, 0.25, 0.35, 0.45])
 forces = [Hertz(a, 20.0, solid.effective_modulus).load for a in contact_radius]
 
 # %%
-# The same loads with both boundaries. The maximum pressure is compared with that of Hertz.
+# The same loads with both boundaries. The maximum pressure is compared with Hertz.
 errors = {}
 for boundary in ("free", "periodic"):
     path = asp.solve_load_path(ball, solid, grid.length, forces=forces, boundary=boundary)

@@ -2,7 +2,7 @@ r"""
 Peaks of the stress and their distribution
 ==========================================
 
-A peak is a point of the solid whose stress exceeds that of its 26 neighbours. The peaks of several seeds
+A peak is a point of the solid with a higher stress than its 26 neighbours. The peaks of several seeds
 are pooled: one seed is one random surface, and the band comes from a bootstrap over whole seeds.
 """
 

@@ -37,7 +37,7 @@ axes[1].set(xlabel="tangential displacement (nm)", ylabel="tangential force (mN)
 plt.show()
 
 # %%
-# The stress under the shear traction of partial slip lies between that without friction and that of sliding.
+# The stress under the shear traction of partial slip lies between the stress without friction and in sliding.
 largest = {}
 for name, solid, mu in (
     ("no friction", contact.in_body("lower"), 0.0),

@@ -29,7 +29,7 @@ found = [sample.maximum(n * cells * edge**2).set_index("quantity").loc["von_mise
 figure, axis = plt.subplots(figsize=(5.5, 3.8), layout="compressed")
 axis.fill_between(times, *([row[end] / 1e9 for row in found] for end in ("low_Pa", "high_Pa")), alpha=0.3)
 axis.plot(times, [row["value_Pa"] / 1e9 for row in found])
-axis.set(xscale="log", xlabel="area over that of the maps", ylabel="maximum von Mises stress (GPa)")
+axis.set(xscale="log", xlabel="area over the area of the maps", ylabel="maximum von Mises stress (GPa)")
 plt.show()
 
 # %%

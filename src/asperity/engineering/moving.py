@@ -69,7 +69,7 @@ class MovingContact:
     hertz : HertzContact, optional
         In place of the mean pressure; of half-spaces.
     at : (y, x)
-        Place, in half-widths of the Hertz contact, on the line along which points pass through it.
+        Position, in half-widths of the Hertz contact, on the line along which points pass through it.
     slide_to_roll : float
         S, between −2 and 2, in the Hertz contact. At 0 the faces do not move against each other.
     friction : float

@@ -93,7 +93,7 @@ OF_RESOLUTION = {
 """Field → b of the relative error a C + b c^1.5 of its extreme value: a is `OF_EXTREME`, C the largest change
 of all sizes from half of the nodes to all, and c the `resolution`. Of the percentiles of the peaks b is
 `OF_RESOLUTION_OF_PEAKS`, and of other fields 1.5. Quantile regressions of 95 % on 130 band-limited surfaces
-of seven kinds, other ones than those of `benchmarks/answers.py`."""
+of seven kinds, not the surfaces of `benchmarks/answers.py`."""
 
 OF_EXTREME, OF_RESOLUTION_OF_PEAKS = 0.25, 0.5
 
