@@ -3,8 +3,8 @@ Two elastic bodies: steel on bronze
 ===================================
 
 Both bodies carry the same pressure, and their displacements add up: the contact is the same as on one solid
-with :math:`1/E^* = (1 - \nu_1^2)/E_1 + (1 - \nu_2^2)/E_2`. The stress inside differs from body to body, because it
-depends on Poisson's ratio.
+with :math:`1/E^* = (1 - \nu_1^2)/E_1 + (1 - \nu_2^2)/E_2`. The stress inside differs from body to body,
+because it depends on Poisson's ratio.
 """
 
 import matplotlib.pyplot as plt

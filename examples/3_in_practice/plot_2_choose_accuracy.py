@@ -2,8 +2,8 @@ r"""
 Choosing the accuracy
 =====================
 
-The largest error is nearly always the discretisation error: how many nodes lie on the shortest wavelength λ_s.
-A seed is the same surface at every resolution, so that refining the grid shows the error. ``asperity
+The largest error is nearly always the discretisation error: how many nodes lie on the shortest wavelength
+λ_s. A seed is the same surface at every resolution, so that refining the grid shows the error. ``asperity
 plan`` predicts it beforehand from errors that were measured, with the time and the memory.
 """
 
