@@ -75,7 +75,7 @@ def replace(path: Path, text: str) -> None:
     """Replace the text between the marks of generated text in a page."""
     marks = re.compile(r"(<!-- (?:make pages|python [^>]*) -->\n).*?(<!-- end -->)", re.DOTALL)
     page = path.read_text(encoding="utf-8")
-    path.write_text(marks.sub(lambda m: f"{m[1]}\n{text}\n{m[2]}", page), encoding="utf-8")
+    path.write_text(marks.sub(lambda m: f"{m[1]}\n{text.rstrip()}\n\n{m[2]}", page), encoding="utf-8")
 
 
 if __name__ == "__main__":
