@@ -15,10 +15,10 @@ import asperity as asp
 edge, points = 80e-6, 64
 whole = asp.self_affine((256, 256), 0.8, 40e-6, 10e-6, rms_height=1.5e-7, seed=4, length=4 * edge)
 steel = asp.Body(young=210e9, poisson=0.3, yield_stress=2e9)
-places = [(0, 0), (64, 128), (128, 32), (192, 192)]
+positions = [(0, 0), (64, 128), (128, 32), (192, 192)]
 maps = [
-    asp.HeightMap(-whole[y : y + points, x : x + points], (edge, edge), name=f"place {number}")
-    for number, (y, x) in enumerate(places, 1)
+    asp.HeightMap(-whole[y : y + points, x : x + points], (edge, edge), name=f"position {number}")
+    for number, (y, x) in enumerate(positions, 1)
 ]
 answers = [asp.run({"file": each, "detrend": "none"}, steel, mean_pressure=200e6) for each in maps]
 sample = asp.pool(answers)
