@@ -135,7 +135,7 @@ CASES = {
     "the pressure reaches a hardness": (at_hardness, ""),
     "ridges are straight": (ridges, ""),
     "creases, steps or noise": (lambda: worn(8, contact_area_fraction=0.2), ""),
-    "flat or stepped heights touch": (
+    "flat or stepped heights in contact": (
         lambda: asp.solve_contact(pillars(), LAYER, mean_pressure=1e-5),
         "flat or stepped",
     ),
