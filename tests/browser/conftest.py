@@ -16,6 +16,7 @@ MISSING = [
 ]
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Skip with one line where the browser or a package is missing; one process runs all of these tests.
 

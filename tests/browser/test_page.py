@@ -318,7 +318,7 @@ def test_a_second_map_is_laid_on(example):
     example.until("!document.getElementById('info').textContent.includes('counter map')")
 
 
-def test_command_and_case_file_give_the_same_numbers(example, app, tmp_path, monkeypatch):
+def test_command_and_case_file_give_the_same_numbers(example, app, tmp_path, monkeypatch, without_pictures):
     example.click("[data-key='use.sliding']")
     example.type("sliding.friction", "0.1")
     example.until("document.getElementById('command').textContent.includes('--friction 0.1')")

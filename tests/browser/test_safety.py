@@ -15,6 +15,7 @@ from urllib.parse import quote
 import psutil
 import pytest
 from running_app import App
+from samples import status
 
 from asperity.core.system import process_name
 
@@ -137,24 +138,11 @@ def test_an_answer_of_someone_else_reads_no_other_file(tmp_path):
     assert list(files_of(folder)) == [".asperity-run.json", "answer.csv"]
 
 
-def test_no_process_is_left_when_the_server_is_killed(tmp_path):
-    app = App(tmp_path, MAP)
-    children = psutil.Process(app.process.pid).children(recursive=True)
-    assert children
-    app.process.send_signal(signal.SIGKILL)
-    app.process.wait(20)
-    _, alive = psutil.wait_procs(children, timeout=20)
-    assert not [each for each in alive if each.status() != psutil.STATUS_ZOMBIE]
-    app.process.stdout.close()
-
-
-def test_an_address_is_opened_once(tmp_path):
-    app = App(tmp_path)
-    first = app.address.rpartition("/")[2]
+def test_an_address_is_opened_once(app):
     assert ask(app)[0] == 200
-    assert ask(app, first, Cookie="")[0] == 403
-    assert ask(app, app.address.rpartition("/")[2], Cookie="")[0] == 302
-    app.close()
+    address = app.address.rpartition("/")[2]
+    assert [ask(app, address, Cookie="")[0] for _ in range(2)] == [302, 403]
+    app.next_address()
 
 
 def test_the_browser_gets_no_secret_as_an_argument(tmp_path):
@@ -181,36 +169,36 @@ def test_the_browser_gets_no_secret_as_an_argument(tmp_path):
 
 
 def test_a_further_host_is_answered_if_it_is_named(tmp_path):
-    app = App(tmp_path, "--host-header", "localhost:9999")
-    assert ask(app, Host="localhost:9999", Origin="https://localhost:9999")[0] == 200
+    """And no variable of Bokeh reaches the page."""
+    given = {"BOKEH_SIGN_SESSIONS": "yes", "BOKEH_LOG_LEVEL": "nonsense", "BOKEH_RESOURCES": "cdn"}
+    app = App(tmp_path, "--host-header", "localhost:9999", **given)
+    status, _, content = ask(app, Host="localhost:9999", Origin="https://localhost:9999")
+    assert (status, b"cdn.bokeh.org" in content) == (200, False)
     assert ask(app, "events", Host="localhost:9999", Origin="http://localhost:9999", **UPGRADE)[0] == 101
     assert ask(app, Host="localhost:9998")[0] == 403
     app.close()
 
 
-def test_variables_of_bokeh_do_not_reach_the_page(tmp_path):
-    app = App(tmp_path, BOKEH_SIGN_SESSIONS="yes", BOKEH_LOG_LEVEL="nonsense", BOKEH_RESOURCES="cdn")
-    status, _, content = ask(app)
-    assert status == 200
-    assert b"cdn.bokeh.org" not in content
-    app.close()
-
-
 def test_what_a_killed_server_left_is_removed_at_the_next_start(tmp_path):
-    app = App(tmp_path, TMPDIR=str(tmp_path))
+    """No process is left; the next server ends by itself without a connection."""
+    app = App(tmp_path, MAP, TMPDIR=str(tmp_path))
     assert upload(app, "a.npy", b"1")[0] == 200
+    children = psutil.Process(app.process.pid).children(recursive=True)
+    assert children
     app.process.kill()
     app.process.wait(20)
     app.process.stdout.close()
+    _, alive = psutil.wait_procs(children, timeout=20)
+    assert not [each for each in alive if each.status() != psutil.STATUS_ZOMBIE]
     for name in ("asperity-app-of-someone", "answer_1/.unfinished-x", "answer_2/a/.unfinished-y", "answer_3"):
         (tmp_path / name).mkdir(parents=True)
     (tmp_path / "answer_3/report.html").touch()
     (left,) = [path.parents[2] for path in tmp_path.rglob("a.npy")]
-    other = App(tmp_path, "--out", tmp_path, TMPDIR=str(tmp_path))
+    other = App(tmp_path, "--out", tmp_path, "--stop-after", "1 s", TMPDIR=str(tmp_path))
     assert not left.exists()
+    assert other.process.wait(30) == 0
+    other.process.stdout.close()
     assert [path.name for path in tmp_path.glob("answer_*")] == ["answer_3"]
-    assert (tmp_path / "asperity-app-of-someone").exists()
-    other.close()
     assert [path.name for path in tmp_path.glob("asperity-app-*")] == ["asperity-app-of-someone"]
 
 
@@ -231,23 +219,11 @@ def test_only_what_an_ended_computation_made_is_removed(tmp_path):
     assert [path.relative_to(folder).as_posix() for path in folder.rglob("*")] == ["b", "b/notes.txt"]
 
 
-def test_it_ends_by_itself_without_a_connection(tmp_path):
-    app = App(tmp_path, "--stop-after", "1 s")
-    assert app.process.wait(30) == 0
-    app.process.stdout.close()
-
-
-def test_wrong_arguments_are_refused_in_one_line(app, tmp_path):
-    def line(*arguments):
-        found = subprocess.run(
-            [sys.executable, "-m", "asperity", "app", *arguments],
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-        )
-        assert found.returncode
-        return found.stderr
-
-    assert line("--port", str(app.port)).startswith(f"asperity: --port {app.port}: cannot be used")
-    assert line("none.x3p") == "asperity: none.x3p: no such file or folder\n"
-    assert "--stop-after = 'soon': a time > 0" in line("--stop-after", "soon")
+def test_wrong_arguments_are_refused_in_one_line(app, capsys):
+    taken = [sys.executable, "-m", "asperity", "app", "--port", str(app.port)]
+    said = subprocess.run(taken, capture_output=True, text=True).stderr
+    assert said.startswith(f"asperity: --port {app.port}: cannot be used")
+    assert status("app", "none.x3p")
+    assert capsys.readouterr().err == "asperity: none.x3p: no such file or folder\n"
+    assert status("app", "--stop-after", "soon")
+    assert "--stop-after = 'soon': a time > 0" in capsys.readouterr().err

@@ -1,6 +1,7 @@
 """Times that a person waits for on the page, printed: ``pytest -s tests/browser/test_times.py``.
 
-With ASPERITY_NODES=1024, as in `make bench`, on a map of so many points on an edge, and beside the command.
+With ASPERITY_NODES=1024, as in `make bench`, on a map of so many points on an edge, and with its answer beside
+that of the command; without, until the map is treated, as `test_page` does the rest.
 """
 
 import os
@@ -19,7 +20,7 @@ from foreign_files import write_x3p
 
 import asperity as asp
 
-NODES = int(os.environ.get("ASPERITY_NODES", "256"))
+NODES = int(os.environ.get("ASPERITY_NODES", "64"))
 PIXEL = 5e-7
 
 TREATED = "[...document.querySelectorAll('#info li')].some((each) => each.textContent.includes('{}'))"
@@ -84,28 +85,29 @@ def test_times(chromium, surface, tmp_path):
         page.until("Bokeh.documents[0].is_idle")
         heights = page.image("map_image")["values"]
         assert heights.shape == (NODES, NODES)
-        page.type("body.material", "100Cr6")
-        page.type("load.mean_pressure", "50 MPa")
-        page.click("[data-key='choose.counter_body'][value='flat']")
-        page.until("!document.getElementById('start').disabled")
-        since = time.monotonic()
-        page.answer()
-        passed("compute")
-        page.run("document.querySelector('a[download]').click()")
-        while not (found := list(chromium.downloads.glob("*.zip"))):
-            time.sleep(0.05)
-        passed(f"zip of {found[0].stat().st_size / 1e6:.0f} MB")
-        folder = next(tmp_path.glob("**/contact.nc")).parent
-        for number in (2, 3):
-            page.run("act('open', arguments[0])", str(folder))
-            page.until(f"document.querySelectorAll('[data-do=show] option').length === {number}")
-        page.run("act('beside', '0')")
-        page.until("document.querySelector('article.both')")
-        passed("open two answers")
-        command = [sys.executable, "-m", "asperity", "run", "case.yaml", "--out", tmp_path / "by_command"]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-        assert run.returncode == 0, run.stderr
-        passed("compute, by the command")
+        if "ASPERITY_NODES" in os.environ:
+            page.type("body.material", "100Cr6")
+            page.type("load.mean_pressure", "50 MPa")
+            page.click("[data-key='choose.counter_body'][value='flat']")
+            page.until("!document.getElementById('start').disabled")
+            since = time.monotonic()
+            page.answer()
+            passed("compute")
+            known = {*chromium.downloads.glob("*.zip")}
+            page.run("document.querySelector('a[download]').click()")
+            while not (found := {*chromium.downloads.glob("*.zip")} - known):
+                time.sleep(0.05)
+            passed(f"zip of {found.pop().stat().st_size / 1e6:.0f} MB")
+            folder = next(tmp_path.glob("**/contact.nc")).parent
+            for number in (2, 3):
+                page.run("act('open', arguments[0])", str(folder))
+                page.until(f"document.querySelectorAll('[data-do=show] option').length === {number}")
+            page.run("act('beside', '0')")
+            page.until("document.querySelector('article.both')")
+            passed("open two answers")
+            command = [sys.executable, "-m", "asperity", "run", "case.yaml", "--out", tmp_path / "by_command"]
+            subprocess.run(command, cwd=folder, capture_output=True, check=True)
+            passed("compute, by the command")
     finally:
         app.close()
     print("\n" + "\n".join(f"{name:<24}{value:6.2f} s" for name, value in times.items()))

@@ -7,6 +7,7 @@ slow ones (`make wheel-test`) are empty, and pip fills them from the package ind
 import filecmp
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -84,6 +85,16 @@ class Environment:
         """Let the environment import the packages of the environment of the tests, but not the project."""
         (self.packages / "shared.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
 
+    def share_machine_code(self):
+        """Copy the machine code of the project, which numba takes for modules of the same size and time."""
+        for path in (ROOT / "src").rglob("*.*"):
+            copy = self.packages / path.relative_to(ROOT / "src")
+            if path.suffix == ".py":
+                shutil.copystat(path, copy)
+            elif path.suffix in (".nbi", ".nbc"):
+                copy.parent.mkdir(exist_ok=True)
+                shutil.copy(path, copy)
+
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
@@ -98,6 +109,7 @@ def shared(built, tmp_path_factory):
     environment.share_packages()
     pip = [sys.executable, "-m", "pip", "--python", str(environment.scripts / "python")]
     subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", str(built[1])], check=True)
+    environment.share_machine_code()
     return environment
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from project import ROOT, snakemake
+from project import ROOT, snakemake, snakemake_here
 
 from asperity.cli.main import main
 
@@ -40,9 +40,9 @@ def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
     for name in ("sample.csv", "peaks_per_area.csv", f"{names[1]}/answer.csv", f"{names[1]}/peaks.csv"):
         assert (tmp_path / "study" / name).read_bytes() == (tmp_path / "one" / name).read_bytes()
     os.utime(tmp_path / f"{names[1]}.x3p", (2e9, 2e9))  # as in a copy
-    assert not re.search(r"^answer +\d", snakemake(tmp_path, *arguments, "--dry-run").stdout, re.MULTILINE)
+    assert not re.search(r"^answer +\d", snakemake_here(tmp_path, *arguments, "--dry-run"), re.MULTILINE)
     (tmp_path / "materials.yaml").write_text("{}", encoding="utf-8")
-    assert re.search(r"^answer +2$", snakemake(tmp_path, *arguments, "--dry-run").stdout, re.MULTILINE)
+    assert re.search(r"^answer +2$", snakemake_here(tmp_path, *arguments, "--dry-run"), re.MULTILINE)
     logs = (tmp_path / f"study/logs/{names[1]}.log").read_text(encoding="utf-8")
     assert "The bodies are in contact on " in logs
     assert not (tmp_path / f"study/logs/{names[0]}.log").exists()
