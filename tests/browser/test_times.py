@@ -1,6 +1,6 @@
 """Times that a person waits for on the page, printed: ``pytest -s tests/browser/test_times.py``.
 
-With ASPERITY_NODES=1024, as in `make bench`, on a map of so many points on an edge, and with its answer beside
+With ASPERITY_NODES=1024, as in `make bench`, on a map of so many points on an edge, and with the answer and
 that of the command; without, until the map is treated, as `test_page` does the rest.
 """
 
