@@ -57,7 +57,7 @@ def test_rigid_ball_pulls_as_bradley(law, length):
     assert abs(forces[-1] / (-2 * np.pi * 1e-9) - 1) < 0.01
 
 
-@pytest.mark.parametrize("parameter", [0.3, 0.5, 0.8, 1.2, 1.6])
+@pytest.mark.parametrize("parameter", [0.3, 0.8, 1.2])
 def test_pull_off_follows_maugis(parameter):
     """The least force over the solution of Maugis's equations (10.1016/0021-9797(92)90285-T)."""
     modulus, work = 4 / 3, 1e-4

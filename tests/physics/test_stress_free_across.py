@@ -77,25 +77,26 @@ def test_largest_stresses_of_a_line_contact(axis):
     if axis == "x":
         height, grid = height.T, asp.Grid((128, 8), (1.0, 0.3))
     contact = asp.solve_contact(height, HALF_SPACE, grid, force=0.3 * load, boundary=BOUNDARY[axis])
-    depths, names = np.linspace(0.6, 0.9, 61) * exact.half_width, ("von_mises", "maximum_shear")
+    depths, names = np.linspace(0.65, 0.85, 21) * exact.half_width, ("von_mises", "maximum_shear")
     planes = list(asp.stress_planes(contact, depths, fields=names, tolerance=0))
     for name, value, depth in (("von_mises", 0.5577, 0.7042), ("maximum_shear", 0.3003, 0.7861)):
         largest = np.array([plane.fields[name].max() for plane in planes])
         assert largest.max() / exact.maximum_pressure == pytest.approx(value, rel=2e-3)
         assert depths[largest.argmax()] / exact.half_width == pytest.approx(depth, abs=0.01)
-    section = asp.stress_section(contact, "y" if axis == "x" else "x", fields=("von_mises",))
-    assert float(section["von_mises"].max()) / exact.maximum_pressure == pytest.approx(0.558, rel=0.01)
-    stress = asp.analyse_stress(contact)
-    assert float(stress["maximum_von_mises"].max()) / exact.maximum_pressure == pytest.approx(0.558, rel=0.01)
+    if axis == "y":
+        found = asp.stress_section(contact, "x", fields=("von_mises",))["von_mises"]
+    else:
+        found = asp.analyse_stress(contact, quantities=["von_mises"])["maximum_von_mises"]
+    assert float(found.max()) / exact.maximum_pressure == pytest.approx(0.558, rel=0.01)
 
 
 def test_mirrored_along_the_axis_is_the_doubled_cell():
     """Planes, peaks and a section; without friction no peak is listed twice."""
-    shape, grid = (48, 64), asp.Grid((48, 64), (0.75, 1.0), mirrored=True)
+    shape, grid = (24, 32), asp.Grid((24, 32), (0.75, 1.0), mirrored=True)
     height = 3 * rough(shape) + centred(grid)[1] ** 2
     contact = asp.solve_contact(height, HALF_SPACE, grid, mean_pressure=4e-3, boundary=BOUNDARY["y"])
     doubled = np.concatenate([contact.pressure, contact.pressure[::-1]])
-    whole = asp.LoadedSolid(doubled, asp.Grid((96, 64), (1.5, 1.0)), HALF_SPACE, "free along x")
+    whole = asp.LoadedSolid(doubled, asp.Grid((48, 32), (1.5, 1.0)), HALF_SPACE, "free along x")
     for friction in (0.0, 0.4):
         options = {"friction": friction, "sliding_direction": "y", "tolerance": 0}
         depths = [0.0, 0.02, 0.1, 0.5]
@@ -103,8 +104,12 @@ def test_mirrored_along_the_axis_is_the_doubled_cell():
             *(asp.stress_planes(each, depths, **options) for each in (contact, whole)), strict=True
         ):
             assert plane.grid.length == (0.75, 1.0)
-            assert difference(plane.fields["von_mises"][0], other.fields["von_mises"][0, :48]) < 1e-12
-        del options["tolerance"]
+            assert difference(plane.fields["von_mises"][0], other.fields["von_mises"][0, :24]) < 1e-12
+        options = options | {
+            "depths": np.linspace(0, 0.2, 11),
+            "quantities": ["von_mises"],
+            "tolerance": 1e-4,
+        }
         one, two = (asp.analyse_stress(each, **options) for each in (contact, whole))
         found, expected = (each["peak_value"][each["peak_quantity"] == "von_mises"] for each in (one, two))
         assert found.max() == pytest.approx(float(expected.max()), rel=1e-9)
@@ -113,7 +118,7 @@ def test_mirrored_along_the_axis_is_the_doubled_cell():
         assert found.size == pytest.approx(expected.size / (1 if friction else 2), abs=4)
         assert one["peak_y"].max() <= 0.75
     section = asp.stress_section(contact, "y", at=0.5, depths=[0.1])
-    assert section.sizes["y"] == 48
+    assert section.sizes["y"] == 24
 
 
 def test_nodes_at_opposite_edges_are_neighbours_along_the_axis_alone():
