@@ -451,19 +451,6 @@ def test_stiff_coating_is_solved_as_by_gfmd(seed):
     assert np.linalg.norm(fast.pressure - damped.pressure) < 1e-6 * np.linalg.norm(damped.pressure)
 
 
-def test_coating_of_equal_material_is_half_space():
-    height = asp.self_affine((128, 128), 0.8, 0.25, 0.25 / 8, rms_height=1e-3, seed=1)
-    plain = asp.solve_contact(height, BASE, mean_pressure=2e-3)
-    alike = asp.solve_contact(height, asp.Solid(1.0, 0.3, 0.02, base=BASE), mean_pressure=2e-3)
-    # The tolerance of both solutions.
-    assert abs(alike.pressure - plain.pressure).max() < 1e-5 * plain.maximum_pressure
-    # Waves shorter than a coating see it alone, those longer its base.
-    thick = asp.solve_contact(height, asp.Solid(1.0, 0.3, 1e3, base=asp.Solid(9.0, 0.1)), mean_pressure=2e-3)
-    thin = asp.solve_contact(height, asp.Solid(9.0, 0.1, 1e-9, base=BASE), mean_pressure=2e-3)
-    assert abs(thick.pressure - plain.pressure).max() < 1e-5 * plain.maximum_pressure
-    assert abs(thin.pressure - plain.pressure).max() < 1e-4 * plain.maximum_pressure
-
-
 @pytest.mark.parametrize("face", [1e-12, np.nextafter(3 / 128, 0), 0.5, 3.0])
 def test_depths_hold_both_faces_of_the_interface_once(face):
     depths = asp.stress.depth_grid(asp.Grid((64, 64)), interface=face)

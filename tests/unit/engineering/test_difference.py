@@ -1,5 +1,6 @@
 """Differences between answers and samples: intervals, and the sentence that says which is better."""
 
+import copy
 import json
 from functools import cache
 
@@ -118,19 +119,16 @@ def test_three_answers_and_their_files(tmp_path):
         compared([answer_of(1)])
 
 
-def test_an_answer_that_another_replaced_is_not_compared(tmp_path):
-    answers = [asp.run(a_map(seed), STEEL, mean_pressure=2e8) for seed in (1, 2)]
+def test_an_answer_that_another_replaced_is_not_compared(tmp_path, without_pictures):
+    answers = [copy.copy(answer_of(seed)) for seed in (1, 2)]
     for each in answers:
         each.write(tmp_path / "same")
     with pytest.raises(ValueError, match="same: holds one answer, two that are compared were written there"):
         compared(answers).write(tmp_path / "compared")
 
 
-def test_comparison_is_opened_and_moved_with_its_answers(tmp_path):
-    answers = {
-        f"before/{name}": asp.run(a_map(seed), STEEL, mean_pressure=2e8)
-        for seed, name in ((1, "a"), (2, "b"))
-    }
+def test_comparison_is_opened_and_moved_with_its_answers(tmp_path, without_pictures):
+    answers = {f"before/{name}": copy.copy(answer_of(seed)) for seed, name in ((1, "a"), (2, "b"))}
     for name, answer in answers.items():
         answer.write(tmp_path / name)
     sample = asp.pool([*map(tmp_path.joinpath, answers)])

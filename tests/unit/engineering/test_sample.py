@@ -110,7 +110,7 @@ def test_sample_pools_volumes_over_one_depth(answers):
     assert area.best_text() in str(sample)
 
 
-def test_verdict_of_a_sample_comes_first(answers, tmp_path):
+def test_verdict_of_a_sample_comes_first(answers, tmp_path, without_pictures):
     """The number that decides with its whole interval, the maps, and what dominates the interval."""
     sample = asp.pool(answers)
     volume = sample["volume above yield per area"]
