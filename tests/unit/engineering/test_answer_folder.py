@@ -1,6 +1,7 @@
 """An answer is the same before and after its folder, wherever that lies, and its numbers keep their bounds.
 
-Every template and every case of the documentation is answered on maps of 32 × 32 pixels.
+Every case of the documentation, and every template that none of them has the name of, is answered on maps of
+32 × 32 pixels.
 """
 
 import json
@@ -25,7 +26,8 @@ from asperity.engineering.folder import CASE_FILE, DATA, MANIFEST
 from asperity.engineering.templates import template, templates
 
 PIXELS, EDGE = 32, 62e-6
-SOURCES = [*sorted((ROOT / "docs/cases").glob("*.yaml")), *templates()]
+FILES = sorted((ROOT / "docs/cases").glob("*.yaml"))
+SOURCES = [*FILES, *sorted({*templates()} - {path.stem for path in FILES})]
 
 
 def small_case(source, folder):

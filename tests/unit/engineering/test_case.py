@@ -78,7 +78,7 @@ def test_every_setting_is_explained():
 
 @pytest.mark.parametrize("name", templates())
 def test_template_is_accepted_as_it_is(name, tmp_path, monkeypatch, capsys):
-    """`test_answer_folder` answers it."""
+    """`test_answer_folder` answers it, or the case of the documentation of the same name."""
     monkeypatch.chdir(tmp_path)
     assert main(["case", name]) == 0
     Path("case.yaml").write_text(capsys.readouterr().out, encoding="utf-8")
