@@ -262,17 +262,3 @@ def test_folder_that_is_not_utf_8_is_refused(tmp_path, monkeypatch, capsys):
     for out in (folder / "out", "out"):
         assert status("run", file, *STEEL, "--out", out, "--check") == 2
         assert "its path is not UTF-8" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("pixel", "options"),
-    [
-        ((1.0, 2.0), ["--set", "leak.viscosity=0.1", "--set", "leak.pressure_difference=1 MPa"]),
-        ((1.0, 1.0), ["--friction", "0.2", "--set", "partial_slip.tangential_force=1 N"]),
-    ],
-)
-def test_check_refuses_what_run_refuses(tmp_path, pixel, options):
-    """Pixels that are not square, and a force above friction times load, 2.6 mN; or both commands answer."""
-    command = ["run", made_map(tmp_path / "map.txt", 1, pixel), *STEEL, *options, "--out", tmp_path / "out"]
-    checked = status(*command, "--check")
-    assert checked == status(*command)

@@ -224,13 +224,6 @@ def test_misread_pressures_get_a_sentence(text, words):
         asp.Case(map="a.x3p", body={**RUBBER, "hardness": text}, load={"force": 1.0})
 
 
-def test_decimal_comma_of_a_number_gets_a_sentence():
-    with pytest.raises(asp.SettingsError, match=r"body.poisson = '0,3': .*not a comma: 0\.3"):
-        asp.Case.read(
-            {"map": "a.x3p", "body": {"young": "1 GPa", "poisson": "0,3"}, "load": {"force": "1 N"}}
-        )
-
-
 def test_info_names_options_that_run_takes(folder, capsys):
     height = 1e6 * HEIGHT
     height[3:9, 3:9] = -9999
@@ -239,20 +232,6 @@ def test_info_names_options_that_run_takes(folder, capsys):
     advised = capsys.readouterr().out.partition("look at")[2].partition("need")[0]
     assert "--set map.missing=" in advised
     assert "--missing:" not in advised
-
-
-def test_arrays_solids_and_patterns(folder):
-    """An array needs its length; a solid of the library is a body; a pattern lists maps."""
-    with pytest.raises(ValueError, match="length: the edges"):
-        asp.run(HEIGHT, RUBBER, mean_pressure=2e4)
-    one = asp.run({"file": HEIGHT, "length": EDGES}, asp.Solid(1e7, 0.49, 1e-5), mean_pressure=2e4)
-    layer = {"young": 1e7, "poisson": 0.49, "thickness": 1e-5}
-    assert one.case.body == asp.Body(layers=[layer], base="bonded")
-    np.save("shaft_2.npy", 1e6 * HEIGHT[::-1])
-    (folder / "all.yaml").write_text("map: shaft*.npy\nbody: {}\n")
-    from asperity.engineering.case_file import load_case
-
-    assert load_case("all.yaml")["map"]["file"] == ["shaft.npy", "shaft_2.npy"]
 
 
 def test_section_through_the_largest_stress():

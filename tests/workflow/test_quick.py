@@ -143,10 +143,9 @@ def test_all_that_a_script_imports_is_hashed(rules, name):
 def test_wrong_configuration_ends_before_any_job(tmp_path):
     folder = copy_project(tmp_path)
     (folder / "bad.yaml").write_text("contact: {tolerance: yes}")
-    run = snakemake(folder, "--configfile", "bad.yaml")
-    assert run.returncode == 1
-    assert run.stderr.splitlines()[-1].startswith("config: contact.tolerance = 'yes': a number")
-    assert "Traceback" not in run.stderr
+    said = snakemake_here(folder, "--configfile", "bad.yaml")
+    assert "config: contact.tolerance = 'yes': a number" in said
+    assert "Traceback" not in said
     assert not (folder / "results").exists()
 
 

@@ -31,16 +31,11 @@ def said(capsys, *words):
     ("flag", "meant"),
     [
         ("--film", "the key is film."),
-        ("--lambda", "film.lambda_ratio, given by --set or in a case file (asperity case film)"),
-        ("--run-in", "running_in.loads"),
-        ("--fatigue", "body.fatigue_torsion"),
-        ("--coating", "body.layers.0.thickness"),
         ("--leak", "leak."),
         ("--hertz", "did you mean --hertz-pressure?"),
         ("--mu", "did you mean --friction?"),
         ("--E", "did you mean --young?"),
         ("--spikes", "did you mean --despike?"),
-        ("--viscosity", "leak.viscosity"),
         ("--residual-stress", "body.residual_stress"),
     ],
 )

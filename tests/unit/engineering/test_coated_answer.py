@@ -11,7 +11,6 @@ from test_engineering import a_rough_map
 
 import asperity as asp
 from asperity import Body, run
-from asperity.cli.main import main
 from asperity.core.errors import InputError
 from asperity.engineering.drawing import yield_at
 from asperity.engineering.scene import solid_of
@@ -81,13 +80,7 @@ def test_residual_stress_of_the_coating_is_added(tmp_path):
 
 
 test_wrong_coating_is_refused = refuses(
-    (
-        lambda: asp.solve_contact(np.zeros((8, 8)), LAYER, 1.0, force=1.0, boundary="free"),
-        "boundary = 'free'",
-    ),
     (lambda: asp.elasticity.layer_fields(LAYER, asp.Grid((8, 8)), {}), "layer = Solid.*: one without a base"),
-    (lambda: LAYER.green_tensor(1.0, 0.0), "base = Solid.*: None is needed"),
-    (lambda: asp.stress.depth_grid(asp.Grid((8, 8)), interface=0.0), "interface = 0"),
     (lambda: COATED.replaced(layers=[{"thickness": 1e-6, "young": 1e9}]), r"layers\.0\.poisson: missing"),
     (lambda: COATED.replaced(layers=[{"yield_stress": 1e9}]), r"3 problems:\n  layers\.0\.young: missing"),
     (lambda: COATED.replaced(base="bonded"), "base = 'bonded': young, poisson, yield_stress belong to"),
@@ -97,29 +90,8 @@ test_wrong_coating_is_refused = refuses(
         "layers.0.residual_stress: not",
     ),
     (lambda: Body(base="bonded", layers=[{"material": "100Cr7", "thickness": 1.0}]), "layers.0.material = "),
-    (lambda: Body(young=1e9, poisson=0.3, coating=COATING), "coating: does not exist any more; give layers"),
-    (lambda: Body(young=1e9, poisson=0.3, layer={"height": 1.0}), "layer: does not .*, and base: bonded"),
     (lambda: run({"file": "a.x3p", "periodic": "none"}, COATED, force=1.0), "body.layers: not accepted"),
 )
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["thickness=2 um"], "body.layers.0.young: missing; a pressure > 0 with its unit"),
-        (["yield_stress=1 GPa"], "body.layers.0.thickness: missing; a length > 0 with its unit"),
-        (["thickness=2", "young=1 GPa", "poisson=0.2"], "body.layers.0.thickness = 2: a length > 0"),
-        (["thick=2 um"], "body.layers.0.thick: unknown key; did you mean thickness?"),
-    ],
-)
-def test_command_refuses_a_coating(options, message, capsys, tmp_path):
-    path = tmp_path / "map.csv"
-    np.savetxt(path, np.eye(8))
-    known = ["--young", "1 GPa", "--poisson", "0.3", "--mean-pressure", "1 MPa", "--physical-size", "1", "1"]
-    more = [word for option in options for word in ("--set", f"body.layers.0.{option}")]
-    with pytest.raises(SystemExit):
-        main(["run", str(path), "--unit", "um", *known, *more])
-    assert message in capsys.readouterr().err
 
 
 def test_study_of_a_coating():

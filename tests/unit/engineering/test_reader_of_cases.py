@@ -151,25 +151,7 @@ def test_names_are_relative_to_the_case_file(tmp_path, monkeypatch):
     assert (content["materials"], content["out"]) == ("run[1]/own.yaml", "run[1]/there")
 
 
-STRANGE = (
-    5,
-    1.5,
-    True,
-    None,
-    "",
-    " ",
-    "x",
-    "a\0b",
-    "\ud800",
-    [],
-    [1],
-    ["\0"],
-    {},
-    {"a": 1},
-    {1: 2},
-    10**400,
-    [[1]],
-)
+STRANGE = 5, True, None, " ", "a\0b", "\ud800", [], [[1]], {"a": 1}, {1: 2}, 10**400
 
 
 def keys_of_a_case():
