@@ -132,6 +132,7 @@ SLIPPING = Body(
 
 test_wrong_load_is_refused = refuses(
     (lambda: run(a_rough_map(), STEEL, mean_pressure=1e6, fields="xx"), "fields = 'xx': a list of"),
+    (lambda: run(np.eye(8), STEEL, mean_pressure=1e6), "length: the edges .* of the map in m are needed"),
     (
         lambda: run(a_rough_map(), STEEL),
         "load.mean_pressure, hertz_pressure, .*: exactly one of them is needed, none",
