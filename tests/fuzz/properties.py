@@ -46,6 +46,7 @@ import families
 import family_outcomes
 import random_input
 import random_pressure
+from answers import ANSWERS
 
 WORST_NODE = 100.0
 """Violation of the contact conditions that a node may have, in units of the solver's tolerance."""
@@ -642,4 +643,5 @@ PROPERTIES = {
     "command": (random_input.command_lines(), try_command),
     "config": (random_input.configurations() | random_input.unknown_keys(), random_input.require_checked),
     "map": (map_files(), try_map),
+    **ANSWERS,
 }
