@@ -48,7 +48,6 @@ import numpy as np
 
 from asperity.contact.contact_nodes import dot, field_of, norm
 from asperity.contact.dilute import (
-    DIVISION,
     INNER_DIVISION,
     CandidateProblem,
     CandidateResponse,
@@ -117,7 +116,7 @@ LEAST_BALANCED = 0.1
 
 # Without an exact displacement candidates are solved to the error of their displacement, and near an iterate
 # no further than to this fraction of its error, in at most so many steps.
-CANDIDATE_ERROR, CANDIDATE_DROP, MAX_CANDIDATE_STEPS = 1e-3, 1e-4, 30
+CANDIDATE_DROP, MAX_CANDIDATE_STEPS = 1e-4, 30
 
 
 @dataclass(frozen=True)
@@ -416,14 +415,12 @@ class ActiveSet:
         problem, bearing = self._problems[-1], np.flatnonzero(start.values)
         if not (bearing.size and are_few(start.nodes, problem)):
             return start
-        self._problems[:] = [divided(problem, self._rule.tolerance)]
-        self._split = (
-            SplitResponse(problem.response, DIVISION),
-            SplitResponse(problem.response, INNER_DIVISION),
-        )
-        nearby = CandidateProblem(problem, start.nodes, self._split[0])
+        whole, split = divided(problem, self._rule.tolerance)
+        self._problems[:] = [whole]
+        self._split = split, SplitResponse(problem.response, INNER_DIVISION)
+        nearby = CandidateProblem(problem, start.nodes, split)
         found = Pressure(bearing, start.values[bearing], start.load)
-        found = self._solved(nearby, found, max(CANDIDATE_ERROR, 0.3 * self._rule.tolerance))
+        found = self._solved(nearby, found, max(split.division.error, 0.3 * self._rule.tolerance))
         return Pressure(start.nodes[found.nodes], found.values, found.load)
 
     def _step_on_candidates(self, iterate: Iterate, system: ContactSystem) -> tuple[Step, float] | None:

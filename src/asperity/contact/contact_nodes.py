@@ -25,7 +25,7 @@ from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 
-RADIUS, WIDE_RADIUS = 3, 15
+RADIUS, WIDE_RADIUS, WIDER_RADIUS = 3, 15, 23
 """Radii of stencils, in nodes: they reach the nodes with row² + column² ≤ radius (radius + 1).
 
 The numbers in a row of a stencil, with a zero at the end, fill vector registers.
@@ -304,7 +304,7 @@ def _product_of(radius: int) -> Any:
     return product
 
 
-_product, _wide_product = _product_of(RADIUS), _product_of(WIDE_RADIUS)
+_product, _wide_product, _wider_product = map(_product_of, (RADIUS, WIDE_RADIUS, WIDER_RADIUS))
 
 
 @compiled
@@ -381,9 +381,12 @@ def _place_of(place: int, count: int, period: int) -> int:
 @compiled
 def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, parity: int, out: Any) -> None:
     """Product of the stencil with the strip from a radius above nodes of one row of the map."""
-    if weights.shape[1] > 2 * RADIUS + 1:
+    if weights.shape[1] > 2 * WIDE_RADIUS + 1:  # whose stencils are all equal
         for k in range(nodes.size):
-            out[k] = _wide_product(field, np.int64(nodes[k]) - start, width, weights, 0)  # all are equal
+            out[k] = _wider_product(field, np.int64(nodes[k]) - start, width, weights, 0)
+    elif weights.shape[1] > 2 * RADIUS + 1:
+        for k in range(nodes.size):
+            out[k] = _wide_product(field, np.int64(nodes[k]) - start, width, weights, 0)
     else:
         for k in range(nodes.size):
             column = np.int64(nodes[k]) - start

@@ -23,12 +23,13 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+import scipy  # whose transforms are loaded when they are first used
 
-from asperity.contact.contact_nodes import WIDE_RADIUS, StencilProduct, inserted, whole_stencil
+from asperity.contact.contact_nodes import WIDE_RADIUS, WIDER_RADIUS, StencilProduct, inserted, whole_stencil
 from asperity.contact.iterate import ContactSystem, Iterate, Pressure, Step
 from asperity.contact.operators import MAX_SPACING_RATIO, InnerResponse
 from asperity.contact.problem import Problem
-from asperity.contact.response import Response, multiply
+from asperity.contact.response import Response
 from asperity.core.compiled import compiled, vectorised_sums
 from asperity.core.parallel import in_parts
 from asperity.core.sizes import good_size
@@ -86,10 +87,10 @@ class Division:
         return self.radius_times_alpha / (self.radius * min(grid.spacing))
 
     def far_grid(self, response: Response) -> Grid:
-        """Grid of the far field, twice as long where the map ends."""
+        """Grid of the far field, longer by the splines where the map ends."""
         grid, step = response.grid, self.spacing_times_alpha / self.alpha(response.grid)
         ny, nx = (
-            good_size(math.ceil(2 * edge / step) + 2 * self.order if ends else math.ceil(edge / step))
+            math.ceil(edge / step) + self.order if ends else good_size(math.ceil(edge / step))
             for edge, ends in zip(grid.length, response.free, strict=True)
         )
         y, x = (
@@ -109,7 +110,7 @@ DIVISION = Division(1e-3, 2.3, 0.6)
 # the shortest of the grid: radius and order do not make it more accurate than 3e-6 there.
 DIVISIONS = (
     DIVISION,
-    Division(1e-5, 3.0, 0.5, 24, 8),
+    Division(1e-5, 3.0, 0.5, WIDER_RADIUS, 8),
     Division(1e-7, 3.9, 0.4, 39, 12, np.float64),
 )
 
@@ -129,16 +130,19 @@ class SplitResponse:
     def __init__(self, response: Response, division: Division) -> None:
         grid, threads = response.grid, response.fourier.threads
         alpha, unit = division.alpha(grid), 1 / response.nodal_compliance
-        self._threads, self._near = threads, unit * _near_field(response, alpha, division.radius)
-        self._products = StencilProduct(grid, response.free, threads, WIDE_RADIUS)
+        self.division, self._threads = division, threads
+        self._near = unit * _near_field(response, alpha, division.radius)
+        self._products = StencilProduct(grid, response.free, threads, division.radius)
         self._stencil = whole_stencil(self._near)
-        far = division.far_grid(response)
-        self._fourier = Fourier(far, division.real, threads, response.fourier.work)
-        self._factors: Array = (unit * _far_field(response, far, alpha, division.order)).astype(division.real)
-        of_rows, of_columns = (_splines(grid, far, axis, division) for axis in (0, 1))
+        far = response.on_grid(division.far_grid(response))
+        factors = unit * _far_field(response, far, alpha, division.order)
+        self._far = far.in_precision(division.real)
+        self._far.half_compliance = factors.astype(division.real)
+        of_rows, of_columns = (
+            _splines(grid, far.grid, axis, ends, division) for axis, ends in enumerate(response.free)
+        )
         self._splines = *of_rows, *of_columns, grid.shape[1]
-        self._field: Array = np.empty(far.shape, division.real)
-        self._coefficients = np.empty(far.mode_shape, self._fourier.coefficient_type)
+        self._field: Array = np.empty(far.grid.shape, division.real)
 
     def displacement(self, pressure: Array, nodes: Array, at: Array) -> Array:
         """Displacements of nodes under pressures on others.
@@ -178,9 +182,7 @@ class SplitResponse:
     def _convolve(self, nodes: Array, pressure: Array) -> None:
         """Write the far field on its grid."""
         _distribute(nodes, pressure, *self._splines, self._field)
-        self._fourier.forward(self._field, self._coefficients)
-        multiply(self._coefficients, self._factors, 1)
-        self._fourier.inverse(self._coefficients, self._field, overwrite=True)
+        self._far.displacement(self._field, self._field)
 
 
 class CandidateResponse(InnerResponse):
@@ -262,15 +264,20 @@ class DividedProblem(Problem):
         return out
 
 
-def divided(problem: Problem, tolerance: float) -> Problem:
+def divided(problem: Problem, tolerance: float) -> tuple[Problem, SplitResponse]:
     """The problem with displacements by the coarsest division that suffices for a tolerance of the pressure.
 
-    The problem itself if none does.
+    The problem itself if none does. And the division for its candidates: the same one in single precision, so
+    that one displacement of the whole grid suffices, otherwise `DIVISION`.
     """
     for division in DIVISIONS if all(problem.response.free) else ():
         if division.error <= LARGEST_SHARE * tolerance:
-            return DividedProblem(problem, SplitResponse(problem.response, division))
-    return problem
+            split = SplitResponse(problem.response, division)
+            problem = DividedProblem(problem, split)
+            if division.real == np.float32:
+                return problem, split
+            break
+    return problem, SplitResponse(problem.response, DIVISION)
 
 
 def first_margin(iterate: Iterate, finer: Problem, is_finest: bool) -> float:
@@ -329,26 +336,25 @@ def _near_field(response: Response, alpha: float, radius: int) -> Array:
     return out[off[:, None], off]
 
 
-def _far_field(response: Response, far: Grid, alpha: float, order: int) -> Array:
+def _far_field(response: Response, far: Response, alpha: float, order: int) -> Array:
     """Factors of the far field's coefficients with ky ≥ 0, divided by the coefficients of the splines."""
-    grid, modulus = response.grid, response.solid.effective_modulus
+    grid, modulus, modes_of = response.grid, response.solid.effective_modulus, far.mode_grid
     if response.repeats:
-        modes = response.on_grid(far).half_compliance - _near_modes(far.half_wavenumber(), alpha, modulus)
-        modes *= far.size / grid.size
+        modes = far.half_compliance - _near_modes(modes_of.half_wavenumber(), alpha, modulus)
+        modes *= modes_of.size / grid.size
     else:
-        row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in far.shape)
-        y, x = np.ogrid[: row.max() + 1, : column.max() + 1]
-        y, x = far.spacing[0] * y, far.spacing[1] * x
+        y, x = np.ogrid[: modes_of.half_shape[0], : modes_of.half_shape[1]]
+        y, x = modes_of.spacing[0] * y, modes_of.spacing[1] * x
         if all(response.free):
             quarter = _erf_over(np.hypot(y, x), alpha) * (grid.area / (grid.size * np.pi * modulus))
         else:  # that of a node and its images, less the near field of the node
             quarter = surface_influence(y.ravel(), x.ravel(), grid, modulus, response.free)
             quarter -= rectangle_compliance(y, x, grid.spacing, modulus)
             quarter += _far_of_node(y, x, grid, alpha, modulus)
-        modes = Fourier(far).forward(quarter[row[:, None], column]).real[: far.half_shape[0]] * far.size
+        modes = scipy.fft.dctn(quarter, type=1, overwrite_x=True)  # of an even field on even numbers of nodes
     attenuation = []
-    wavevector = far.qy[: far.half_shape[0]], far.qx
-    for q, spacing, of_node in zip(wavevector, far.spacing, grid.spacing, strict=True):
+    wavevector = modes_of.qy[: modes_of.half_shape[0]], modes_of.qx
+    for q, spacing, of_node in zip(wavevector, modes_of.spacing, grid.spacing, strict=True):
         waves = np.sinc(q * spacing / (2 * np.pi) + np.arange(-2, 3)[:, None]) ** (2 * order)
         over_node = 1 if not all(response.free) else np.sinc(q * of_node / (2 * np.pi))
         attenuation.append(over_node * waves[2] / waves.sum(axis=0) ** 2)
@@ -422,10 +428,13 @@ def _add_near_field(nodes: Any, values: Any, first: Any, kernel: Any, top: int, 
                     some[x] += value * near[x]
 
 
-def _splines(grid: Grid, far: Grid, axis: int, division: Division) -> tuple[Array, Array]:
-    """Coarse-grid nodes around each node along an axis, and the values of their B-splines there."""
+def _splines(grid: Grid, far: Grid, axis: int, ends: bool, division: Division) -> tuple[Array, Array]:
+    """Coarse-grid nodes around each node along an axis, and the values of their B-splines there.
+
+    Where the map ends, the nodes of its first spline are the first ones.
+    """
     ratio, period = grid.spacing[axis] / far.spacing[axis], far.whole_cell.shape[axis]
-    position = (np.arange(grid.shape[axis])[:, None] + 0.5) * ratio - 0.5
+    position = (np.arange(grid.shape[axis])[:, None] + 0.5) * ratio - 0.5 + ends * (division.order // 2)
     last = np.floor(position + division.order / 2).astype(int)
     steps = np.arange(division.order)
     at = position + division.order / 2 - last + steps  # distances from the beginnings of the splines
