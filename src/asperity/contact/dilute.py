@@ -402,14 +402,14 @@ def _interpolate_along_x(field: Any, column: Any, of_column: Any, out: Any) -> N
 
 @compiled
 def _interpolate_along_y(lines: Any, row: Any, of_row: Any, out: Any) -> None:
-    """Write the interpolant between lines at the rows of the map."""
-    out[:] = 0
+    """Write the interpolant between an even number of lines at the rows of the map."""
     for j in range(out.shape[0]):
         line = out[j]
-        for a in range(row.shape[1]):
-            values, weight = lines[row[j, a]], of_row[j, a]
+        line[:] = 0
+        for a in range(0, row.shape[1], 2):
+            one, two, of_one, of_two = lines[row[j, a]], lines[row[j, a + 1]], of_row[j, a], of_row[j, a + 1]
             for x in range(line.size):
-                line[x] += weight * values[x]
+                line[x] += of_one * one[x] + of_two * two[x]
 
 
 @compiled

@@ -16,7 +16,7 @@ from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.operators import Operators
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, vectorised_sums
-from asperity.core.parallel import STRIP, apply, in_strips, run_tasks, sum_parts
+from asperity.core.parallel import STRIP, apply, run_tasks, sum_parts
 from asperity.core.types import Array
 
 # The common change of the pressures is found by Newton's method, which is exact once the set of nodes
@@ -212,11 +212,8 @@ class Iterate:
         displaced[plastic] = self.displacement.reshape(-1)[self.nodes[plastic]]
         field.reshape(-1)[self.nodes] = self.pressure - stiffness * displaced
         out = self.problem.response.resampled(field, finer.grid)
-
-        def subtract_gap(rows: slice) -> None:
-            out[rows] -= stiffness * (finer.height[rows] - level)
-
-        in_strips(subtract_gap, out.shape, finer.fourier.threads)
+        heights = finer.height.reshape(-1)
+        apply(_subtract_gap, finer.fourier.threads, out.reshape(-1), heights, stiffness, level)
         return Pressure.of_field(out, self.load, margin)
 
 
@@ -537,6 +534,13 @@ def _write_free_nodes_below(
                 nodes[count], levels[count] = first + start + i, level
                 count += level < bound
     return count
+
+
+@compiled
+def _subtract_gap(field: Any, height: Any, stiffness: Any, level: Any) -> None:
+    """Subtract stiffness × (height − level) from a field."""
+    for i in range(field.size):
+        field[i] -= stiffness * (height[i] - level)
 
 
 @compiled

@@ -204,8 +204,8 @@ class Units:
 
     def for_problem(self, height: Array, control: Control, hardness: float, response: Response) -> "Units":
         """Units for an imposed quantity, given a response in the units of the solid."""
-        datum, below, above = reach(height, control, hardness / self.stress, response, self)
         lowest, highest = float(height.min()), float(height.max())
+        datum, below, above = reach(height, lowest, control, hardness / self.stress, response, self)
         if lowest >= datum - below and highest <= datum + above:
             below = above = math.inf
         if control.kind == "mean_pressure":
@@ -265,7 +265,7 @@ class Units:
 
 
 def reach(
-    height: Array, control: Control, hardness: float, response: Response, units: Units
+    height: Array, lowest: float, control: Control, hardness: float, response: Response, units: Units
 ) -> tuple[float, float, float]:
     """Datum, and the distances below and above it beyond which every node, or none, touches.
 
@@ -280,6 +280,8 @@ def reach(
     ----------
     height : (ny, nx) array
         In the unit of the caller, as the control.
+    lowest : float
+        The least of them.
     control : Control
     hardness : float
         In units of the solid's modulus.
@@ -293,7 +295,7 @@ def reach(
     datum, below, above : float
         In the unit of the heights; infinite where nothing is clipped.
     """
-    nodes, lowest, below = height.size, float(height.min()), math.inf
+    nodes, below = height.size, math.inf
     if control.kind == "contact_area_fraction" or (control.kind == "approach" and control.value <= lowest):
         return lowest, math.inf, math.inf
     if control.kind == "mean_pressure":

@@ -227,7 +227,7 @@ class FreeResponse(Response):
     def _factors(self) -> Array:
         return compliance_modes(self.grid, self.solid.effective_modulus, self.free)
 
-    @property
+    @cached_property
     def mode_grid(self) -> Grid:
         """The padded grid, on which distances within the map do not wrap around."""
         return padded_grid(self.grid, self.free)

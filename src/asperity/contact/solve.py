@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -474,11 +475,11 @@ def _report_part(report: Progress, index: int, of: int, done: float, total: floa
 def _checked_height(height: ArrayLike) -> Array:
     """Return the surface as a real array [y, x] of finite numbers."""
     values = field_in_double("height", finite_array("height", height))
-    lowest, highest = float(values.min()), float(values.max())
-    if 0 < highest - lowest < SMALLEST:
+    # The difference in one row suffices, and takes a fraction of the time.
+    if np.ptp(values[0]) < SMALLEST and 0 < (difference := float(np.ptp(values))) < SMALLEST:
         raise ValueError(
             f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "
-            f"{highest - lowest:.3g}"
+            f"{difference:.3g}"
         )
     return values
 
@@ -590,18 +591,18 @@ def _contact_of(
     response.release()
     fields = (field.reshape(-1) for field in (state.pressure, problem.height, displacement))
     parts = map_parts(_levels_of_contact, threads, *fields, problem.fourier.real.type(hardness))
-    total_level, elastic, nodes, total_pressure = (sum(part[i] for part in parts) for i in range(4))
+    total_level, elastic, nodes, total_pressure, squares = (sum(part[i] for part in parts) for i in range(5))
     mean_pressure, approach = total_pressure / problem.grid.size, state.approach
     if control.kind != "approach" and elastic:
         approach = total_level / elastic
     # Problem and state are not needed any more. New arrays in place of their arrays would raise the peak of
     # the memory of `solve_contact` on 2048² nodes from 0.51 to 0.57 GB.
     gap, exact_gap = _gap_of(problem, state.pressure, displacement, approach)
-    largest = max(part[4] for part in parts)
+    norm, largest = math.sqrt(squares), max(part[5] for part in parts)
     load = state.load if control.kind == "mean_pressure" else None
     rms_height = rms_deviation(values, threads) / units.height
     certificate = replace(
-        checked_certificate(problem, state, exact_gap, load, rms_height, largest, asked.rtol),
+        checked_certificate(problem, state, exact_gap, load, rms_height, norm, largest, asked.rtol),
         pairs=response.fourier.work.pairs(asked.grid),
         seconds=time.perf_counter() - asked.begin,
     )
@@ -689,9 +690,10 @@ def _control_error(imposed: Control, contact_area_fraction: float, mean_pressure
 
 def _require_held(contact: Contact, units: Units, nodes: int) -> None:
     """Require that a result is finite, and that its precision holds it in the units given."""
-    held = True
+    held, names = True, ["mean_pressure", "approach", "contact_area_fraction", "control_error"]
     if not all(2.0**-60 < unit < 2.0**60 for unit in (units.height, units.stress)):
         held = np.count_nonzero(contact.pressure) == nodes and is_finite(contact.pressure)
+        names += ["pressure", "displacement", "gap"]
     if not held or (contact.height.dtype == np.float32 and not is_finite(contact.height)):
         precision = contact.pressure.dtype
         other = "float64 or other units" if precision == np.float32 else "other units"
@@ -699,23 +701,22 @@ def _require_held(contact: Contact, units: Units, nodes: int) -> None:
             f"dtype = {precision.name!r}: cannot hold heights of about {units.height:.0e} and pressures of "
             f"about {units.stress:.0e}; {other} are needed"
         )
-    fields = ("pressure", "displacement", "gap")
-    numbers = ("mean_pressure", "approach", "contact_area_fraction", "control_error")
-    require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
+    require_finite("solve", {name: getattr(contact, name) for name in names})
 
 
 @compiled
 def _levels_of_contact(
     pressure: Any, height: Any, displacement: Any, hardness: Any
-) -> tuple[float, int, int, float, float]:
-    """Σ (h + u) of elastic nodes, numbers of them and of contact nodes, Σ p, largest |h| + |u| in contact."""
-    total_level, elastic, count, total, largest = 0.0, 0, 0, 0.0, 0.0
+) -> tuple[float, int, int, float, float, float]:
+    """Σ (h + u) of elastic nodes, their number, and that of contact nodes, Σ p, Σ p², largest |h| + |u|."""
+    total_level, elastic, count, total, squares, largest = 0.0, 0, 0, 0.0, 0.0, 0.0
     for i in range(pressure.size):
         total += np.float64(pressure[i])
+        squares += np.float64(pressure[i]) ** 2
         if pressure[i] > 0:
             count += 1
             largest = max(largest, np.float64(abs(height[i]) + abs(displacement[i])))
             if pressure[i] < hardness:
                 total_level += np.float64(height[i] + displacement[i])
                 elastic += 1
-    return total_level, elastic, count, total, largest
+    return total_level, elastic, count, total, squares, largest

@@ -112,7 +112,9 @@ def in_parts(
         Called without arguments by one of the threads, at the same time.
     """
     first = [] if meanwhile is None else [meanwhile]
-    parts = max(1, min(threads * PARTS_OF_THREAD, size // smallest)) if threads > 1 else 1
+    if threads == 1:
+        return run_tasks([*first, partial(work, slice(0, size))], 1)[len(first) :]
+    parts = max(1, min(threads * PARTS_OF_THREAD, size // smallest))
     edges = [size * part // parts // multiple * multiple for part in range(parts)] + [size]
     tasks = first + [partial(work, slice(start, stop)) for start, stop in pairwise(edges)]
     return run_tasks(tasks, threads)[len(first) :]
