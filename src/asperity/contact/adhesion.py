@@ -40,7 +40,7 @@ from typing import Self
 import numpy as np
 
 from asperity.contact import active_set
-from asperity.contact.contact_nodes import dot
+from asperity.contact.contact_nodes import dot, norm
 from asperity.contact.problem import Control, ConvergenceProgress, Problem, State
 from asperity.core.arguments import choice, magnitude
 from asperity.core.errors import ConvergenceError, shown
@@ -275,9 +275,9 @@ def solve(
         step = _step(problem, adhesion, control, rtol, attraction, reaction)
         iterations += step.state.iterations + 2
         # A weak attraction counts more than its part of the pressure.
-        scale = REACTION_PART * _norm(step.state.pressure)
-        scale += max(_norm(attraction), _norm(attraction + step.change))
-        error = _norm(step.change) / scale if scale else 0.0
+        scale = REACTION_PART * norm(step.state.pressure.ravel())
+        scale += max(norm(attraction.ravel()), norm((attraction + step.change).ravel()))
+        error = norm(step.change.ravel()) / scale if scale else 0.0
         report(error)
         if error <= rtol:
             stability, unstable = _stability([*history, step], adhesion)
@@ -353,10 +353,6 @@ def _step(
     rounding = ENERGY_ROUNDING * (abs(elastic) + abs(attractive) + abs(plastic) + abs(pushed))
     parts = attraction, pulled, displacement, gap, change
     return Step(under, state, *parts, energy, rounding)
-
-
-def _norm(field: Array) -> float:
-    return math.sqrt(dot(field.ravel(), field.ravel()))
 
 
 def _products(fields: list[Array], others: list[Array]) -> Array:

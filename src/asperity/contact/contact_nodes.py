@@ -381,13 +381,11 @@ def _place_of(place: int, count: int, period: int) -> int:
 @compiled
 def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, parity: int, out: Any) -> None:
     """Product of the stencil with the strip from a radius above nodes of one row of the map."""
-    if weights.shape[1] > 2 * WIDE_RADIUS + 1:  # whose stencils are all equal
-        for k in range(nodes.size):
-            out[k] = _wider_product(field, np.int64(nodes[k]) - start, width, weights, 0)
-    elif weights.shape[1] > 2 * RADIUS + 1:
-        for k in range(nodes.size):
-            out[k] = _wide_product(field, np.int64(nodes[k]) - start, width, weights, 0)
-    else:
-        for k in range(nodes.size):
-            column = np.int64(nodes[k]) - start
+    for k in range(nodes.size):
+        column = np.int64(nodes[k]) - start
+        if weights.shape[1] == 2 * RADIUS + 1:
             out[k] = _product(field, column, width, weights, parity + column % 2)
+        elif weights.shape[1] == 2 * WIDE_RADIUS + 1:  # the four stencils are equal
+            out[k] = _wide_product(field, column, width, weights, 0)
+        else:
+            out[k] = _wider_product(field, column, width, weights, 0)

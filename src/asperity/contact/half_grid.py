@@ -31,14 +31,7 @@ def solve_on_half(
         height, grid, lost = on_half_the_nodes(height, grid)
     if (adhesion := settings.get("adhesion")) is not None:
         settings["adhesion"] = adhesion.resolved_on(solid, grid)
-    contact = solve_contact(
-        height,
-        solid,
-        grid,
-        boundary=boundary,
-        rtol=HALF_TOLERANCE,
-        **settings,
-    )
+    contact = solve_contact(height, solid, grid, boundary=boundary, rtol=HALF_TOLERANCE, **settings)
     return contact, lost
 
 

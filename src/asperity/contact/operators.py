@@ -182,11 +182,7 @@ class InnerResponse:
         return None if self._far is None else self._far.indices(nodes)
 
     def displacement(
-        self,
-        pressure: Array,
-        nodes: Array,
-        indices: Array | None,
-        at: Array | None = None,
+        self, pressure: Array, nodes: Array, indices: Array | None, at: Array | None = None
     ) -> Array:
         """Displacements under pressures on nodes, at these nodes or at others.
 

@@ -200,12 +200,13 @@ def solve_contact(
             "longer ones are so much softer that rounding hides the others; resample the heights"
         )
     choice("method", method, tuple(METHODS))
-    imposed = {
+    imposed: dict[str, Any] = {
         "contact_area_fraction": contact_area_fraction,
         "mean_pressure": mean_pressure,
         "force": force,
         "approach": approach,
     }
+    settings: dict[str, Any] = {"boundary": boundary, "rtol": rtol, "dtype": dtype, "threads": threads}
     control = _checked_control(*_only_one(imposed), grid)
     limit = np.inf if hardness is None else _checked_hardness(hardness, control)
     hardness = None if limit == np.inf else limit
@@ -220,10 +221,9 @@ def solve_contact(
         if initial is not None:
             given = initial.pressure if isinstance(initial, Contact) else initial
             initial = whole(grid.field("initial", given))
-        options: dict[str, Any] = {"hardness": hardness, "boundary": boundary, "rtol": rtol, "dtype": dtype}
-        options |= {"threads": threads, "progress": progress, "initial": initial, "adhesion": adhesion}
-        options |= imposed | {"force": None if force is None else 2 * force}
-        return _of_map(solve_contact(whole(values), solid, grid.whole_cell, **options), grid)
+        settings |= imposed | {"force": None if force is None else 2 * force}
+        settings |= {"hardness": hardness, "adhesion": adhesion, "initial": initial, "progress": progress}
+        return _of_map(solve_contact(whole(values), solid, grid.whole_cell, **settings), grid)
     solid_units = Units.of_solid(solid, grid)
     solid_and_grid = solid_units.solid(solid), solid_units.grid(grid)
     response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
@@ -275,14 +275,7 @@ def solve_contact(
     )
     if met_hardness and contact.maximum_pressure < contact.hardness:
         # An earlier iterate was plastic: the solution without a hardness has other rounding errors.
-        settings = {
-            "boundary": boundary,
-            "rtol": rtol,
-            "dtype": dtype,
-            "threads": threads,
-            "initial": initial,
-        }
-        elastic = solve_contact(values, solid, grid, **imposed, **settings)  # type: ignore[arg-type]
+        elastic = solve_contact(values, solid, grid, initial=initial, **imposed, **settings)
         if elastic.maximum_pressure <= limit:
             return replace(elastic, hardness=contact.hardness, plastic_depth=np.zeros_like(elastic.gap))
     return contact

@@ -135,17 +135,13 @@ class Ducc0Engine:
         def transform(rows: Array, target: Array, workers: int) -> None:
             ducc0.fft.r2c(rows, axes=(1,), forward=True, inorm=2, out=target, nthreads=workers)
 
-        def transform_copied(part: slice) -> None:
-            room = self._room(values)
-            for first in range(part.start, part.stop, self.LINES):
-                rows = slice(first, min(first + self.LINES, part.stop))
-                some = room[: rows.stop - first]
-                some[...] = values[rows]
-                transform(some, out[rows], 1)
+        def transform_copied(rows: slice, room: Array) -> None:
+            room[...] = values[rows]
+            transform(room, out[rows], 1)
 
         count = len(values)
         if self._is_slow(values):
-            in_parts(transform_copied, count, threads, multiple=self.LINES, smallest=self.LINES)
+            self._with_room(transform_copied, values, threads)
         else:
             for part, workers in self._shares(count, threads):
                 transform(values[part], out[part], workers)
@@ -173,16 +169,12 @@ class Ducc0Engine:
                 _rows_back(coefficients[..., part, :], out[..., part, :], workers)
             return
 
-        def transform(part: slice) -> None:
-            room = self._room(out)
+        def transform(rows: slice, room: Array) -> None:
             for source, target in zip(_planes(coefficients), _planes(out), strict=True):
-                for first in range(part.start, part.stop, self.LINES):
-                    rows = slice(first, min(first + self.LINES, part.stop))
-                    some = room[: rows.stop - first]
-                    _rows_back(source[rows], some, 1)
-                    target[rows] = some
+                _rows_back(source[rows], room, 1)
+                target[rows] = room
 
-        in_parts(transform, out.shape[-2], threads, multiple=self.LINES, smallest=self.LINES)
+        self._with_room(transform, out, threads)
 
     def cosines(
         self, values: Array, out: Array, axis: int, odd: bool, forward: bool, threads: int = 1
@@ -206,23 +198,27 @@ class Ducc0Engine:
                 transform(values[lines], out=out[lines], nthreads=workers)
             return
 
-        def transform_copied(part: slice) -> None:
-            for first in range(part.start, part.stop, self.LINES):
-                rows = slice(first, min(first + self.LINES, part.stop))
-                room = self._room(values)[: rows.stop - first]
-                room[...] = values[rows]
-                transform(room, out=room)
-                out[rows] = room
+        def transform_copied(rows: slice, room: Array) -> None:
+            room[...] = values[rows]
+            transform(room, out=room)
+            out[rows] = room
 
-        in_parts(transform_copied, len(values), threads, multiple=self.LINES, smallest=self.LINES)
+        self._with_room(transform_copied, values, threads)
 
     def _is_slow(self, field: Array) -> bool:
         """True if the distance of the rows of a field makes its transforms slow."""
         return field.dtype == np.float32 and field.strides[-2] % self.CRITICAL_STRIDE == 0
 
-    def _room(self, field: Array) -> Array:
-        """Memory of `LINES` rows of a field at a distance that is not slow."""
-        return np.empty((self.LINES, field.shape[-1] + self.PADDING), field.dtype)[:, : field.shape[-1]]
+    def _with_room(self, work: Callable[[slice, Array], None], field: Array, threads: int) -> None:
+        """Call a function for `LINES` rows at a time, with memory for them at a distance that is not slow."""
+
+        def go_through(part: slice) -> None:
+            room = np.empty((self.LINES, field.shape[-1] + self.PADDING), field.dtype)[:, : field.shape[-1]]
+            for first in range(part.start, part.stop, self.LINES):
+                rows = slice(first, min(first + self.LINES, part.stop))
+                work(rows, room[: rows.stop - first])
+
+        in_parts(go_through, field.shape[-2], threads, multiple=self.LINES, smallest=self.LINES)
 
     @classmethod
     def _shares(cls, lines: int, threads: int) -> list[tuple[slice, int]]:

@@ -23,7 +23,7 @@ import xarray as xr
 from asperity.core.compiled import compiled
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
-from asperity.stress.peaks.maxima import derivatives
+from asperity.stress.peaks.maxima import quadratic
 from asperity.stress.planes.fields import edges_of, lagrange, lagrange_stencils, neighbour
 from asperity.stress.statistics.extrapolation import extreme_error, resolution
 
@@ -193,7 +193,7 @@ def _add_boxes(
                         over[a, b] = 2 * around[a, b] - under[a, b]
                     if is_end[1]:
                         under[a, b] = 2 * around[a, b] - over[a, b]
-            centre, in_plane, (z, zy, zx, zz) = _quadratic(over, around, under, distances)
+            centre, in_plane, (z, zy, zx, zz) = quadratic((over, around, under), distances, 1.0, 1.0)
             y, x, yy, yx, xx = in_plane
             reach = (abs(y) + abs(x)) / 2 + (abs(yy) + abs(xx)) / 8 + abs(yx) / 4
             reach += far * (abs(z) + (abs(zy) + abs(zx)) / 2 + abs(zz) * far / 2)
@@ -213,21 +213,6 @@ def _add_boxes(
                     volume[n] += share * total / (samples * samples)
                 if is_last:
                     depths[0], depths[1] = min(depths[0], depth + top), max(depths[1], depth + bottom)
-
-
-@compiled
-def _quadratic(over: Any, around: Any, under: Any, distances: Any) -> Any:
-    """The quadratic in a box: value at the node, derivatives y, x, yy, yx, xx, and z, zy, zx, zz."""
-    up, down = distances
-    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
-    centre, y, x, yy, yx, xx = derivatives(around, 1.0)
-    above, above_y, above_x, _, _, _ = derivatives(over, 1.0)
-    below, below_y, below_x, _, _, _ = derivatives(under, 1.0)
-    z = weight_up * (above - centre) + weight_down * (below - centre)
-    zz = 2 * ((above - centre) / up + (below - centre) / down) / (up + down)
-    zy = weight_up * (above_y - y) + weight_down * (below_y - y)
-    zx = weight_up * (above_x - x) + weight_down * (below_x - x)
-    return centre, (y, x, yy, yx, xx), (z, zy, zx, zz)
 
 
 @compiled

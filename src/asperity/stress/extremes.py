@@ -22,6 +22,7 @@ from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.solid import COMPONENTS, Solid
 from asperity.fourier.grid import BOUNDARIES, Grid
+from asperity.stress.planes.fields import lagrange_weights
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
 
 DIRECTION = {"von_mises": 1, "maximum_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
@@ -116,25 +117,18 @@ class Extremes:
     layer : Solid
     fields : names
         Fields besides those of `DIRECTION`.
-    drawn : names
-        Fields whose planes of the extreme value are kept.
 
     Attributes
     ----------
-    planes : dict
-        Field to be drawn → depth, grid and values of the plane with its extreme value at the nodes.
     interfaces : list of Interface
     """
 
-    def __init__(self, layer: Solid, fields: Sequence[str] = (), drawn: Sequence[str] = ()) -> None:
-        self._layer, self._drawn = layer, drawn
-        self._fields = list(dict.fromkeys((*DIRECTION, *fields, *drawn)))
+    def __init__(self, layer: Solid, fields: Sequence[str] = ()) -> None:
+        self._layer, self._fields = layer, list(dict.fromkeys((*DIRECTION, *fields)))
         self._depths: list[float] = []
         self._parts: list[dict[str, _AtNode]] = []
         self._starts: list[int] = []
         self._rivals: list[list[_AtNode]] = []
-        self.planes: dict[str, tuple[float, Grid, Array]] = {}
-        self._sizes: dict[str, float] = {}
         self.interfaces: list[Interface] = []
 
     def add(self, plane: LinearPlane) -> None:
@@ -171,16 +165,13 @@ class Extremes:
                 field = plane.field(name, poisson)
                 nodes = np.array([field.argmax(), field.argmin()])
                 values = field.flat[nodes]
-            sizes = DIRECTION[name] * values if name in DIRECTION else np.abs(values)
+            sizes = _size(name, values)
             if not sizes.size or not sizes.max() > (part[name].size if name in part else -np.inf):
                 continue
             best = int(sizes.argmax())
             row, column = divmod(int(nodes[best]), plane.grid.shape[1])
             y, x = np.add(plane.first_node, np.multiply((row, column), plane.grid.spacing)).tolist()
             part[name] = _AtNode(float(sizes[best]), len(self._depths) - 1, plane.grid.spacing, (y, x))
-            if name in self._drawn and sizes[best] > self._sizes.get(name, -np.inf):
-                self._sizes[name] = float(sizes[best])
-                self.planes[name] = plane.depth, plane.grid, plane.field(name, poisson)
 
     def _with_rivals(self, before: list[_AtNode], plane: LinearPlane, von_mises: Array) -> list[_AtNode]:
         """The nodes of highest von Mises stress under different contacts, of a plane and those before."""
@@ -305,20 +296,12 @@ def _refined(
         axes = [np.unique(middle + OFFSETS * size) for middle, size in zip(centre, reaches, strict=True)]
         axes[0] = np.unique(np.clip(axes[0], depths[0], depths[-1]))
         in_planes = [patch.at(axes[1], axes[2]) for patch in patches]
-        tensors = np.einsum("zp,pcyx->czyx", [_lagrange(depths, at) for at in axes[0]], in_planes)
+        tensors = np.einsum("zp,pcyx->czyx", lagrange_weights(depths, axes[0]), in_planes)
         sizes = _size(name, field_of(name, tensors))
         best = np.unravel_index(sizes.argmax(), sizes.shape)
         centre = np.array([axis[index] for axis, index in zip(axes, best, strict=True)])
         stress, reaches = tensors[(slice(None), *best)], reaches / 4
     return centre, stress
-
-
-def _lagrange(depths: Array, at: float) -> Array:
-    """Weights of the polynomial through planes."""
-    apart = depths[:, None] - depths + np.eye(depths.size)
-    factors = (at - depths) / apart
-    np.fill_diagonal(factors, 1.0)
-    return factors.prod(axis=1)
 
 
 def field_of(name: str, stress: Array) -> Array:

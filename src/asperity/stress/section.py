@@ -21,7 +21,7 @@ from asperity.core.errors import shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import BOUNDARIES, EVEN, Grid
-from asperity.stress.planes.fields import BASIS, ODD
+from asperity.stress.planes.fields import BASIS, ODD, lagrange_weights
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane, PlaneStream
 
@@ -290,11 +290,6 @@ def _along(axis: int, values: Array, positions: Array, periodic: bool) -> Array:
         count = min(LAGRANGE_NODES, nodes)
         first = np.clip(np.floor(positions).astype(np.int64) - (count - 1) // 2, 0, nodes - count)
         index = first[:, None] + np.arange(count)
-        local = np.ones(index.shape)
-        for k in range(count):
-            for m in range(count):
-                if m != k:
-                    local[:, k] *= (positions - index[:, m]) / (k - m)
         weights = np.zeros((positions.size, nodes))
-        np.put_along_axis(weights, index, local, axis=1)
+        np.put_along_axis(weights, index, lagrange_weights(index, positions), axis=1)
     return weights @ values if axis == 1 else values @ weights.T

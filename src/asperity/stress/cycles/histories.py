@@ -127,10 +127,7 @@ class Histories(CycleMaps):
         envelope = LoadedSolid(fourier.inverse(largest), moving.grid, moving.layer, deepest=moving.deepest)
         if depths is None:
             depths = default_depths(envelope)
-        sliding: dict[str, Any] = {
-            "friction": moving.friction,
-            "sliding_direction": moving.sliding_direction,
-        }
+        sliding: dict[str, Any] = {"friction": moving.friction, "sliding_direction": moving.sliding_direction}
         self._stream = PlaneStream(envelope, depths, None, ("von_mises",), tolerance, threads, **sliding)
         self._sliding, self._fourier = sliding, fourier
         self._grid = moving.grid

@@ -106,22 +106,34 @@ def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float
 @compiled
 def _refine_in_solid(above: Any, here: Any, below: Any, depths: Any, out: Any) -> None:
     """Fill `out` as `refine_in_solid` says, with derivatives along depth per `unit`."""
-    up, down = depths[1] - depths[0], depths[2] - depths[1]
-    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
-    unit = min(up, down)
+    distances = depths[1] - depths[0], depths[2] - depths[1]
+    unit = min(distances)
     for n in range(here.shape[0]):
-        sign = np.sign(here[n, 1, 1])
-        centre, along_y, along_x, yy, yx, xx = derivatives(here[n], sign)
-        over, over_y, over_x, _, _, _ = derivatives(above[n], sign)
-        under, under_y, under_x, _, _, _ = derivatives(below[n], sign)
-        along_z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
-        zy = unit * (weight_up * (over_y - along_y) + weight_down * (under_y - along_y))
-        zx = unit * (weight_up * (over_x - along_x) + weight_down * (under_x - along_x))
-        zz = 2 * (unit * unit) * ((over - centre) / up + (under - centre) / down) / (up + down)
+        around = above[n], here[n], below[n]
+        centre, in_plane, (along_z, zy, zx, zz) = quadratic(around, distances, np.sign(here[n, 1, 1]), unit)
+        along_y, along_x, yy, yx, xx = in_plane
         second = zz, zy, zx, yy, yx, xx
-        step = _step_to_maximum((along_z, along_y, along_x), second, max(up, down) / unit)
+        step = _step_to_maximum((along_z, along_y, along_x), second, max(distances) / unit)
         out[0, n] = centre + 0.5 * (along_z * step[0] + along_y * step[1] + along_x * step[2])
         out[1, n], out[2, n], out[3, n] = depths[1] + unit * step[0], step[1], step[2]
+
+
+@compiled
+def quadratic(values: Any, distances: Any, sign: float, unit: float) -> Any:
+    """The quadratic through 3 × 3 values times a sign in each of three planes at distances.
+
+    Value at the node, derivatives y, x, yy, yx, xx, and along depth, per unit, z, zy, zx, zz.
+    """
+    (above, here, below), (up, down) = values, distances
+    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
+    centre, y, x, yy, yx, xx = derivatives(here, sign)
+    over, over_y, over_x, _, _, _ = derivatives(above, sign)
+    under, under_y, under_x, _, _, _ = derivatives(below, sign)
+    z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
+    zy = unit * (weight_up * (over_y - y) + weight_down * (under_y - y))
+    zx = unit * (weight_up * (over_x - x) + weight_down * (under_x - x))
+    zz = 2 * (unit * unit) * ((over - centre) / up + (under - centre) / down) / (up + down)
+    return centre, (y, x, yy, yx, xx), (z, zy, zx, zz)
 
 
 @compiled

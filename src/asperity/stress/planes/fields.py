@@ -197,13 +197,7 @@ class PlaneFields:
         return out
 
     def exceeded(
-        self,
-        which: Array,
-        row: Array,
-        column: Array,
-        shape: tuple[int, int],
-        magnitude: Array,
-        threads: int,
+        self, which: Array, row: Array, column: Array, shape: tuple[int, int], magnitude: Array, threads: int
     ) -> tuple[Array, Array]:
         """Nodes where a magnitude is above the nine values at and around a node, and these values.
 
@@ -626,6 +620,13 @@ def lagrange(values: Any, along_y: Any, along_x: Any) -> float:
         along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
         total += along_y[1][k] * along
     return total
+
+
+def lagrange_weights(places: Array, at: Array) -> Array:
+    """Weights of the values at places, (..., nodes), in the polynomial through them at positions, (...)."""
+    own = np.eye(places.shape[-1], dtype=bool)
+    apart = np.where(own, 1.0, places[..., None] - places[..., None, :])
+    return np.prod(np.where(own, 1.0, at[..., None, None] - places[..., None, :]) / apart, axis=-1)
 
 
 _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])

@@ -14,7 +14,7 @@ from asperity.core.compiled import compiled, vectorised_sums_without_nan
 from asperity.core.parallel import run_tasks
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import NODES_AT_ONCE, PACKED, ROW_MARGIN, PlaneFields
+from asperity.stress.planes.fields import NODES_AT_ONCE, PACKED, PERIODIC, ROW_MARGIN, PlaneFields
 
 MOST_KEPT = 8
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
@@ -95,7 +95,7 @@ class References:
                     source, modes = self._transformed(m, grid.size > self._grid.size, numbers)
                     field = fourier.inverse(resample(modes, source, grid), field, overwrite=True)
                     largest = max(field.max(), -field.min())
-                    self._fill(packed, [m], largest, partial(_rows_of, field), 0)
+                    self._fill(packed, [m], largest, PlaneFields.of_array(field, (PERIODIC, PERIODIC)))
             self._packed = packed
         self._grid = grid
         return self._packed
@@ -129,7 +129,7 @@ class References:
             else:
                 self._above[m].append((self._steps[m], self._means[m], self._packed[m].copy()))
         self._largest[risen] = largest[risen]
-        self._fill(self._packed, risen, largest[risen], fields(risen).rows, ROW_MARGIN)
+        self._fill(self._packed, risen, largest[risen], fields(risen))
         self.number[risen] = number
         self.covariance[risen, number] = (square / size - mean * mean)[risen]
         self.missing[risen] = np.where(self._rising[risen], 0, number)
@@ -144,21 +144,16 @@ class References:
         total, product = sums[chosen, :, 0].sum(axis=1), sums[chosen, :, 3].sum(axis=1) * self._steps[chosen]
         self.covariance[chosen, number] = (product - total * self._means[chosen]) / size
 
-    def _fill(
-        self, packed: Array, places: list[int], largest: Any, rows: Callable[[int, int], Array], margin: int
-    ) -> None:
-        """Write fields to their places in `packed`, in steps that follow from their largest values.
-
-        `rows` returns some rows of the fields, which begin after a margin.
-        """
+    def _fill(self, packed: Array, places: list[int], largest: Any, fields: PlaneFields) -> None:
+        """Write fields to their places in `packed`, in steps that follow from their largest values."""
         steps = np.where(largest > 0, largest, 1.0) / np.iinfo(packed.dtype).max
         per_step, which = np.atleast_1d(1 / steps).astype(self._real), np.array(places)
         strip = max(1, 2 * NODES_AT_ONCE // packed.shape[2])
 
         def fill(first: int) -> Array:
             sums = np.zeros(which.size, np.int64)
-            values = rows(first, min(first + strip, packed.shape[1]))
-            _pack(values, margin, per_step, which, first, packed, sums)
+            values = fields.rows(first, min(first + strip, packed.shape[1]))
+            _pack(values, per_step, which, first, packed, sums)
             return sums
 
         tasks = [partial(fill, first) for first in range(0, packed.shape[1], strip)]
@@ -218,19 +213,14 @@ class References:
         return rings.lag, np.stack(found)
 
 
-def _rows_of(field: Array, first: int, last: int) -> Array:
-    """Some rows of a field, (1, rows, nx)."""
-    return field[None, first:last]
-
-
 @compiled
-def _pack(values: Any, margin: int, per_step: Any, which: Any, first: int, out: Any, sums: Any) -> None:
+def _pack(values: Any, per_step: Any, which: Any, first: int, out: Any, sums: Any) -> None:
     """Round fields to whole numbers of steps, into rows of `out` from `first` on, and add them to `sums`."""
     for n in range(which.size):
         factor = per_step[n]
         for j in range(values.shape[1]):
             steps = out[which[n], first + j]
-            line = values[n, j, margin : margin + steps.size]
+            line = values[n, j, ROW_MARGIN : ROW_MARGIN + steps.size]
             for i in range(steps.size):
                 steps[i] = np.rint(line[i] * factor)
             total = 0
