@@ -25,7 +25,7 @@ from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 
-RADIUS, WIDE_RADIUS, WIDER_RADIUS = 3, 15, 23
+RADIUS, WIDE_RADIUS, WIDER_RADIUS = 3, 15, 31
 """Radii of stencils, in nodes: they reach the nodes with row² + column² ≤ radius (radius + 1).
 
 The numbers in a row of a stencil, with a zero at the end, fill vector registers.

@@ -13,7 +13,8 @@ square of the error least (Hockney & Eastwood 1988, 10.1201/9780367806934, chapt
 The division is used three times, with a stencil and a coarse grid as fine as each use needs: to a per cent in
 inner solves; to about 1e-3 on the candidates, where only the change of the pressure since the last evaluation
 of the whole grid has this error (`CandidateProblem`); and over a free boundary to a fraction of the tolerance
-for this evaluation (`DividedProblem`), which otherwise takes transforms of four times the nodes.
+for this evaluation (`DividedProblem`), which otherwise takes transforms of four times the nodes. Where single
+precision suffices for it, candidates have the same division, and the whole grid is evaluated once.
 """
 
 import math
