@@ -223,7 +223,9 @@ class Ducc0Engine:
     @classmethod
     def _shares(cls, lines: int, threads: int) -> list[tuple[slice, int]]:
         """Slices of the lines, with the number of threads for each."""
-        shared = lines - lines % cls.LINES if threads > 1 else 0
+        if threads == 1:
+            return [(slice(0, lines), 1)]
+        shared = lines - lines % cls.LINES
         return [(slice(shared), threads)] * (shared > 0) + [(slice(shared, lines), 1)] * (shared < lines)
 
 
