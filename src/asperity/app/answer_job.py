@@ -1,4 +1,4 @@
-"""Requests about an answer: compute it, open the folder that holds it, and show planes of its stress."""
+"""Requests about an answer: open the folder that holds it, compute it, and show planes of its stress."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from asperity.app.form import contents_of
-from asperity.app.map_job import Ends, along, picture
+from asperity.app.map_job import Ends, MapJob, along, picture
 from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.engineering.answer import Answer, Sample, opened
@@ -39,8 +39,23 @@ PEAKS = ("value_Pa", "depth_m", "y_m", "x_m")
 """Columns of the peaks that are shown, beside their body and quantity."""
 
 
+class Reader(MapJob):
+    """Reads what stands in files: maps and cases, and answers without planes of their stress."""
+
+    def open(self, folder: str, number: int) -> dict[str, Any]:
+        """What a folder holds, and the number of the answer on the page."""
+        return {"number": number} | summary_of(opened(folder))
+
+    def compare(self, names: Sequence[str], folders: Sequence[str]) -> dict[str, Any]:
+        """Verdict, and differences of all numbers, of the answers of two folders."""
+        found = compared(dict(zip(names, map(opened, folders), strict=True)))
+        first, second = (found.records[name] for name in names)
+        differences = [found.difference(key, *names) for key in first if key in second]
+        return {"names": list(names), "verdict": found.verdict, "differences": differences}
+
+
 class AnswerJob:
-    """Computes an answer or a sample into a folder, and shows what a folder holds.
+    """Computes an answer or a sample into a folder, and shows planes of the stress of an answer.
 
     Planes are computed for the depths of the answer, ahead of the slider that asks for them.
     """
@@ -73,42 +88,20 @@ class AnswerJob:
             answers = {job.name: answer for job, answer in made}
             if arrangement.pooled:
                 sample_of(arrangement, answers)
-        return self.open(str(folder))
+        found = opened(folder)
+        self._answers = _answers_in(found)
+        self._look_at(next(iter(self._answers)))
+        return summary_of(found)
 
-    def open(self, folder: str) -> dict[str, Any]:
-        """What a folder holds in words and numbers, with the pictures of its answer or of its first map."""
-        self._whole = found = opened(folder)
-        maps = {} if isinstance(found, Answer) else found.answers
-        self._answers = {"": found} if isinstance(found, Answer) else maps
-        names = found.face.name if isinstance(found, Answer) else ", ".join(maps)
-        return {
-            "label": " ".join([f"{names},", *load_in_words(found.case)]),
-            "whole": _described(found),
-            "maps": {name: _described(answer) for name, answer in maps.items()},
-            "drawn": self.map(next(iter(self._answers))),
-        }
+    def look(self, folder: str, name: str) -> None:
+        """Take the answer of one map from a folder."""
+        self._answers = _answers_in(opened(folder))
+        self._look_at(name)
 
     def map(self, name: str) -> dict[str, Any]:
-        """Contact and peaks of the answer of one map, and everything that can be chosen for its planes."""
+        """The answer of another map, as of `drawn_of`."""
         self._look_at(name)
-        answer, grid = self._answer, self._answer.contact.grid
-        contact = {"pressure": answer.contact.pressure, "gap": answer.contact.gap}
-        peaks = answer.tables["peaks"]
-        return {name: picture(values, grid, np.fmax.reduce) for name, values in contact.items()} | {
-            "name": name,
-            "bodies": [*answer.stress],
-            "fields": [*answer.case.fields],
-            "depths": {body: self._depths(body) for body in answer.stress},
-            "yield": {name: body.yield_stress for name, body in answer.case.bodies.items()},
-            "peaks": {column: peaks[column].to_numpy() for column in ("body", "quantity", *PEAKS)},
-        }
-
-    def compare(self, names: Sequence[str], folder: str) -> dict[str, Any]:
-        """Verdict, and differences of all numbers, of this answer and that of another folder."""
-        found = compared(dict(zip(names, (self._whole, opened(folder)), strict=True)))
-        first, second = (found.records[name] for name in names)
-        differences = [found.difference(key, *names) for key in first if key in second]
-        return {"names": list(names), "verdict": found.verdict, "differences": differences}
+        return drawn_of(name, self._answer)
 
     def _look_at(self, name: str) -> None:
         """Forget the planes of the answer of another map."""
@@ -122,10 +115,6 @@ class AnswerJob:
     def _answer(self) -> AnswerData:
         return self._answers[self._name]
 
-    def _depths(self, body: str) -> list[float]:
-        depths = self._answer.depths(body)
-        return depths[depths <= max(self._answer.contact.grid.length)].tolist()
-
     def _want(self, body: str, field: str) -> dict[float, dict[str, Any]]:
         """Planes of a field that are known. The stream of planes that is kept is that of this field."""
         if self._wanted != (body, field):
@@ -134,7 +123,7 @@ class AnswerJob:
             if sum(kept) > MOST_KEPT:
                 self._planes = {}
             known = self._planes.setdefault(self._wanted, {})
-            left = [depth for depth in self._depths(body) if depth not in known]
+            left = [depth for depth in _depths(self._answer, body) if depth not in known]
             sliding = self._answer.case.sliding_of(body)
             loaded = self._answer.loaded(body)
             self._stream = PlaneStream(loaded, left or [0.0], None, (field,), SHOWN_TOLERANCE, **sliding)
@@ -167,7 +156,7 @@ class AnswerJob:
         planes = self._want(body, field)
         while self.work_ahead():
             pass
-        depths = self._depths(body)
+        depths = _depths(self._answer, body)
         found = [along(planes[depth], ends) for depth in depths]
         distance, values = found[0][0], np.array([each[1] for each in found])
         largest = np.abs(values).max(axis=1)
@@ -177,6 +166,42 @@ class AnswerJob:
         section: Array = np.array([np.interp(even, depths, column) for column in values.T]).T
         frame = {"x": 0.0, "y": 0.0, "dw": float(distance[-1]), "dh": bottom}
         return {"picture": {"values": section.astype(np.float32), **frame}}
+
+
+def summary_of(found: Answer | Sample) -> dict[str, Any]:
+    """An answer or a sample in words and numbers, with the pictures of its answer or of its first map."""
+    answers = _answers_in(found)
+    names = found.face.name if isinstance(found, Answer) else ", ".join(answers)
+    return {
+        "label": " ".join([f"{names},", *load_in_words(found.case)]),
+        "whole": _described(found),
+        "maps": {name: _described(answer) for name, answer in answers.items() if answer is not found},
+        "drawn": drawn_of(*next(iter(answers.items()))),
+    }
+
+
+def drawn_of(name: str, answer: AnswerData) -> dict[str, Any]:
+    """Contact and peaks of the answer of one map, and everything that can be chosen for its planes."""
+    contact = {"pressure": answer.contact.pressure, "gap": answer.contact.gap}
+    peaks, grid = answer.tables["peaks"], answer.contact.grid
+    return {name: picture(values, grid, np.fmax.reduce) for name, values in contact.items()} | {
+        "name": name,
+        "bodies": [*answer.stress],
+        "fields": [*answer.case.fields],
+        "depths": {body: _depths(answer, body) for body in answer.stress},
+        "yield": {name: body.yield_stress for name, body in answer.case.bodies.items()},
+        "peaks": {column: peaks[column].to_numpy() for column in ("body", "quantity", *PEAKS)},
+    }
+
+
+def _answers_in(found: Answer | Sample) -> Mapping[str, AnswerData]:
+    """Name of each map → its answer; the name is empty if there is one map."""
+    return {"": found} if isinstance(found, Answer) else found.answers
+
+
+def _depths(answer: AnswerData, body: str) -> list[float]:
+    depths = answer.depths(body)
+    return depths[depths <= max(answer.contact.grid.length)].tolist()
 
 
 def _described(found: AnswerData | Sample) -> dict[str, Any]:

@@ -70,9 +70,11 @@ class Slot:
     content : dict or None
         Groups of the case from which it is computed; None for one that was opened.
     summary : dict
-        As of `AnswerJob.open`.
+        As of `asperity.app.answer_job.summary_of`.
     drawn : dict
-        As of `AnswerJob.map`, for the map that is looked at.
+        As of `asperity.app.answer_job.drawn_of`, for the map that is looked at.
+    worker : Worker or None
+        The process that computes it, or planes of it when they are asked for.
     first : Slot or None
         The answer beside which it is shown when it is computed.
     """
@@ -81,7 +83,7 @@ class Slot:
     folder: Path | None
     state: str
     content: dict[str, Any] | None = None
-    worker: Any = None
+    worker: Worker | None = None
     done: float = 0.0
     stage: str = ""
     since: float = field(default_factory=time.monotonic)
@@ -119,7 +121,7 @@ class Session:
     loop : IOLoop
         Of the server, which handles the replies of workers.
     reader : Worker
-        The process that checks cases and reads maps.
+        The process that checks cases, and reads maps and answers.
     flags : mapping
         Dotted key of a setting → flag of ``asperity run``, for messages and the command line.
     folder : Path
@@ -149,7 +151,7 @@ class Session:
         self._lines: dict[str, Ends] = {}
         self._number, self._starts = 0, False
         self._left: list[dict[str, Any]] = []
-        self._map = self._listen(reader, self._of_map)
+        self._reader = self._listen(reader, self._of_reader)
 
     def _listen(self, worker: Worker, handler: Callable[..., None]) -> Worker:
         worker.listen(lambda name, found: self.loop.add_callback(handler, name, found))
@@ -187,7 +189,7 @@ class Session:
         self.values |= values
         self._number += 1
         content = form.content_of(self.values)
-        self._map.send("check", content=content, out=str(self.folder / "answer"), number=self._number)
+        self._reader.send("check", content=content, out=str(self.folder / "answer"), number=self._number)
         self.tell({"values": dict(values)}, without=socket)
         self.tell({"html": {"repeat": self._repeat(), "stale": self._part("stale")}})
 
@@ -195,7 +197,8 @@ class Session:
         """Take a map, a case file, or the folder of an answer."""
         self._say("")
         if os.path.isdir(path):
-            self._add(Slot(Path(path).name, Path(path), "opening")).worker.send("open", folder=path)
+            self._add(Slot(Path(path).name, Path(path), "opening"))
+            self._reader.send("open", folder=path, number=len(self.slots) - 1)
         elif path.endswith((".yaml", ".yml")):
             try:
                 values = {"choose.counter_body": "flat"} | form.values_of(load_case(path))
@@ -226,12 +229,12 @@ class Session:
         """Compute the next of the cases of one start, whose answers are shown beside the first of them."""
         content = self._left.pop(0)
         slot = self._add(Slot("", None, "running", content, first=first))
-        slot.worker.send("run", content=content, out=str(self.folder), memory=self.memory)
+        self._worker_of(slot).send("run", content=content, out=str(self.folder), memory=self.memory)
 
     def do_stop(self, _: str) -> None:
         """Stop the computation."""
         if slot := self._running():
-            slot.worker.stop()
+            (slot.worker or self._reader).stop()
 
     def do_show(self, number: str) -> None:
         """Show an answer, with the plane of its largest peak and the section through it."""
@@ -267,7 +270,7 @@ class Session:
         elif name == "map":
             for slot in filter(None, self.shown):
                 if chosen in slot.summary["maps"]:
-                    slot.worker.send("map", name=chosen)
+                    self._worker_of(slot).send("map", name=chosen)
         elif name == "contact":
             self.view[name] = chosen
             self._draw("contact")
@@ -306,7 +309,7 @@ class Session:
         """Ask for the heights along a line."""
         if self._heights is not None:
             self._lines["profile"] = ends
-            self._map.send("profile", ends=ends)
+            self._reader.send("profile", ends=ends)
 
     def drag_section(self, ends: Ends) -> None:
         """Ask for the section along a line, of all answers that are shown."""
@@ -315,8 +318,8 @@ class Session:
 
     # What workers reply
 
-    def _of_map(self, name: str, found: Any) -> None:
-        """Take the heights of a map, the result of a check, or a profile."""
+    def _of_reader(self, name: str, found: Any) -> None:
+        """Take the heights of a map, the result of a check, a profile, an answer, or a comparison."""
         if name == "profile":
             self._profile = found
             self._draw("curves")
@@ -334,34 +337,40 @@ class Session:
             self.tell(self._state_of_form())
             if self._starts:
                 self.do_start("")
+        elif name == "open":
+            self._take(self.slots[found["number"]], found)
+        elif name == "compare":
+            if found["names"] == self._names():  # else of answers that were shown before
+                self.compared = found
+                self._tell_answer()
+        elif name == "refused" and found[0] == "open":
+            self._end(self.slots[found[2]["number"]], " ".join(found[1]))
         elif name == "refused":
             self._say(" ".join(found[1]))
-        elif name == "ended" and not self._map.stopped:
-            self._say(f"The process that reads maps {KILLED}")
-            self._map = self._listen(Worker("map"), self._of_map)
+        elif name == "ended":
+            killed = "" if self._reader.stopped else f"The process that reads maps and answers {KILLED}"
+            self._reader = self._listen(Worker("reader"), self._of_reader)
+            for slot in [slot for slot in self.slots if slot.state == "opening"]:
+                self._end(slot, killed or "Stopped.")
+            self._say(killed)
+            if not killed:
+                self.set({})
 
-    def _of_answer(self, slot: Slot, name: str, found: Any) -> None:
+    def _of_answer(self, slot: Slot, worker: Worker, name: str, found: Any) -> None:
         """Take progress, an answer, or a picture of it."""
         if name == "folder":
             slot.folder = found
         elif name == "progress":
             slot.done, slot.stage = found
-        elif name in ("run", "open"):
-            slot.state, slot.summary, slot.drawn, slot.label = "shown", found, found["drawn"], found["label"]
-            self.do_show(str(self.slots.index(slot.first or slot)))
-            if slot.first is not None:
-                self.do_beside(str(self.slots.index(slot)))
-            if name == "run" and self._left:
+        elif name == "run":
+            self._take(slot, found)
+            if self._left:
                 self._run_next(slot.first or slot)
         elif name == "map":
             slot.drawn = found
             if slot is self.shown[0]:
                 self._look_at_largest(slot)
             self._ask(True)
-        elif name == "compare":
-            if found["names"] == self._names():  # else of answers that were shown before
-                self.compared = found
-                self._tell_answer()
         elif name in ("plane", "section"):
             setattr(slot, name, found)
             self._draw("planes")
@@ -370,15 +379,27 @@ class Session:
             self._say(" ".join(found[1]))
         elif name == "refused":
             slot.message = " ".join(found[1])
-            slot.worker.stop()
+            worker.stop()
         elif name == "ended" and slot.state != "shown":
             if slot.state == "running" and slot.folder is not None:
                 remove_made(slot.folder)
-            slot.state, self._left = "ended", []
             killed = f"The computation (exit code {found}) {KILLED}"
-            slot.message = slot.message or ("Stopped." if slot.worker.stopped else killed)
-        elif name == "ended" and not slot.worker.stopped:
+            self._end(slot, "Stopped." if worker.stopped else killed)
+        elif name == "ended" and not worker.stopped:
             self._say(f"The process that draws {slot.label} {KILLED} Choose the answer again for its planes.")
+        self.tell({"progress": self._progress()})
+
+    def _take(self, slot: Slot, found: dict[str, Any]) -> None:
+        """Show an answer that was computed or opened."""
+        slot.state, slot.summary, slot.drawn, slot.label = "shown", found, found["drawn"], found["label"]
+        self.do_show(str(self.slots.index(slot.first or slot)))
+        if slot.first is not None:
+            self.do_beside(str(self.slots.index(slot)))
+        self.tell({"progress": self._progress()})
+
+    def _end(self, slot: Slot, message: str) -> None:
+        """Give up an answer, for a reason that may be known already."""
+        slot.state, slot.message, self._left = "ended", slot.message or message, []
         self.tell({"progress": self._progress()})
 
     # What the page shows
@@ -406,17 +427,18 @@ class Session:
         """Report progress, and end a computation that uses too much memory."""
         self.last_seen = time.monotonic() if self.sockets else self.last_seen
         if (slot := self._running()) is not None:
-            if (used := slot.worker.memory()) > self.memory:
+            worker = slot.worker or self._reader
+            if (used := worker.memory()) > self.memory:
                 slot.message = (
                     f"The computation used {used / 2**30:.1f} GiB, more than its limit of "
                     f"{self.memory / 2**30:.1f} GiB, and was ended. Fewer points need less. Inputs are kept."
                 )
-                slot.worker.stop()
+                worker.stop()
             self.tell({"progress": self._progress()})
 
     def close(self) -> None:
         """End all processes."""
-        for worker in (self._map, *(slot.worker for slot in self.slots)):
+        for worker in filter(None, (self._reader, *(slot.worker for slot in self.slots))):
             worker.stop()
 
     def _part(self, name: str, **values: Any) -> str:
@@ -428,13 +450,18 @@ class Session:
         self.tell({"html": {"notice": self._part("notice")}})
 
     def _add(self, slot: Slot) -> Slot:
-        self._wake(slot)
         self.slots.append(slot)
         self.tell({"progress": self._progress()})
         return slot
 
-    def _wake(self, slot: Slot) -> None:
-        slot.worker = self._listen(Worker("answer"), partial(self._of_answer, slot))
+    def _worker_of(self, slot: Slot) -> Worker:
+        """The process of an answer, which is started when something is first asked of it."""
+        if slot.worker is None or slot.worker.stopped or not slot.worker.process.is_alive():
+            slot.worker = worker = Worker("answer")
+            self._listen(worker, partial(self._of_answer, slot, worker))
+            if slot.state == "shown":
+                slot.worker.send("look", folder=str(slot.folder), name=slot.drawn["name"])
+        return slot.worker
 
     def _running(self) -> Slot | None:
         return next((slot for slot in self.slots if slot.state in ("running", "opening")), None)
@@ -444,11 +471,8 @@ class Session:
         known = {str(index): slot for index, slot in enumerate(self.slots) if slot.state == "shown"}
         chosen = known.get(number)
         for slot in known.values():
-            if slot not in (chosen, *self.shown):
+            if slot.worker is not None and slot not in (chosen, *self.shown):
                 slot.worker.stop()
-        if chosen is not None and (chosen.worker.stopped or not chosen.worker.process.is_alive()):
-            self._wake(chosen)
-            chosen.worker.send("open", folder=str(chosen.folder))
         return chosen
 
     def _problems(self) -> list[tuple[str, str]]:
@@ -526,7 +550,8 @@ class Session:
         first, second = self.shown
         self.compared = {}
         if first is not None and second is not None:
-            first.worker.send("compare", names=self._names(), folder=str(second.folder))
+            folders = [str(first.folder), str(second.folder)]
+            self._reader.send("compare", names=self._names(), folders=folders)
 
     def _names(self) -> list[str]:
         """Numbers and labels of the answers that are shown."""
@@ -546,9 +571,10 @@ class Session:
         for slot in filter(None, self.shown):
             body, name = self._looked_at(slot)
             deepest = slot.drawn["depths"][body][-1]
-            slot.worker.send("plane", body=body, field=name, depth=min(self.depth, deepest))
+            worker = self._worker_of(slot)
+            worker.send("plane", body=body, field=name, depth=min(self.depth, deepest))
             if with_section and "section" in self._lines:
-                slot.worker.send("section", body=body, field=name, ends=self._lines["section"])
+                worker.send("section", body=body, field=name, ends=self._lines["section"])
         self._draw("mark")
         if with_section:
             self._tell_answer()

@@ -27,14 +27,14 @@ class Worker:
     Parameters
     ----------
     kind : str
-        ``"map"`` checks cases, ``"answer"`` computes answers and shows them.
+        ``"reader"`` reads maps, cases and answers, ``"answer"`` computes an answer, and its planes.
     """
 
     def __init__(self, kind: str) -> None:
         context = get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self.stopped = False
-        self.process = context.Process(target=_work, args=(theirs, kind), daemon=kind == "map")
+        self.process = context.Process(target=_work, args=(theirs, kind), daemon=kind == "reader")
         self.process.start()
         theirs.close()
 
@@ -95,14 +95,10 @@ def _work(pipe: Connection, kind: str) -> None:
         with lock:
             pipe.send((name, content))
 
+    from asperity.app.answer_job import AnswerJob, Reader
     from asperity.core.errors import InputError
 
-    if kind == "map":
-        from asperity.app.map_job import MapJob as Job
-    else:
-        from asperity.app.answer_job import AnswerJob as Job  # type: ignore[assignment]
-
-    job: Any = Job(reply)
+    job: Any = (Reader if kind == "reader" else AnswerJob)(reply)
     waiting: list[tuple[str, dict[str, Any]]] = []
     is_idle = True
     while True:
@@ -124,9 +120,9 @@ def _work(pipe: Connection, kind: str) -> None:
         try:
             reply(name, getattr(job, name)(**given))
         except InputError as error:
-            reply("refused", (name, error.lines))
+            reply("refused", (name, error.lines, given))
         except Exception as error:  # whatever a request raises is reported, and the worker goes on
-            reply("refused", (name, [str(error) or type(error).__name__]))
+            reply("refused", (name, [str(error) or type(error).__name__], given))
 
 
 def _receive(pipe: Connection, requests: SimpleQueue[Any]) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.app.answer_job import AnswerJob
+from asperity.app.answer_job import AnswerJob, Reader
 from asperity.app.map_job import MapJob, along
 from asperity.core.errors import InputError
 
@@ -37,12 +37,14 @@ def test_a_line_is_cut_at_the_edges_of_the_map():
 
 def test_planes_and_sections_are_those_of_the_answer(answer):
     found, folder = answer
-    job = AnswerJob(lambda *_: None)
-    summary = job.open(str(folder))
+    summary = Reader(lambda *_: None).open(str(folder), 3)
+    assert summary["number"] == 3
     assert summary["label"] == "ground, mean pressure 50 MPa"
     assert summary["whole"]["verdict"] == list(found.verdict)
     assert summary["whole"]["tiles"] == found.tiles[:4]
     depth = summary["drawn"]["depths"]["lower"][4]
+    job = AnswerJob(lambda *_: None)
+    job.look(str(folder), summary["drawn"]["name"])
     plane = job.plane("lower", "von_mises", depth)["picture"]["values"]
     # Single precision, and planes on coarser grids to 1e-3 of the rms of the stress.
     assert plane == pytest.approx(found.plane(depth).values, abs=2e-3 * plane.max())
@@ -58,7 +60,7 @@ def test_a_section_needs_all_planes_however_many_are_kept(answer, monkeypatch):
     _, folder = answer
     ends = (0.0, EDGE / 3, EDGE, EDGE / 2)
     job = AnswerJob(lambda *_: None)
-    job.open(str(folder))
+    job.look(str(folder), "")
     whole = job.section("lower", "von_mises", ends)["picture"]
     monkeypatch.setattr("asperity.app.answer_job.MOST_KEPT", 0)
     job.section("lower", "von_mises", (0.0, 0.0, EDGE, EDGE))

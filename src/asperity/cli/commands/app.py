@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> None:
 
     for name in [name for name in os.environ if name.startswith("BOKEH_")]:
         del os.environ[name]  # the page sets what it needs
-    reader = Worker("map")  # it imports what it needs while this process imports the server
+    reader = Worker("reader")  # it imports what it needs while this process imports the server
     from asperity.app.server import serve
 
     memory = MEMORY_SHARE * psutil.virtual_memory().total
