@@ -49,14 +49,14 @@ class Blocks:
 
     def error(self, means: Array) -> float:
         """Half of the 95 % interval of a mean over the area, relative to it, from means over the blocks."""
-        from scipy.stats import t
+        from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
         total, count = float(means.mean()), means.size
         if not total > 0:
             return np.nan
         residual = means / total - self.load / self.load.mean()
         scatter = np.sqrt(float(np.square(residual).sum()) / (count - 1))
-        return float(NEIGHBOURS * t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
+        return float(NEIGHBOURS * stdtrit(count - 1, (1 + CONFIDENCE) / 2) * scatter / np.sqrt(count))
 
 
 def blocks_of(face: TreatedMap, pressure: Array) -> Blocks | None:

@@ -144,7 +144,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
     >>> print(f"{found.value:.2f} ± {found.error:.3f}, between positions ± {found.errors[POSITIONS]:.3f}")
     0.30 ± 0.027, between positions ± 0.025
     """
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     first, count = records[0], len(records)
     of_pixels = {cause for each in records for cause in each.errors} & {DISCRETISATION, PLANES}
@@ -157,7 +157,7 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
     }
     if count > 1:
         scatter = 0.0 if is_same(values) else float(values.std(ddof=1))
-        errors[POSITIONS] = float(t.ppf((1 + CONFIDENCE) / 2, count - 1) * scatter / np.sqrt(count))
+        errors[POSITIONS] = float(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * scatter / np.sqrt(count))
     is_extrapolated = whole and any(math.isfinite(each.extrapolated) for each in records)
     low, high = min(each.bounds.low for each in records), max(each.bounds.high for each in records)
     mean = replace(

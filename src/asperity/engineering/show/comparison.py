@@ -360,16 +360,16 @@ def _of_samples(first: Record, second: Record, values: Sequence[Array]) -> Diffe
 
     B. L. Welch, Biometrika 34 (1947) 28, doi 10.1093/biomet/34.1-2.28.
     """
-    from scipy.stats import t
+    from scipy.special import stdtr, stdtrit
 
     common = [replace(each, errors=dict(each.errors) | {POSITIONS: 0.0}).error for each in (first, second)]
     squares = [0.0 if is_same(each) else each.var(ddof=1) / each.size for each in values]
     freedom = sum(squares) ** 2 / max(
         sum(square**2 / (each.size - 1) for square, each in zip(squares, values, strict=True)), 1e-300
     )
-    quantile = float(t.ppf((1 + CONFIDENCE) / 2, max(freedom, 1.0)))
+    quantile = float(stdtrit(max(freedom, 1.0), (1 + CONFIDENCE) / 2))
     error = float(np.linalg.norm([quantile * math.sqrt(sum(squares)), *np.nan_to_num(common)]))
     if not error:
         return Difference(first, second, 0.0, math.nan)
     size = abs(second.best - first.best) / error
-    return Difference(first, second, error, 2 * float(t.sf(quantile * size, max(freedom, 1.0))))
+    return Difference(first, second, error, 2 * float(stdtr(max(freedom, 1.0), -quantile * size)))
