@@ -1,5 +1,6 @@
 """Requests about an answer: open the folder that holds it, compute it, and show planes of its stress."""
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count
 from pathlib import Path
@@ -83,8 +84,9 @@ class AnswerJob:
             problems = [*(each for job in arrangement.jobs for each in job.problems), *arrangement.problems]
             if problems:
                 raise InputError("", [str(problem) for problem in dict.fromkeys(problems)])
-            beside = max(1, int(memory / max(job.memory for job in arrangement.jobs)))
-            made = computed(arrangement, lambda *state: self._reply("progress", state), cores=beside)
+            beside = int(memory / max(job.memory for job in arrangement.jobs))
+            cores = max(1, min(beside, os.cpu_count() or 1))
+            made = computed(arrangement, lambda *state: self._reply("progress", state), cores=cores)
             answers = {job.name: answer for job, answer in made}
             if arrangement.pooled:
                 sample_of(arrangement, answers)

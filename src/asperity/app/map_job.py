@@ -15,10 +15,10 @@ from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import MAP_FILES, at
-from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.face import RoughFace, processes_on, read_face
 from asperity.engineering.jobs import SMALL, Job, arranged
 from asperity.engineering.sample import doubt_of_one_surface
-from asperity.engineering.stages import work_of
+from asperity.engineering.stages import BESIDE, work_of
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
@@ -174,14 +174,22 @@ def _of_case(case: Case) -> dict[str, Any]:
 
 
 def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
-    """Time of one processor in words, and memory of the largest job in bytes."""
-    from asperity.study.cost.model import answer_cost, minutes, time_factor
+    """Time and processors in words, and memory of the largest job in bytes."""
+    from asperity.study.cost.model import START_SECONDS, answer_cost, minutes, time_factor
 
-    costs = []
-    for job in jobs:
-        assert job.rough is not None
-        face = job.rough.face
-        work = sum(work_of(job.case, bool(face.grid.mirrored)).values())
+    faces = [job.rough.face for job in jobs if job.rough]
+    count, cores = len(jobs), os.cpu_count() or 1
+    processes = processes_on(faces, count)
+    beside, costs, is_divided = max(cores // processes, 1), [], processes > 1
+    for job, face in zip(jobs, faces, strict=True):
+        alone, work = (
+            sum(work_of(job.case, bool(face.grid.mirrored), each).values())
+            for each in (1, processes_on([face], beside, beside))
+        )
         costs.append(answer_cost(work, face.height.size, face.boundary))
-    seconds = time_factor() * sum(cost.seconds for cost in costs)
-    return minutes(seconds), max(cost.memory for cost in costs)
+        is_divided |= work < alone
+    each = sum(cost.seconds for cost in costs) / count * (BESIDE if processes > 1 else 1.0)
+    pooled = answer_cost(0.0, max(face.height.size for face in faces), faces[0].boundary).seconds
+    seconds = START_SECONDS + each * math.ceil(count / processes) + (pooled if count > 1 else 0.0)
+    words = f"on {cores} processors" if is_divided else "of one processor"
+    return f"{minutes(time_factor() * seconds)} {words}", max(cost.memory for cost in costs)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import suppress
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from contextlib import ExitStack, suppress
 from multiprocessing import get_context
 from queue import Empty
 from typing import Any
@@ -17,6 +18,8 @@ SMALLEST_PARALLEL = 65_536
 
 POLL = 0.2
 """Seconds between two looks for the progress of other processes."""
+
+_queue: Any = None
 
 
 def processes_for(count: int, nodes: int, memory: float, cores: int | None = None) -> int:
@@ -45,41 +48,66 @@ def side_by_side(
     arguments : sequence of tuple
         The other arguments of each call.
     processes : int
-        With one, the function is called in this process.
+        This one, which calls the function too, and those that are started beside it.
     progress : callable
         Called with the parts of all calls that are done, from 0 to 1.
     """
     parts = [0.0] * len(arguments)
+    left, found = iter(range(len(arguments))), dict[int, Future[Any]]()  # each process takes the next one
 
     def report(number: int, done: float, total: float) -> None:
         parts[number] = done / total if total else 1.0
         progress(parts)
 
-    if processes == 1:
-        for number, each in enumerate(arguments):
-            yield function(*each, lambda done, total, number=number: report(number, done, total))
+    def hear(seconds: float = 0.0) -> None:
+        with suppress(Empty):
+            while processes > 1:
+                report(*told.get(timeout=seconds))
+                seconds = 0.0
+
+    def here(number: int) -> None:
+        def own(done: float, total: float) -> None:
+            report(number, done, total)
+            hear()
+
+        found[number] = Future()
+        try:
+            found[number].set_result(function(*arguments[number], own))
+        except Exception as error:
+            found[number].set_exception(error)
+
+    def beside(pool: ProcessPoolExecutor) -> None:
+        for number in left:
+            found[number] = pool.submit(_told, function, arguments[number], number)
+            wait([found[number]])
+
+    with ExitStack() as stack:
+        if processes > 1:
+            context = get_context("spawn")
+            told: Any = context.Queue()
+            threads = stack.enter_context(ThreadPoolExecutor(processes - 1))
+            others = ProcessPoolExecutor(processes - 1, context, _tell_to, (told,))
+            pool = stack.enter_context(others)
+            for _ in range(processes - 1):
+                threads.submit(beside, pool)
+        stack.callback(deque, left, 0)  # after an error no further call starts
+        for number in range(len(arguments)):
+            while number not in found or not found[number].done():
+                if (own := next(left, None)) is None:
+                    hear(POLL)
+                else:
+                    here(own)
+            yield found[number].result()
             report(number, 1.0, 1.0)
-        return
-    context = get_context("spawn")
-    with context.Manager() as manager:
-        told: Any = manager.Queue()
-        with ProcessPoolExecutor(processes, context) as pool:
-            futures = [
-                pool.submit(_told, function, each, number, told) for number, each in enumerate(arguments)
-            ]
-            try:
-                for number, future in enumerate(futures):
-                    while not future.done():
-                        with suppress(Empty):
-                            report(*told.get(timeout=POLL))
-                    yield future.result()
-                    report(number, 1.0, 1.0)
-            except BaseException:
-                for future in futures:
-                    future.cancel()
-                raise
 
 
-def _told(function: Callable[..., Any], arguments: tuple[Any, ...], number: int, told: Any) -> Any:
+def _tell_to(queue: Any) -> None:
+    """Take the queue for the progress of this process, which does not wait at its end until it is read."""
+    global _queue
+    _queue = queue
+    queue.cancel_join_thread()
+
+
+def _told(function: Callable[..., Any], arguments: tuple[Any, ...], number: int) -> Any:
     """Call a function in a process of its own, whose progress goes to a queue."""
-    return function(*arguments, lambda done, total: told.put((number, done, total)))
+    return function(*arguments, lambda done, total: _queue.put((number, done, total)))

@@ -169,6 +169,8 @@ class Question(Settings):
     """True if a material of the table implies it, so that other questions are answered first."""
     LEAD: ClassVar[str] = ""
     """Name of the picture that stands beside them."""
+    SIDE_BY_SIDE: ClassVar[bool] = False
+    """True if `compute` divides its work between processes."""
     FILES: ClassVar[tuple[str, ...]] = ()
     """Beginnings of the names of its files, without ``_lower`` or ``_upper`` and the suffix."""
 
@@ -185,7 +187,7 @@ class Question(Settings):
         return iter(())
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
-        """Work of `prepare` and `tractions` together, and of `compute`, over the work of the contact."""
+        """Work of `prepare` and `tractions` together, and of `compute`, as of `stages.work_of`."""
         return 0.0, 0.0
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, Any]:

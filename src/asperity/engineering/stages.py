@@ -57,8 +57,11 @@ from asperity.surface.treatment.treatment import TreatedMap
 FEWEST_NODES = 3
 """Least nodes on an edge of a map, of which peaks of the stress are found."""
 
-STRESS = 2.0
-"""Work of the stress in a body; the contact has a work of 1."""
+STRESS, SLIDING, LAYERED = 3.5, 3.0, 1.6
+"""Work of the stress in a body, and its factors for tractions and for layers."""
+
+BESIDE = 1.25
+"""Time of a process beside others over its time alone: they share memory and caches."""
 
 GAP_FRACTIONS = np.linspace(0, 1, 101)
 """Cumulative area fractions for which the gap is listed."""
@@ -116,7 +119,8 @@ def answer_of(
     asked = case.on_face(rough)
     if wrong := problems_on_map(asked, rough):
         raise SettingsError("", wrong)
-    parts = _Parts(progress, work_of(asked, bool(rough.face.grid.mirrored)), on_stage)
+    processes = processes_on([rough.face], cores, cores)
+    parts = _Parts(progress, work_of(asked, bool(rough.face.grid.mirrored), processes), on_stage)
     pressed = _pressed(asked, rough, parts, start, cores)
     bodies = {name: _analysed(pressed, name, parts) for name in pressed.case.different_bodies}
     # Two equal bodies share one result.
@@ -381,22 +385,23 @@ def _origin(rough: RoughFace, contact: Contact) -> Origin:
     return Origin(date, versions | {engine: number}, rough.files)
 
 
-def work_of(case: Case, is_mirrored: bool = False) -> dict[str, float]:
-    """Stages of the answer of a case → their work; the contact has a work of 1.
+def work_of(case: Case, is_mirrored: bool = False, processes: int = 1) -> dict[str, float]:
+    """Stages of the answer of a case → their work, side by side in processes where they can be.
 
-    The work of a stage is known to a factor of two: the numbers serve for progress and estimates of time.
+    The unit is the time of a contact of the study per node (`asperity.study.cost.model`). The work of a stage
+    is known to a factor of two: the numbers serve for progress and estimates of time.
     """
     costs = {name: question.cost(case, is_mirrored) for name, question in case.questions.items()}
     work = {f"before {name}": before for name, (before, _) in costs.items()}
-    work |= {"contact": 1.0, "half of the nodes": 0.3}
-    work |= {f"stress {name}": STRESS for name in case.different_bodies}
-    work["comparisons"] = 1.0 if case.hardness_is_estimated else 0.1
+    work |= {"contact": 0.5, "half of the nodes": 0.5}
+    for name, body in case.different_bodies.items():
+        work[f"stress {name}"] = STRESS * (SLIDING if case.friction else 1) * (LAYERED if body.layers else 1)
+    work["comparisons"] = 0.5 if case.hardness_is_estimated else 0.1
+    gain = processes / BESIDE if processes > 1 else 1.0
     for name, (_, after) in costs.items():
-        others = case.questions[name].other_cases(case).values()
-        work |= {
-            f"cases of {name}": sum(sum(work_of(each, is_mirrored).values()) for each in others),
-            name: after,
-        }
+        question = case.questions[name]
+        others = sum(sum(work_of(each, is_mirrored).values()) for each in question.other_cases(case).values())
+        work |= {f"cases of {name}": others / gain, name: after / gain if question.SIDE_BY_SIDE else after}
     return work
 
 

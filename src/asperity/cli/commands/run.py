@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> None:
         shapes = [job.rough.face.grid.shape for job in arrangement.jobs if job.rough]
         (time, memory), (ny, nx) = cost_of(arrangement.jobs), max(shapes, key=math.prod)
         size = f"{len(shapes)} map{'s' * (len(shapes) > 1)}, {ny} × {nx} nodes"
-        cost = f"about {time} of one processor and {memory / 1e9:.1f} GB"
+        cost = f"about {time} and {memory / 1e9:.1f} GB"
         print(f"nothing wrong was found; {size}, {cost}")
         return
     _compute(options, arrangement)

@@ -59,6 +59,9 @@ NO_CHANGE = "unlimited, as the stress does not change"
 CRACKS = "cracks expected per area"
 """Quantity from which the probability on an area follows."""
 
+STREAMED = 30.0
+"""Work of the cycles of a smooth body, from the planes of its stress."""
+
 FEW_SHIFTS = 0.1
 """Change of the worst cycles with half of the shifts above which these are too few."""
 
@@ -154,10 +157,12 @@ class Cycles(Question):
             yield "cycles.shifts", f" = {self.shifts}: not accepted together with {name}"
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
-        """Contacts and stress of all positions; of a mirrored map in the cell of four images."""
+        """Contacts and stress of all positions, of a mirrored map in the cell of four images; or cycles."""
+        if self.shifts is None:
+            limited = [each for each in case.different_bodies.values() if each.fatigue_torsion is not None]
+            return 0.0, STREAMED * len(limited)
         images = 4.0 if is_mirrored else 1.0
-        moved = 0.0 if self.shifts is None else 1.0 + 2.0 * images * self.shifts
-        return 0.0, moved * len(case.different_bodies)
+        return 0.0, (1.0 + 2.0 * images * self.shifts) * len(case.different_bodies)
 
     def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> StreamedCycles | None:
         """Cycles of a smooth body from the planes of its stress below a coating."""

@@ -116,12 +116,12 @@ class Leak(Question):
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
         """The flow is solved on the map and on half of its nodes."""
-        return 0.0, self.flow_cost + (1.3 * SEALING_CONTACTS if self._is_sought(case) else 0.0)
+        return 0.0, self.flow_cost + (0.8 * SEALING_CONTACTS if self._is_sought(case) else 0.0)
 
     @property
     def flow_cost(self) -> float:
         """Work of the percolation and the flow on the map and on half of its nodes."""
-        return 1.0 if self.viscosity is None else 5.0
+        return 0.5 if self.viscosity is None else 4.5
 
     def _is_sought(self, case: Scene) -> bool:
         """True if the load that seals is searched."""

@@ -103,6 +103,7 @@ class LoadCurve(Question):
     ASKS = "How does it change with the load?"
     TILES = (YIELD_LOAD,)
     FILES = ("curve",)
+    SIDE_BY_SIDE = True
 
     loads: tuple[AnyLoad, ...] = setting(
         ...,
@@ -154,7 +155,7 @@ class LoadCurve(Question):
         leak, bodies = case.questions.get("leak"), case.different_bodies.values()
         flow = 0.0 if leak is None else leak.flow_cost
         yields = sum(body.yield_stress is not None for body in bodies)
-        one, searches = 1.0 + 2.0 * len(bodies) + flow, 3.0 * YIELD_CONTACTS * yields
+        one, searches = 0.5 + 2.0 * len(bodies) + flow, 2.5 * YIELD_CONTACTS * yields
         return 0.0, len(self.path(case)) * one + searches
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:

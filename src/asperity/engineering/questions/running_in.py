@@ -64,7 +64,7 @@ class RunningIn(Question):
 
     def cost(self, case: Scene, is_mirrored: bool) -> tuple[float, float]:
         """A contact for each load, and one more."""
-        return self.loads + 1.0, 0.0
+        return 0.5 * (self.loads + 1), 0.0
 
     def prepare(self, case: Any, rough: RoughFace, progress: Progress) -> tuple[Any, RoughFace, Flattening]:
         """The elastic case and the flattened map."""

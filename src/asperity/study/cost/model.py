@@ -108,8 +108,8 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     )
 
 
-ANSWER_SECONDS = 4.0
-"""Time of an answer without its calculation: start, pictures, report."""
+START_SECONDS, ANSWER_SECONDS, FILES_WORK = 1.7, 0.8, 4.0
+"""Time of imports and compiled code; of pictures and report; work of reading a map and writing files."""
 
 
 def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
@@ -118,14 +118,14 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
     Parameters
     ----------
     work : float
-        Work over the work of the contact; see `asperity.engineering.stages.work_of`.
+        As of `asperity.engineering.stages.work_of`.
     nodes : int
         Nodes of the grid; of a mirrored map without its images.
     boundary : "periodic" | "free"
     """
     from asperity.surface.treatment.treatment import ANSWER_MEMORY, BYTES_PER_NODE
 
-    seconds = 1e-6 * coefficients()["contact"]["seconds_per_node"] * work * nodes
+    seconds = 1e-6 * coefficients()["contact"]["seconds_per_node"] * (work + FILES_WORK) * nodes
     return Cost(ANSWER_MEMORY + BYTES_PER_NODE[boundary] * nodes, ANSWER_SECONDS, seconds, 0.0)
 
 
