@@ -3,7 +3,7 @@
     python benchmarks/commands.py run info seal sample sweep page --out results/benchmarks
     python benchmarks/commands.py study tests --out results/benchmarks    # 10 minutes more
 
-Each writes a table of its name: wall time, processor time, largest memory of a process, and the processor
+Each writes a table of its name: wall time, processor time, largest memory of a process, and the wall
 time that ``--check`` promises. A sample of three maps and a sweep are measured in turns with single runs. The
 page is measured by tests/browser/test_times.py.
 """
@@ -56,7 +56,7 @@ def asperity(*arguments: object, folder: Path) -> Row:
 
 
 def promised(*arguments: object, folder: Path) -> float:
-    """Processor time in s that ``--check`` states."""
+    """Wall time in s that ``--check`` states."""
     command = [sys.executable, "-m", "asperity", *map(str, arguments), "--check"]
     text = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
     found = re.search(r"about ([\d.]+) (s|min)", text)

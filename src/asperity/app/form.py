@@ -7,8 +7,10 @@ import shlex
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import asperity.engineering
 from asperity.core.errors import InputError
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import CHECKSUMS, OUT, at, case_of_map, changed_files, leaves, put
@@ -24,6 +26,13 @@ from asperity.settings.model import (
     scalar,
 )
 from asperity.settings.reader import parse
+
+EXAMPLE = {
+    "map": {"file": str(Path(asperity.engineering.__file__).parent / "maps" / "ground_1.x3p")},
+    "body": {"material": "100Cr6"},
+    "load": {"mean_pressure": "50 MPa"},
+}
+"""A case of a map that comes with asperity."""
 
 LOADS = {
     "mean_pressure": ("mean_pressure",),

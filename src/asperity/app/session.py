@@ -210,11 +210,7 @@ class Session:
 
     def do_example(self, _: str) -> None:
         """Take a map that comes with asperity, with a steel and a load."""
-        import asperity.engineering
-
-        path = Path(asperity.engineering.__file__).parent / "maps" / "ground_1.x3p"
-        values = {"map.file": str(path), "body.material": "100Cr6", "load.mean_pressure": "50 MPa"}
-        self.set({"choose.counter_body": "flat"} | values)
+        self.set({"choose.counter_body": "flat"} | form.values_of(form.EXAMPLE))
 
     def do_start(self, _: str) -> None:
         """Compute the answer of the case, once it is checked, unless one is being computed."""

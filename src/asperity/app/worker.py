@@ -100,7 +100,7 @@ def _work(pipe: Connection, kind: str) -> None:
 
     job: Any = (Reader if kind == "reader" else AnswerJob)(reply)
     waiting: list[tuple[str, dict[str, Any]]] = []
-    is_idle = True
+    is_idle = False
     while True:
         try:
             while True:

@@ -12,6 +12,28 @@ import pytest
 
 from asperity.contact.contact_nodes import dot
 from asperity.core.parallel import SUMMED_PART, apply, in_parts, in_strips, map_parts, run_tasks, sum_parts
+from asperity.core.processes import side_by_side
+
+
+def number_and_process(number, progress):
+    progress(1, 2)
+    if number < 0:
+        raise ValueError(str(number))
+    time.sleep(0.1)
+    return number, os.getpid()
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_calls_side_by_side_are_in_order_and_this_process_makes_some(processes):
+    seen, given = [], [(number,) for number in (0, 1, 2, 3, -4, 5)]
+    calls = side_by_side(number_and_process, given, processes, lambda parts: seen.append([*parts]))
+    numbers, made_in = zip(*(next(calls) for _ in range(4)), strict=True)
+    assert numbers == (0, 1, 2, 3)
+    assert os.getpid() in made_in
+    assert len({*made_in}) == processes
+    with pytest.raises(ValueError, match="-4"):
+        next(calls)
+    assert seen[-1][:5] == [1, 1, 1, 1, 0.5]
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
