@@ -97,7 +97,7 @@ def side_by_side(
                     hear(POLL)
                 else:
                     here(own)
-            yield found[number].result()
+            yield found.pop(number).result()
             report(number, 1.0, 1.0)
 
 

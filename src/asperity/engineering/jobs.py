@@ -283,18 +283,23 @@ def computed(
         for job in left:
             if not resume:
                 shutil.rmtree(job.folder / KEPT, ignore_errors=True)
-        faces = [job.rough.face for job in left if job.rough]
-        processes = processes_on(faces, len(left), cores)
-        made: Iterator[Any] = _one_by_one(left, progress, cores or os.cpu_count() or 1)
-        if processes > 1:
+        processes = processes_on([job.rough.face for job in left if job.rough], len(left), cores)
+        beside, state = max((cores or os.cpu_count() or 1) // processes, 1), list[Any]([0.0, ""])
 
-            def report(parts: list[float]) -> None:
-                ready = sum(part >= 1 for part in parts)
-                progress(sum(parts) / len(parts), f"{ready} of {len(parts)} maps done")
+        def report(parts: list[float]) -> None:
+            if processes > 1:
+                state[1] = f"{sum(part >= 1 for part in parts)} of {len(parts)} maps done"
+            state[0] = sum(parts) / len(parts)
+            progress(*state)
 
-            beside = max((cores or os.cpu_count() or 1) // processes, 1)
-            given = [(job.case, job.rough, job.folder, beside) for job in left]
-            made = side_by_side(_written, given, processes, report)
+        def on_stage(number: int, name: str) -> None:
+            place = f"map {number} of {len(left)}, " if len(left) > 1 else ""
+            state[1] = f"{place}{name.replace('_', ' ')}"
+            progress(*state)
+
+        stages = [partial(on_stage, number) if processes == 1 else None for number in range(1, len(left) + 1)]
+        given = [(job, beside, stage) for job, stage in zip(left, stages, strict=True)]
+        made = side_by_side(_written, given, processes, report)
         for job, is_done in zip(jobs, done, strict=True):
             if is_done:
                 remove_unfinished(job.folder)
@@ -302,32 +307,17 @@ def computed(
             yield replace(job, is_kept=is_done), answer or read_data(job.folder, Answer)
 
 
-def _one_by_one(jobs: Sequence[Job], progress: Callable[[float, str], None], cores: int) -> Iterator[Answer]:
-    """Answers in this process, one after the other."""
-    for number, job in enumerate(jobs):
-        place = f"map {number + 1} of {len(jobs)}, " if len(jobs) > 1 else ""
-        state = [0.0, place]
-
-        def report(done: float, total: float, number: int = number, state: list[Any] = state) -> None:
-            state[0] = (number + 0.95 * done / total) / len(jobs)
-            progress(*state)
-
-        def on_stage(name: str, place: str = place, state: list[Any] = state) -> None:
-            state[1] = f"{place}{name.replace('_', ' ')}"
-            progress(*state)
-
-        answer = answer_to(job.case, job.rough, report, on_stage, cores=cores, kept=job.folder / KEPT)
-        progress((number + 0.95) / len(jobs), f"{place}pictures and report")
-        answer.write(job.folder)
-        shutil.rmtree(job.folder / KEPT, ignore_errors=True)
-        yield answer
-
-
-def _written(case: Case, rough: RoughFace | None, folder: Path, cores: int, progress: Progress) -> None:
-    """Compute and write an answer in a process of its own."""
-    report = partial(part_of, progress, 0.0, 0.95, 1.0)
-    answer_to(case, rough, report, cores=cores, kept=folder / KEPT).write(folder)
-    shutil.rmtree(folder / KEPT, ignore_errors=True)
+def _written(
+    job: Job, cores: int, on_stage: Callable[[str], None] | None, progress: Progress
+) -> Answer | None:
+    """Compute and write an answer, and return it if its stages are asked for, as in this process."""
+    report, kept = partial(part_of, progress, 0.0, 0.95, 1.0), job.folder / KEPT
+    answer = answer_to(job.case, job.rough, report, on_stage, cores=cores, kept=kept)
+    if on_stage is not None:
+        on_stage("pictures and report")
+    answer.write(job.folder)
+    shutil.rmtree(kept, ignore_errors=True)
+    return answer if on_stage is not None else None
 
 
 def sample_of(arrangement: Arrangement, answers: Mapping[str, AnswerData]) -> Sample:
