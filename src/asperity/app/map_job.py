@@ -185,16 +185,16 @@ def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     faces = [job.rough.face for job in jobs if job.rough]
     count, cores = len(jobs), os.cpu_count() or 1
     processes = processes_on(faces, count)
-    beside, costs, is_divided = max(cores // processes, 1), [], processes > 1
+    beside = max(cores // processes, 1)
+    works, costs = [], []
     for job, face in zip(jobs, faces, strict=True):
-        alone, work = (
-            sum(work_of(job.case, bool(face.grid.mirrored), each).values())
-            for each in (1, processes_on([face], beside, beside))
-        )
-        costs.append(answer_cost(work, face.height.size, face.boundary))
-        is_divided |= work < alone
-    each = sum(cost.seconds for cost in costs) / count * (BESIDE if processes > 1 else 1.0)
-    pooled = answer_cost(0.0, max(face.height.size for face in faces), faces[0].boundary).seconds
-    seconds = START_SECONDS + each * math.ceil(count / processes) + (pooled if count > 1 else 0.0)
-    words = f"on {cores} processors" if is_divided else "of one processor"
+        work = work_of(job.case, bool(face.grid.mirrored), processes_on([face], beside, beside))
+        works.append(sum(work.values()))
+        costs.append(answer_cost(works[-1], face.height.size, face.boundary))
+    rounds = math.ceil(count / processes) * (BESIDE if processes > 1 else 1.0)
+    seconds = START_SECONDS + rounds * sum(cost.seconds for cost in costs) / count
+    if count > 1:  # the sample, or the comparison
+        seconds += answer_cost(0.0, max(face.height.size for face in faces), faces[0].boundary).seconds
+    alone = sum(work_of(jobs[0].case, bool(faces[0].grid.mirrored)).values())
+    words = f"on {cores} processors" if processes > 1 or works[0] < alone else "of one processor"
     return f"{minutes(time_factor() * seconds)} {words}", max(cost.memory for cost in costs)

@@ -351,6 +351,7 @@ class Session:
             self._say(killed)
             if not killed:
                 self.set({})
+        self.tell({"progress": self._progress()})
 
     def _of_answer(self, slot: Slot, worker: Worker, name: str, found: Any) -> None:
         """Take progress, an answer, or a picture of it."""
@@ -391,12 +392,10 @@ class Session:
         self.do_show(str(self.slots.index(slot.first or slot)))
         if slot.first is not None:
             self.do_beside(str(self.slots.index(slot)))
-        self.tell({"progress": self._progress()})
 
     def _end(self, slot: Slot, message: str) -> None:
         """Give up an answer, for a reason that may be known already."""
         slot.state, slot.message, self._left = "ended", slot.message or message, []
-        self.tell({"progress": self._progress()})
 
     # What the page shows
 

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from contextlib import ExitStack, suppress
+from functools import partial
 from multiprocessing import get_context
 from queue import Empty
 from typing import Any
@@ -55,31 +56,30 @@ def side_by_side(
     parts = [0.0] * len(arguments)
     left, found = iter(range(len(arguments))), dict[int, Future[Any]]()  # each process takes the next one
 
-    def report(number: int, done: float, total: float) -> None:
-        parts[number] = done / total if total else 1.0
+    def report(number: Any, done: float, total: float) -> None:
+        parts[number] = max(parts[number], done / total if total else 1.0)  # others tell with a delay
         progress(parts)
 
-    def hear(seconds: float = 0.0) -> None:
+    def hear(seconds: float, *own: float) -> None:
+        """Report own progress, and that of other processes for which it waits for some seconds."""
+        if own:
+            report(*own)
         with suppress(Empty):
             while processes > 1:
                 report(*told.get(timeout=seconds))
                 seconds = 0.0
 
     def here(number: int) -> None:
-        def own(done: float, total: float) -> None:
-            report(number, done, total)
-            hear()
-
         found[number] = Future()
         try:
-            found[number].set_result(function(*arguments[number], own))
+            found[number].set_result(function(*arguments[number], partial(hear, 0.0, number)))
         except Exception as error:
             found[number].set_exception(error)
 
     def beside(pool: ProcessPoolExecutor) -> None:
         for number in left:
-            found[number] = pool.submit(_told, function, arguments[number], number)
-            wait([found[number]])
+            found[number] = future = pool.submit(_told, function, arguments[number], number)
+            wait([future])
 
     with ExitStack() as stack:
         if processes > 1:
