@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
@@ -12,26 +11,10 @@ from multiprocessing import get_context
 from queue import Empty
 from typing import Any
 
-from asperity.core.system import available_memory
-
-SMALLEST_PARALLEL = 65_536
-"""Least nodes of the largest map for which processes save time: one takes about two seconds to start."""
-
 POLL = 0.2
 """Seconds between two looks for the progress of other processes."""
 
 _queue: Any = None
-
-
-def processes_for(count: int, nodes: int, memory: float, cores: int | None = None) -> int:
-    """Number of processes for some tasks, each on a map of so many nodes and with so many bytes.
-
-    All cores are used by default, within the memory that is available.
-    """
-    if count < 2 or cores == 1 or nodes < SMALLEST_PARALLEL:
-        return 1
-    available = 1e6 * available_memory()  # from MB to bytes
-    return max(1, min(count, cores or os.cpu_count() or 1, int(available / memory)))
 
 
 def side_by_side(

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.core.errors import one_line
-from asperity.core.processes import processes_for
-from asperity.core.system import sha256_of
+from asperity.core.system import available_memory, sha256_of
 from asperity.core.types import Array
 from asperity.settings.map import MOST_POINTS, CounterMap, Map
 from asperity.surface.description import MapMeasures, map_warnings
@@ -24,6 +23,9 @@ from asperity.surface.treatment.treatment import (
     missing_options,
     treat_map,
 )
+
+SMALLEST_PARALLEL = 65_536
+"""Least nodes of the largest map for which processes save time: one takes about two seconds to start."""
 
 LONGEST_NAME = 60
 """Most characters of the name of a map in titles."""
@@ -214,6 +216,12 @@ def memory_on(face: TreatedMap) -> float:
 
 
 def processes_on(faces: Sequence[TreatedMap], count: int, cores: int | None = None) -> int:
-    """Number of processes for some tasks on the largest of some maps, by default on all cores."""
+    """Number of processes for some tasks on the largest of some maps, within the memory that is available.
+
+    All cores are used by default.
+    """
     nodes = max((face.height.size for face in faces), default=0)
-    return processes_for(count, nodes, max(map(memory_on, faces), default=1.0), cores)
+    if count < 2 or cores == 1 or nodes < SMALLEST_PARALLEL:
+        return 1
+    available = 1e6 * available_memory()  # from MB to bytes
+    return max(1, min(count, cores or os.cpu_count() or 1, int(available / max(map(memory_on, faces)))))
