@@ -27,12 +27,8 @@ from asperity.settings.model import (
 )
 from asperity.settings.reader import parse
 
-EXAMPLE = {
-    "map": {"file": str(Path(asperity.engineering.__file__).parent / "maps" / "ground_1.x3p")},
-    "body": {"material": "100Cr6"},
-    "load": {"mean_pressure": "50 MPa"},
-}
-"""A case of a map that comes with asperity."""
+EXAMPLE = str(Path(asperity.engineering.__file__).parent / "maps" / "ground_1.x3p")
+"""A map that comes with asperity."""
 
 LOADS = {
     "mean_pressure": ("mean_pressure",),

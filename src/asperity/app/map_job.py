@@ -89,7 +89,7 @@ class MapJob:
         """Check a small case before anything is asked for: what that imports takes half a second."""
         if not self._is_warm:
             self._is_warm = True
-            MapJob(lambda *_: None).check({"map": EXAMPLE["map"]}, "", 0)
+            MapJob(lambda *_: None).check({"map": {"file": EXAMPLE}}, "", 0)
         return False
 
     def check(self, content: Mapping[str, Any], out: str, number: int) -> dict[str, Any]:
@@ -180,21 +180,20 @@ def _of_case(case: Case) -> dict[str, Any]:
 
 def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     """Time and processors in words, and memory of the largest job in bytes."""
-    from asperity.study.cost.model import START_SECONDS, answer_cost, minutes, time_factor
+    from asperity.study.cost.model import START_SECONDS, answer_seconds, minutes, time_factor
 
     faces = [job.rough.face for job in jobs if job.rough]
-    count, cores = len(jobs), os.cpu_count() or 1
-    processes = processes_on(faces, count)
+    sizes, processes = [face.height.size for face in faces], processes_on(faces, len(jobs))
+    cores = os.cpu_count() or 1
     beside = max(cores // processes, 1)
-    works, costs = [], []
-    for job, face in zip(jobs, faces, strict=True):
-        work = work_of(job.case, bool(face.grid.mirrored), processes_on([face], beside, beside))
-        works.append(sum(work.values()))
-        costs.append(answer_cost(works[-1], face.height.size, face.boundary))
-    rounds = math.ceil(count / processes) * (BESIDE if processes > 1 else 1.0)
-    seconds = START_SECONDS + rounds * sum(cost.seconds for cost in costs) / count
-    if count > 1:  # the sample, or the comparison
-        seconds += answer_cost(0.0, max(face.height.size for face in faces), faces[0].boundary).seconds
-    alone = sum(work_of(jobs[0].case, bool(faces[0].grid.mirrored)).values())
-    words = f"on {cores} processors" if processes > 1 or works[0] < alone else "of one processor"
-    return f"{minutes(time_factor() * seconds)} {words}", max(cost.memory for cost in costs)
+
+    def works(cores: int) -> list[float]:
+        pairs = zip(jobs, faces, strict=True)
+        return [sum(work_of(job.case, bool(face.grid.mirrored), cores).values()) for job, face in pairs]
+
+    divided = works(processes_on(faces, beside, beside))
+    rounds = math.ceil(len(jobs) / processes) * (BESIDE if processes > 1 else 1.0)
+    seconds = START_SECONDS + rounds * float(np.mean([*map(answer_seconds, divided, sizes)]))
+    seconds += answer_seconds(0.0, max(sizes)) if len(jobs) > 1 else 0.0  # the sample, or the comparison
+    words = f"on {cores} processors" if processes > 1 or divided < works(1) else "of one processor"
+    return f"{minutes(time_factor() * seconds)} {words}", max(job.memory for job in jobs)

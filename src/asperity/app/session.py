@@ -210,7 +210,8 @@ class Session:
 
     def do_example(self, _: str) -> None:
         """Take a map that comes with asperity, with a steel and a load."""
-        self.set({"choose.counter_body": "flat"} | form.values_of(form.EXAMPLE))
+        values = {"map.file": form.EXAMPLE, "body.material": "100Cr6", "load.mean_pressure": "50 MPa"}
+        self.set({"choose.counter_body": "flat"} | values)
 
     def do_start(self, _: str) -> None:
         """Compute the answer of the case, once it is checked, unless one is being computed."""

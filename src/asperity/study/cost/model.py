@@ -112,8 +112,8 @@ START_SECONDS, ANSWER_SECONDS, FILES_WORK = 1.7, 0.8, 4.0
 """Time of imports and compiled code; of pictures and report; work of reading a map and writing files."""
 
 
-def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
-    """Cost of ``asperity run`` on one map.
+def answer_seconds(work: float, nodes: int) -> float:
+    """Time of an answer after the start, on the machine of the measurement.
 
     Parameters
     ----------
@@ -121,12 +121,9 @@ def answer_cost(work: float, nodes: int, boundary: str) -> Cost:
         As of `asperity.engineering.stages.work_of`.
     nodes : int
         Nodes of the grid; of a mirrored map without its images.
-    boundary : "periodic" | "free"
     """
-    from asperity.surface.treatment.treatment import ANSWER_MEMORY, BYTES_PER_NODE
-
-    seconds = 1e-6 * coefficients()["contact"]["seconds_per_node"] * (work + FILES_WORK) * nodes
-    return Cost(ANSWER_MEMORY + BYTES_PER_NODE[boundary] * nodes, ANSWER_SECONDS, seconds, 0.0)
+    per_node = 1e-6 * coefficients()["contact"]["seconds_per_node"]
+    return ANSWER_SECONDS + per_node * (work + FILES_WORK) * nodes
 
 
 def transform_seconds() -> float:
