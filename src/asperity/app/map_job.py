@@ -18,7 +18,7 @@ from asperity.engineering.case_file import MAP_FILES, at
 from asperity.engineering.face import RoughFace, processes_on, read_face
 from asperity.engineering.jobs import SMALL, Job, arranged
 from asperity.engineering.sample import doubt_of_one_surface
-from asperity.engineering.stages import BESIDE, work_of
+from asperity.engineering.stages import BESIDE, FILES, FREE, work_of
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
@@ -187,13 +187,17 @@ def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
     cores = os.cpu_count() or 1
     beside = max(cores // processes, 1)
 
+    files = FILES * (FREE if jobs[0].case.map.free_edges else 1.0)
+
     def works(cores: int) -> list[float]:
         pairs = zip(jobs, faces, strict=True)
-        return [sum(work_of(job.case, bool(face.grid.mirrored), cores).values()) for job, face in pairs]
+        return [
+            files + sum(work_of(job.case, bool(face.grid.mirrored), cores).values()) for job, face in pairs
+        ]
 
     divided = works(processes_on(faces, beside, beside))
     rounds = math.ceil(len(jobs) / processes) * (BESIDE if processes > 1 else 1.0)
     seconds = START_SECONDS + rounds * float(np.mean([*map(answer_seconds, divided, sizes)]))
-    seconds += answer_seconds(0.0, max(sizes)) if len(jobs) > 1 else 0.0  # the sample, or the comparison
+    seconds += answer_seconds(files, max(sizes)) if len(jobs) > 1 else 0.0  # the sample, or the comparison
     words = f"on {cores} processors" if processes > 1 or divided < works(1) else "of one processor"
     return f"{minutes(time_factor() * seconds)} {words}", max(job.memory for job in jobs)

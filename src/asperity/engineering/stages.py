@@ -57,8 +57,11 @@ from asperity.surface.treatment.treatment import TreatedMap
 FEWEST_NODES = 3
 """Least nodes on an edge of a map, of which peaks of the stress are found."""
 
-STRESS, SLIDING, LAYERED = 3.5, 3.0, 1.6
-"""Work of the stress in a body, and its factors for tractions and for layers."""
+STRESS, SLIDING, LAYER, FREE = 3.5, 3.0, 0.8, 8.0
+"""Work of the stress in a body, its factors for tractions and free edges, and what each layer adds to it."""
+
+FILES = 4.0
+"""Work of reading a map and of writing an answer, which computes planes for its pictures."""
 
 BESIDE = 1.25
 """Time of a process beside others over its time alone: they share memory and caches."""
@@ -394,8 +397,9 @@ def work_of(case: Case, is_mirrored: bool = False, processes: int = 1) -> dict[s
     costs = {name: question.cost(case, is_mirrored) for name, question in case.questions.items()}
     work = {f"before {name}": before for name, (before, _) in costs.items()}
     work |= {"contact": 0.5, "half of the nodes": 0.5}
+    stress = STRESS * (FREE if case.map.free_edges else SLIDING if case.friction else 1)
     for name, body in case.different_bodies.items():
-        work[f"stress {name}"] = STRESS * (SLIDING if case.friction else 1) * (LAYERED if body.layers else 1)
+        work[f"stress {name}"] = stress * (1 + LAYER * len(body.layers))
     work["comparisons"] = 0.5 if case.hardness_is_estimated else 0.1
     gain = processes / BESIDE if processes > 1 else 1.0
     for name, (_, after) in costs.items():

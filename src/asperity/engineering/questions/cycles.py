@@ -162,7 +162,7 @@ class Cycles(Question):
             limited = [each for each in case.different_bodies.values() if each.fatigue_torsion is not None]
             return 0.0, STREAMED * len(limited)
         images = 4.0 if is_mirrored else 1.0
-        return 0.0, (1.0 + 2.0 * images * self.shifts) * len(case.different_bodies)
+        return 0.0, images * (17.0 + 2.5 * self.shifts) * len(case.different_bodies)
 
     def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> StreamedCycles | None:
         """Cycles of a smooth body from the planes of its stress below a coating."""

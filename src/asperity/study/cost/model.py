@@ -108,8 +108,8 @@ def job_cost(job: str, nodes: int = 0, repetitions: int = 1, depth_spacing: floa
     )
 
 
-START_SECONDS, ANSWER_SECONDS, FILES_WORK = 1.7, 0.8, 4.0
-"""Time of imports and compiled code; of pictures and report; work of reading a map and writing files."""
+START_SECONDS, ANSWER_SECONDS = 1.7, 0.8
+"""Time of imports and of compiled code; of pictures and report."""
 
 
 def answer_seconds(work: float, nodes: int) -> float:
@@ -118,12 +118,12 @@ def answer_seconds(work: float, nodes: int) -> float:
     Parameters
     ----------
     work : float
-        As of `asperity.engineering.stages.work_of`.
+        As of `asperity.engineering.stages.work_of`, with `FILES`.
     nodes : int
         Nodes of the grid; of a mirrored map without its images.
     """
     per_node = 1e-6 * coefficients()["contact"]["seconds_per_node"]
-    return ANSWER_SECONDS + per_node * (work + FILES_WORK) * nodes
+    return ANSWER_SECONDS + per_node * work * nodes
 
 
 def transform_seconds() -> float:
