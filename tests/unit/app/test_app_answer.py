@@ -37,8 +37,11 @@ def test_a_line_is_cut_at_the_edges_of_the_map():
 
 def test_planes_and_sections_are_those_of_the_answer(answer):
     found, folder = answer
-    summary = Reader(lambda *_: None).open(str(folder), 3)
+    reader = Reader(lambda *_: None)
+    summary = reader.open(str(folder), 3)
     assert summary["number"] == 3
+    differences = reader.compare(["1", "2"], [str(folder)] * 2)["differences"]
+    assert {each.first.quantity for each in differences} == {each.quantity for each in found.records}
     assert summary["label"] == "ground, mean pressure 50 MPa"
     assert summary["whole"]["verdict"] == list(found.verdict)
     assert summary["whole"]["tiles"] == found.tiles[:4]

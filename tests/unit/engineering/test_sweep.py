@@ -20,7 +20,7 @@ from asperity.engineering.case_file import load_case
 from asperity.engineering.face import read_face
 from asperity.engineering.press import press
 from asperity.engineering.records import find
-from asperity.engineering.stages import answer_of, work_of
+from asperity.engineering.stages import BESIDE, answer_of, work_of
 
 EDGE = 64e-6
 HEIGHT = asp.self_affine((64, 64), 0.8, 32e-6, 4e-6, rms_height=1e-7, seed=2, length=EDGE)
@@ -158,6 +158,8 @@ def test_file_form_and_cost_have_the_sweep(tmp_path):
         assert case.sweep.path(case, "body.poisson") == [0.1, 0.2]
     work = work_of(case)
     assert work["cases of sweep"] == pytest.approx(2 * sum(work_of(case.replaced(sweep=None)).values()))
+    divided = work_of(case, processes=2)["cases of sweep"]
+    assert divided == pytest.approx(BESIDE / 2 * work["cases of sweep"])
     written = asp.Case(**CASE, sweep={THICKNESS: [1e-6]}).written()["sweep"]
     assert written == {"values": {THICKNESS: ["1 µm"]}}
 
