@@ -194,7 +194,7 @@ def test_killed_sweep_continues(tmp_path, monkeypatch, without_pictures):
 
 
 def test_cases_side_by_side_have_the_rows_of_one_process(monkeypatch):
-    monkeypatch.setattr("asperity.core.processes.SMALLEST_PARALLEL", 0)
+    monkeypatch.setattr("asperity.engineering.face.SMALLEST_PARALLEL", 0)
     body, values = {"young": 210e9, "poisson": 0.3}, {"body.young": [1e11, 3e11]}
     case = asp.Case(map=MAP, body=body, load={"mean_pressure": 5e7}, sweep=values)
     one, two = (answer_of(case, cores=cores).tables["sweep"] for cores in (1, 2))
