@@ -64,7 +64,7 @@ CONFIGS = [
     ("", "overlay.yaml: keys with values are needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
     ("seeds: [1]\ncontact: {}\nseeds: [2]", "'seeds' is given twice, again in line 3"),
-    ("body: {poisson: [0.33]}", "body: is called stress now"),
+    ("body: {poisson: [0.33]}", "body: unknown key; known here are based_on"),
     ("measured: {fault: {file: 'a{b}.asc'}}", "measured.fault.file = 'a{b}.asc': a file name without braces"),
     ("surfaces: {hurst_02: {label: 'a $ sign'}}", "mathematics between two dollar signs is needed"),
     ("seeds: !!python/object/apply:os.system ['touch pwned']", "overlay.yaml: YAML is needed; could not det"),

@@ -99,7 +99,6 @@ REFUSED = [
     ({"surfaces": {}}, {}, "surfaces: missing; at least one is needed, here or under measured"),
     ({"layer": {"height": 1e-9}}, {}, "layer.height = 1e-09: at least 0.0625 is needed for a, 4 planes"),
     ({"surfaces": {"a": {**SURFACE, "label": r"$\frac{1}$"}}}, {}, r"surfaces.a.label = '$\\frac{1}$': math"),
-    ({"tradeoff": {}}, {}, "tradeoff: does not exist any more; make tradeoff measures the errors of all"),
     ({"contact": {"method": "gfmd", "tolerance": 1e-14}}, {}, "contact.tolerance = 1e-14: a number ≥ 1e-13"),
     ({"claims": True}, {}, "claims = true needs figures = 'paper'"),
     ({"based_on": "none.yaml"}, {}, "based_on = 'none.yaml': none.yaml: no such file"),

@@ -10,7 +10,7 @@ from contextlib import suppress
 from functools import cached_property
 from typing import Any, Self, get_args
 
-from pydantic import ConfigDict, model_validator
+from pydantic import model_validator
 
 from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
@@ -83,8 +83,6 @@ class Case(Scene):
     """Sweep of one or two settings."""
     sample: SampleOfMaps | None = optional("one map, or several that are compared")
     """Several maps of one surface are pooled."""
-
-    model_config = ConfigDict(json_schema_extra={"renamed": {"run_in": "running_in"}})
 
     @model_validator(mode="wrap")
     @classmethod

@@ -40,9 +40,6 @@ OF_LAYER = ("material", "young", "poisson", "yield_stress")
 """Settings that a layer on a rigid base has in place of its body."""
 
 
-IN_LAYERS = "give layers, a list: [{young: …, poisson: …, thickness: …}]"
-
-
 class OfMaterial(Settings):
     """Settings that a material of the table fills where they are not given."""
 
@@ -199,12 +196,7 @@ class Body(OfMaterial):
     (210000000000.0, 2e-06, 2000000000.0)
     """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "required": [],
-            "removed": {"coating": IN_LAYERS, "layer": f"{IN_LAYERS}, and base: bonded"},
-        }
-    )
+    model_config = ConfigDict(json_schema_extra={"required": []})
 
     @model_validator(mode="wrap")
     @classmethod

@@ -377,8 +377,6 @@ class Elements(Settings):
     (figures 1, 3 and 4).
     """
 
-    model_config = ConfigDict(json_schema_extra={"removed": {"elements": "give meshes"}})
-
     meshes: Annotated[
         list[
             Annotated[list[Annotated[Whole, Field(ge=4, le=96)]], Strict(), Field(min_length=2, max_length=2)]
@@ -441,16 +439,6 @@ class Validation(Settings):
     made.
     """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "removed": {
-                "mesh_convergence": "validation.elements.meshes compares several meshes",
-                "stability": "python studies/stability/stability.py makes it",
-                "extremes": "python studies/stability/stability.py makes it",
-            }
-        }
-    )
-
     load_area: LoadArea = optional("not made")
     slab_load_area: SlabLoadArea = optional("not made")
     grid_convergence: GridConvergence = optional("not made")
@@ -468,19 +456,6 @@ class Configuration(Settings):
     """Lengths are in units of the longer edge of the periodic cell, stresses in units of the effective
     modulus.
     """
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "renamed": {"body": "stress"},
-            "removed": {
-                "interpretations": "every statement is judged under all interpretations",
-                "ensemble": "give more seeds; asperity plan says how many an error needs",
-                "nayak": "the settings are in studies/nayak/config.yaml",
-                "tradeoff": "make tradeoff measures the errors of all settings",
-                "engineering": "asperity run takes a case file",
-            },
-        }
-    )
 
     based_on: Text = optional("nothing", accepts="the name of a configuration, such as `config/config.yaml`")
     """Another configuration, whose settings, except `results`, hold where this file gives none; it may be

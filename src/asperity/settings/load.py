@@ -31,9 +31,7 @@ class OneLoad(Settings):
     hertz_pressure.
     """
 
-    model_config = ConfigDict(
-        json_schema_extra={"accepts": ACCEPTED, "renamed": {"approach": "normal_approach"}}
-    )
+    model_config = ConfigDict(json_schema_extra={"accepts": ACCEPTED})
 
     mean_pressure: Pressure | None = optional(OTHER, example="50 MPa")
     """Load over the nominal area, in a Hertz contact at the position of the map."""

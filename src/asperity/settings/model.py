@@ -4,8 +4,7 @@
 describes a class as a JSON Schema with these keywords of its own: ``unit``; ``default_text``, the behaviour
 without the setting, where it has no constant default; ``accepts``, the accepted values in words, where type
 and range are not enough; ``example``, a value as a user writes it; and of a group ``names``, the accepted
-names of settings that the user names; ``renamed``, former key → its key now; ``removed``, former key → what
-replaces it; and ``varied``, true for a number that a sensitivity varies.
+names of settings that the user names; and ``varied``, true for a number that a sensitivity varies.
 """
 
 import ast
@@ -46,7 +45,7 @@ else:
 Entry = Mapping[str, Any]
 """Description of one setting, or of a group of settings, in the words of a JSON Schema."""
 
-OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "renamed", "removed", "varied"}
+OWN_KEYWORDS = {"unit", "default_text", "accepts", "example", "names", "varied"}
 """Keywords of an entry that the standard does not have."""
 
 Number = Annotated[float, Strict()]
@@ -566,10 +565,6 @@ def keys_like(word: str, root: Entry) -> list[str]:
 
 def _unknown(word: str, group: str, entry: Entry, root: Entry) -> str:
     """Message on an unknown key, after the key."""
-    if word in entry.get("renamed", {}):
-        return f": is called {'.'.join(filter(None, [group, entry['renamed'][word]]))} now"
-    if word in entry.get("removed", {}):
-        return f": does not exist any more; {entry['removed'][word]}"
     if "names" in entry:
         return f": {entry['names']} is needed"
     if not entry["properties"]:

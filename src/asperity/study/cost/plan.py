@@ -92,8 +92,7 @@ def read(given: Sequence[str], contact_area_fraction: float | None = None) -> di
             needed = "a file, or keys and values such as '{hurst: 0.8, ...}', is needed"
             raise InputError(shown(text), [needed]) from error
         config = merged(config, found)
-    known = described(Configuration)
-    if not config.keys() & {*known["properties"], *known["renamed"], *known["removed"]}:
+    if not config.keys() & described(Configuration)["properties"]:
         config = {"surfaces": {"surface": config}}
     config = with_base(config)
     surfaces = config.get("surfaces")
