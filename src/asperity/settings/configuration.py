@@ -402,34 +402,14 @@ class EllipticContacts(Settings):
     points: Whole = _nodes(32, 2048, "map")
 
 
-class EdgeTension(Settings):
-    """Radial stress of the surface outside a circular contact on an isolated map."""
+class OnMap(Settings):
+    """A comparison on a map."""
 
     points: Whole = _nodes(32, of="map")
 
 
-class MetalContacts(Settings):
-    """Hardness, stiffness, partial slip, percolation and stress cycles of a map, a sphere, noise and a
-    cylinder.
-    """
-
-    points: Whole = _nodes(32, of="map")
-
-
-class LayerIndentation(Settings):
-    """Bonded layers under a flat punch and a paraboloid."""
-
-    points: Whole = _nodes(128)
-
-
-class CoatingIndentation(Settings):
-    """A paraboloid on coated half-spaces."""
-
-    points: Whole = _nodes(128)
-
-
-class WaveAsymptotes(Settings):
-    """A bisinusoidal wave in small and in nearly complete contact."""
+class OnGrid(Settings):
+    """A comparison on a grid."""
 
     points: Whole = _nodes(128)
 
@@ -445,11 +425,17 @@ class Validation(Settings):
     elements: Elements = optional("not made")
     punch: Punch = optional("not made")
     elliptic_contacts: EllipticContacts = optional("not made")
-    edge_tension: EdgeTension = optional("not made")
-    metal_contacts: MetalContacts = optional("not made")
-    layer_indentation: LayerIndentation = optional("not made")
-    coating_indentation: CoatingIndentation = optional("not made")
-    wave_asymptotes: WaveAsymptotes = optional("not made")
+    edge_tension: OnMap = optional("not made")
+    """Radial stress of the surface outside a circular contact on an isolated map."""
+    metal_contacts: OnMap = optional("not made")
+    """Hardness, stiffness, partial slip, percolation and stress cycles of a map, a sphere, noise and a
+    cylinder."""
+    layer_indentation: OnGrid = optional("not made")
+    """Bonded layers under a flat punch and a paraboloid."""
+    coating_indentation: OnGrid = optional("not made")
+    """A paraboloid on coated half-spaces."""
+    wave_asymptotes: OnGrid = optional("not made")
+    """A bisinusoidal wave in small and in nearly complete contact."""
 
 
 class Configuration(Settings):
