@@ -7,6 +7,8 @@ SI. A scaled stress is divided by E* and by the rms gradient of the deformed sur
 the paper's E* ḡ_r. Texts and truth values have no unit.
 """
 
+import re
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from asperity.core.data import packaged_yaml
@@ -34,8 +36,17 @@ class Dimension(NamedTuple):
     si_unit: str
 
 
+def _each(texts: Sequence[str]) -> Iterator[list[str]]:
+    """The texts with the first of each words ``{a|b}`` in them, with the second ones, and so on."""
+    parts = [[part.split("|") for part in re.split("[{}]", text)] for text in texts]
+    for number in range(max(map(len, parts[0]))):
+        yield ["".join(words[number % len(words)] for words in text) for text in parts]
+
+
 _DATA = packaged_yaml("asperity.results", "variables.yaml")
-VARIABLES = {name: Variable(*entry) for name, entry in _DATA["variables"].items()}
+VARIABLES = {
+    name: Variable(*own) for key, entry in _DATA["variables"].items() for name, *own in _each([key, *entry])
+}
 STAGES = {name: Stage(**entry) for name, entry in _DATA["stages"].items()}
 DIMENSIONS = {name: Dimension(*entry) for name, entry in _DATA["dimensions"].items()}
 
