@@ -193,17 +193,13 @@ def manifests_of_sample(folder: Path) -> dict[str, str]:
 
 
 def checksums_in(folder: Path) -> dict[str, str]:
-    """Name → SHA-256 checksum of the files of the answer in a folder; empty if there is none.
-
-    A checksum is empty in a folder that was written when only names were kept.
-    """
+    """Name → SHA-256 checksum of the files of the answer in a folder; empty if there is none."""
     for manifest in (folder / MANIFEST, folder / COMPLETE / MANIFEST):
         if not manifest.is_file():  # a pipe would be waited for
             continue
         try:
             found = json.loads(manifest.read_text(encoding="utf-8"))
-            named = found if isinstance(found, dict) else dict.fromkeys(found, "")
-            return {name: text for name, text in named.items() if Path(name).name == name}
-        except (OSError, ValueError, TypeError):
+            return {name: text for name, text in found.items() if Path(name).name == name}
+        except (OSError, ValueError, TypeError, AttributeError):
             continue
     return {}
