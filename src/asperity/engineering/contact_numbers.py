@@ -214,10 +214,6 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
     spikes = np.minimum(spikes, np.subtract(pressure.shape, 1))
     is_line = free.count(True) == 1
     roughness = roughness_parameters(face.height, face.grid)
-    by_width, median = spots.sort_values("width_m"), 0.0
-    if len(spots):  # width of a spot such that wider spots carry half of the load
-        carried = by_width["load_N"].clip(lower=0).cumsum().to_numpy()
-        median = float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
     return ContactNumbers(
         contact_area_fraction=contact.contact_area_fraction,
         contact_area=area,
@@ -237,7 +233,7 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         contact_nodes=int(spots["nodes"].sum()),
         nominal_area=nominal,
         peak_to_valley=float(np.ptp(face.height)),
-        typical_patch_width=median / max(face.grid.spacing),
+        typical_patch_width=typical_width(spots) / max(face.grid.spacing),
         pressure_on_spike=bool((np.abs(rough.spikes - largest) <= rough.reach).all(axis=1).any()),
         presses_spikes=bool(pressure[tuple(spikes.T)].any()),
         load_of_largest_node=float(pressure.max()) * node / total,
@@ -245,6 +241,15 @@ def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> 
         load_on_edges=1 - inside / total,
         violation=contact.certificate.worst,
     )
+
+
+def typical_width(spots: pd.DataFrame) -> float:
+    """Width of a spot in m such that wider spots carry half of the load; 0 without contact."""
+    if spots.empty:
+        return 0.0
+    by_width = spots.sort_values("width_m")
+    carried = by_width["load_N"].clip(lower=0).cumsum().to_numpy()  # adhesion pulls at some
+    return float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
 
 
 def gap_of(contact: Contact) -> Array:

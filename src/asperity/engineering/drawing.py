@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from asperity.core.types import Array
 from asperity.engineering.answer_data import AnswerData
+from asperity.engineering.contact_numbers import typical_width
 from asperity.engineering.question import Picture
 from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
@@ -46,12 +47,10 @@ def source_of(answer: AnswerData, title: str = "") -> Source:
 
 def framed_part(answer: AnswerData, field: str, body: str = "lower") -> Part | None:
     """Nodes of the map around the extreme value of a field of the stress; None without a contact."""
-    spots, grid = answer.tables["contact_spots"].sort_values("width_m"), answer.face.grid
-    if spots.empty:
+    grid = answer.face.grid
+    typical = typical_width(answer.tables["contact_spots"]) / max(grid.spacing)
+    if not typical:
         return None
-    # Wider spots than the typical one carry half of the load.
-    load = spots["load_N"].clip(lower=0).cumsum().to_numpy()  # adhesion pulls at some
-    typical = float(spots["width_m"].iloc[np.searchsorted(load, load[-1] / 2)]) / max(grid.spacing)
     half, found = round(min(max(WIDTHS * typical, FEWEST_PIXELS), MOST_PIXELS)), answer.extreme(field, body)
     each = zip((found.y, found.x), grid.spacing, answer.face.height.shape, strict=True)
     middle = [(min(round(at / step), nodes - 1), nodes) for at, step, nodes in each]

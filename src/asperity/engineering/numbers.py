@@ -46,11 +46,7 @@ LIMITS = {
     "contact area fraction": ("contact_area_fraction", None),
     "rms gradient in contact": ("gradient_rms_contact", None),
     "maximum pressure": ("maximum", "pressure"),
-    "maximum von Mises stress": ("extreme", "von_mises"),
-    "maximum shear stress (Tresca)": ("extreme", "maximum_shear"),
-    "maximum tensile stress": ("extreme", "principal_1"),
-    "maximum compressive stress": ("extreme", "principal_3"),
-    "maximum hydrostatic pressure": ("extreme", "hydrostatic"),
+    **{name: ("extreme", field) for field, name in EXTREMES.items()},
     "90th percentile of the peaks": ("p90", "von_mises"),
     "99th percentile of the peaks": ("p99", "von_mises"),
 }

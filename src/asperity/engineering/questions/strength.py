@@ -62,14 +62,11 @@ class LayerStrength(Question):
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Strength over stress of each layer and interface, and whether they hold."""
         ratios, failures = [], []
-        for place, fails, ratio in _criteria(stages):
+        for place, ways, ratio in _criteria(stages):
             ratios.append(ratio)
             low, high = (ratio.value,) * 2 if math.isnan(ratio.error) else ratio.interval
             if low <= 1:
-                how = (
-                    f"may {fails.replace('s', '', 1)}" if high > 1 and not fails.startswith("may") else fails
-                )
-                failures.append(f"{place} {how}: strength over stress {ratio.best_text()}")
+                failures.append(f"{place} {ways[high <= 1]}: strength over stress {ratio.best_text()}")
         least = min(ratios, key=lambda ratio: ratio.best)
         place = least.quantity.partition(", ")[2]
         note = ", ".join(filter(None, [place, least.note]))
@@ -86,8 +83,8 @@ class LayerStrength(Question):
         )
 
 
-def _criteria(stages: Stages) -> Iterator[tuple[str, str, Record]]:
-    """Place, way to fail, and strength over stress there, of all layers that have a strength."""
+def _criteria(stages: Stages) -> Iterator[tuple[str, tuple[str, str], Record]]:
+    """Place, that it may fail and that it fails, and strength over stress, of all layers with a strength."""
     names = list(stages.asked.different_bodies)
     for body in names:
         of = f" of the {body} body" if len(names) > 1 else ""
@@ -99,7 +96,8 @@ def _criteria(stages: Stages) -> Iterator[tuple[str, str, Record]]:
             for kind, quantity in ON_INTERFACE.items():
                 if (limit := getattr(strength, kind)) is not None:
                     stress = next(find(stages.records, f"{quantity} {face}", body))
-                    yield f"{face}{of}", f"peels in {kind}", _ratio(stress, limit, f"{kind} of {face}")
+                    ways = f"may peel in {kind}", f"peels in {kind}"
+                    yield f"{face}{of}", ways, _ratio(stress, limit, f"{kind} of {face}")
             energy = strength.energy
             if strength.toughness is not None:
                 energy = strength.toughness**2 * (1 - layer.poisson**2) / layer.young
@@ -109,11 +107,11 @@ def _criteria(stages: Stages) -> Iterator[tuple[str, str, Record]]:
                 of_unit = energy_release_rate(1.0, layer.thickness, layer.young, layer.poisson)
                 limit = math.sqrt(energy / of_unit)
                 # The peak tension is of a point; the residual stress alone is that of the whole layer.
-                fails = (
-                    "cracks" if (layer.residual_stress or 0.0) >= limit else "may crack, by an upper bound"
-                )
+                ways = ("may crack, by an upper bound",) * 2
+                if (layer.residual_stress or 0.0) >= limit:
+                    ways = "may crack", "cracks"
                 ratio = _ratio(stress, limit, f"crack in {name or 'the layer'}")
-                yield f"{name or 'the layer'}{of}", fails, ratio
+                yield f"{name or 'the layer'}{of}", ways, ratio
 
 
 def _ratio(stress: Record, limit: float, of: str) -> Record:
