@@ -487,8 +487,10 @@ def item_of(entry: Entry) -> Entry:
     return entry.get("items") or entry.get("prefixItems", [entry])[0]
 
 
-def scalar(text: str, entry: Entry) -> Any:
+def scalar(text: str | list[str], entry: Entry) -> Any:
     """A number or a truth value where an entry is one and the text can be read as one, else the text."""
+    if isinstance(text, list):
+        return [scalar(each, item_of(entry)) for each in text]
     kinds = [each.get("type") for each in entry.get("anyOf", [entry])]
     if "boolean" in kinds and text.lower() in ("true", "false"):
         return text.lower() == "true"

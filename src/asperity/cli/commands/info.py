@@ -6,7 +6,7 @@ from typing import Any
 from asperity.cli.parser import FLAGS, flag
 from asperity.core.errors import one_line
 from asperity.settings.map import FileOptions, MapOptions
-from asperity.settings.model import SettingsError, entry_of, item_of, scalar
+from asperity.settings.model import SettingsError, entry_of, scalar
 from asperity.surface.description import describe_map
 from asperity.surface.reading.container import maps_in
 from asperity.surface.reading.height_map import MapError
@@ -17,10 +17,7 @@ def run(options: argparse.Namespace) -> None:
     given: dict[str, Any] = {}
     for name in FileOptions.model_fields.keys() & vars(options).keys():
         if (text := getattr(options, name)) is not None:
-            entry = item_of(entry_of(FileOptions, name))
-            given[name] = (
-                [scalar(each, entry) for each in text] if isinstance(text, list) else scalar(text, entry)
-            )
+            given[name] = scalar(text, entry_of(FileOptions, name))
     maps = maps_in(options.map)
     for path in maps:
         if len(maps) > 1:

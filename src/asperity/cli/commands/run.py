@@ -29,7 +29,7 @@ from asperity.engineering.folder import CASE_FILE, names_in
 from asperity.engineering.jobs import Arrangement, arranged, computed, sample_of
 from asperity.engineering.show.comparison import compared
 from asperity.results.atomic import write_problem
-from asperity.settings.model import Problem, entry_of, item_of, scalar
+from asperity.settings.model import Problem, entry_of, scalar
 from asperity.settings.reader import parse
 from asperity.study.progress_and_log import ProgressBar
 from asperity.surface.reading.container import maps_in
@@ -229,6 +229,4 @@ def _given(options: argparse.Namespace, problems: list[str]) -> Iterator[tuple[s
     for key, name in FLAGS.items():
         given = getattr(options, name[2:].replace("-", "_"))
         if given is not None:
-            entry = entry_of(Case, key)
-            is_list = isinstance(given, list)
-            yield key, [scalar(each, item_of(entry)) for each in given] if is_list else scalar(given, entry)
+            yield key, scalar(given, entry_of(Case, key))

@@ -89,12 +89,10 @@ def _of_sweep(table: pd.DataFrame) -> pd.DataFrame:
     found: dict[str, dict[str, str]] = {}
     shown = table[table["is_shown"]]
     several = len({*shown["body"]} - {""}) > 1
-    keys = [column.removeprefix("at_") for column in table if column.startswith("at_")]
     for row in shown.to_dict("records"):
         name = f"{row['quantity']}, {row['body']} body" if several and row["body"] else row["quantity"]
-        at = row["case"]
-        for key in keys:
-            at = at.replace(key, words_of(key))
+        parts = (part.partition(" = ") for part in row["case"].split(", "))
+        at = ", ".join(f"{words_of(key)} = {value}" for key, _, value in parts)
         found.setdefault(at, {"sweep": at})[name] = row["best"]
     return pd.DataFrame(found.values()).fillna("")
 
