@@ -229,7 +229,7 @@ CALLS = [
     (lambda of: asp.read_result("none.nc"), "none.nc: no such file"),
     (lambda of: asp.write_result(of("contact"), LONG, "Contact"), "File name too long"),
     (lambda of: asp.write_result(of("contact"), ".", "Contact"), "is needed"),
-    (lambda of: of("contact").asperity.plot().savefig("x.docx"), "is not supported"),
+    (lambda of: asp.views.plot_pressure(of("contact")).savefig("x.docx"), "is not supported"),
 ]
 """Calls of the library with the results of a chain by stage, and the line that each is answered with."""
 

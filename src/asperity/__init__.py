@@ -17,8 +17,7 @@ if find_spec("lazy_loader"):
     def __getattr__(name: str) -> Any:
         """Return a public name, or raise an error that says which package to install."""
         try:
-            found = _attribute(name)
-            import asperity.views.accessor  # noqa: F401  makes ``dataset.asperity`` known to xarray
+            return _attribute(name)
         except ModuleNotFoundError as error:
             from asperity.core.packages import NAMES, MissingPackageError, message
 
@@ -26,4 +25,3 @@ if find_spec("lazy_loader"):
             if module not in NAMES or isinstance(error, MissingPackageError):
                 raise
             raise MissingPackageError(message([module]), name=module) from error
-        return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -26,7 +25,6 @@ from asperity.fourier.grid import Grid, with_mirror_images
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 SHOWN_ERROR = 0.01
 """Relative error of an imposed area above which the summary of a contact states it."""
 
@@ -83,8 +81,8 @@ class Contact:
     True
     >>> contact.certificate.worst < 1e-5
     True
-    >>> figure = contact.plot()  # the pressure
-    >>> contact.section("x", depths=[0.0, 0.02])["von_mises"].dims
+    >>> figure = asp.views.plot_pressure(contact)
+    >>> asp.stress_section(contact, "x", depths=[0.0, 0.02])["von_mises"].dims
     ('poisson', 'depth', 'x')
     >>> float(contact.to_dataset()["contact_area_fraction"]) == contact.contact_area_fraction
     True
@@ -117,7 +115,7 @@ class Contact:
             f"<Contact of {ny} × {nx} nodes: contact area fraction {self.contact_area_fraction:.4g}"
             f"{missed if self.control_error > SHOWN_ERROR else ''}, "
             f"mean pressure {self.mean_pressure:.4g}, maximum pressure {self.maximum_pressure:.4g}, "
-            f"approach {self.approach:.4g}; plot(), section(), to_dataset()>"
+            f"approach {self.approach:.4g}>"
         )
 
     def _repr_html_(self) -> str:
@@ -135,17 +133,8 @@ class Contact:
             ("approach", f"{self.approach:.4g}"),
             *([("plastic", f"{100 * self.plastic_area:.4g} %")] if np.isfinite(self.hardness) else []),
             ("maximum violation", f"{self.certificate.worst:.2g}"),
-            ("pictures, files", "plot(), section(), to_dataset()"),
         ]
         return table("Contact", rows, picture(self.pressure, "contact pressure"))
-
-    def plot(self, **settings: Any) -> Figure:
-        """Map of the contact pressure: `asperity.views.plot_pressure`, with its settings."""
-        return self.to_dataset().asperity.plot(**settings)
-
-    def section(self, along: str = "x", at: float | None = None, **settings: Any) -> xr.Dataset:
-        """Stress in a vertical section of the lower body: `asperity.stress_section`, with its settings."""
-        return self.to_dataset().asperity.section(along=along, at=at, **settings)
 
     def to_dataset(self, unit_system: str = "SI") -> xr.Dataset:
         """Fields over y and x and numbers of the contact; the solid as attributes.
@@ -196,10 +185,6 @@ class Contact:
                 **attracted,
             },
         )
-
-    def to_vtk(self, path: FilePath, fields: Sequence[str] = (), **settings: Any) -> None:
-        """Write VTK image data: `asperity.views.ResultAccessor.to_vtk`, with its settings."""
-        self.to_dataset().asperity.to_vtk(path, fields, **settings)
 
     def to_netcdf(self, path: FilePath, unit_system: str = "SI") -> None:
         """Write `to_dataset` as a result file, which `asperity.read_result` and the command line read.

@@ -1,4 +1,4 @@
-from .accessor import ResultAccessor as ResultAccessor
+from .export import write_vtk as write_vtk
 from .maps import plot_gap as plot_gap
 from .maps import plot_height as plot_height
 from .maps import plot_pressure as plot_pressure

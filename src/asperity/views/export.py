@@ -23,7 +23,7 @@ from asperity.results.atomic import atomic_write
 from asperity.results.dataset import UNIT_SYSTEM
 from asperity.results.variables import SI_UNITS
 from asperity.stress.section import StressBox, stress_box
-from asperity.views.source import Part, Source, Span
+from asperity.views.source import Part, Source, Span, sources
 
 MAX_PLANES = 4096
 """Most planes of a box."""
@@ -57,6 +57,47 @@ class ExportUnits(NamedTuple):
     def of(cls, system: str | None) -> "ExportUnits":
         """Units in which the numbers of a result in a system of units are exported."""
         return cls(1e-6, 1e6, "um", "MPa") if system == SI_UNITS else cls()
+
+
+def write_vtk(
+    path: str | os.PathLike[str],
+    result: Any,
+    fields: Sequence[str] = (),
+    depth: Span | None = None,
+    *,
+    unit_system: str = SI_UNITS,
+    **settings: Any,
+) -> None:
+    """Write a surface or contact as VTK image data (``.vti``), for ParaView and pyvista.
+
+    Parameters
+    ----------
+    path : path
+    result : dataset or object
+        A surface or a contact, as for `asperity.views.plot_pressure`.
+    fields : names
+        Fields of the stress below a contact; by default height, pressure, gap and displacement over the
+        surface are written.
+    depth : (first, last)
+        Of the box in which the stress is written.
+    unit_system : str
+        Of a result that does not say its own.
+    **settings
+        `y` and `x`, the part of the cell, (first, last) each; for a stress also `spacing` of the planes,
+        `poisson`, `body`, `friction` and `sliding_direction`, as for `asperity.views.plot_section`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or the result describes no solid.
+    """
+    (source,) = sources(result, unit_system)
+    if not fields:
+        write_surface_image(path, surface_fields(source, source.part(**settings)))
+        return
+    if depth is None:
+        raise ValueError("depth = None: a pair (first, last) is needed for the fields of a stress")
+    write_box(box_below(source, fields, depth, **settings), path, ExportUnits.of(source.system))
 
 
 def peak_table(stress: xr.Dataset) -> pd.DataFrame:

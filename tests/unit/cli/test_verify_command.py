@@ -74,7 +74,10 @@ def rewrite(folder, name, **attributes):
         (lambda out: rewrite(out, "stress.nc", source="asperity 0.1"), "out: results of one version"),
         (lambda out: rewrite(out, "stress.nc", settings="{}"), "out: results of one settings"),
         (lambda out: rewrite(out, "contact.nc"), "out/contact.nc: load imbalance = 0.0001: at most"),
-        (lambda out: (out / ".asperity-run.json").write_text('["peaks.csv"]'), "out: no answer of asperity run"),
+        (
+            lambda out: (out / ".asperity-run.json").write_text('["peaks.csv"]'),
+            "out: no answer of asperity run",
+        ),
         (lambda out: (out / ".asperity-run.json").unlink(), "out: no answer of asperity run"),
     ],
 )

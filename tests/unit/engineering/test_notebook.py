@@ -1,4 +1,4 @@
-"""Names that a notebook user guesses: representations, plot, section, files, and dataset.asperity."""
+"""What a notebook shows of objects, and the files of contacts and stresses."""
 
 import base64
 import re
@@ -58,11 +58,6 @@ def test_representation_of_a_solid_makes_it_again():
         assert eval(repr(solid), {"Solid": asp.Solid, "TwoBodies": asp.TwoBodies}) == solid
 
 
-def test_contact_names_what_shows_it(contact):
-    for shown in (repr(contact), contact._repr_html_()):
-        assert "plot(), section(), to_dataset()" in shown
-
-
 def test_notebook_runs(tmp_path):
     """In a kernel of its own, its first cell as on Binder, where asperity is installed."""
     nbclient = pytest.importorskip("nbclient")
@@ -111,23 +106,13 @@ def test_file_of_a_contact_gives_the_same_section(solid, tmp_path):
     chosen = {"along": "y", "at": 1e-4, "depths": [0.0, 2e-6]}
     expected = asp.stress_section(body, **chosen)
     assert dict(expected.sizes) == {"poisson": 1, "depth": 2, "y": 48}
-    for section in (contact.section(**chosen), found.asperity.section(**chosen)):
-        np.testing.assert_allclose(section["von_mises"], expected["von_mises"], rtol=1e-9)
-    assert len(contact.plot().axes) == len(found.asperity.plot().axes) == 2
+    section = asp.stress_section(asp.LoadedSolid.from_dataset(found), **chosen)
+    np.testing.assert_allclose(section["von_mises"], expected["von_mises"], rtol=1e-9)
+    assert len(asp.views.plot_pressure(contact).axes) == len(asp.views.plot_pressure(found).axes) == 2
 
 
-def test_stress_dataset_plots_and_is_a_file(stress, tmp_path):
-    assert repr(stress.asperity) == "<result of stage stress: plot(), select_peaks()>"
-    assert stress.asperity.plot("von_mises").axes
-    assert stress.asperity.select_peaks("von_mises", selection="under_contact").sizes["peak"] > 0
+def test_stress_dataset_is_a_file(stress, tmp_path):
     stress.to_netcdf(tmp_path / "plain.nc")
     xr.testing.assert_allclose(xr.load_dataset(tmp_path / "plain.nc"), stress)
     asp.write_result(stress, tmp_path / "stress.nc", "Stress")
     xr.testing.assert_equal(asp.read_result(tmp_path / "stress.nc"), stress)
-
-
-def test_impossible_methods_are_refused(stress):
-    with pytest.raises(ValueError, match="section: a result of stage contact is needed, not of stress"):
-        stress.asperity.section()
-    with pytest.raises(ValueError, match="plot: a result of stage surface or contact or stress is needed"):
-        xr.Dataset({"a": 1}).asperity.plot()

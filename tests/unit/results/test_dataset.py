@@ -215,7 +215,7 @@ HEIGHT = np.random.default_rng(1).normal(size=(16, 24))
 )
 def test_part_of_a_contact_has_no_stress(part, axis):
     data = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01).to_dataset().isel(part)
-    for function in (asp.views.plot_pressure, lambda data: data.asperity.section()):
+    for function in (asp.views.plot_pressure, asp.LoadedSolid.from_dataset):
         with pytest.raises(ValueError, match=f"^{axis}: the nodes of a whole cell are needed, equidistant"):
             function(data)
 

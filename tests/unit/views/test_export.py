@@ -110,8 +110,8 @@ def test_a_contact_writes_what_the_command_exports(tmp_path):
     grid = asp.Grid((32, 32), 40e-6)
     contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), grid, contact_area_fraction=0.1)
     contact.to_netcdf(tmp_path / "contact.nc")
-    contact.to_vtk(tmp_path / "surface.vti")
-    contact.to_vtk(tmp_path / "box.vti", ("xx",), depth=(0, 2e-6), y=(0, 20e-6))
+    asp.views.write_vtk(tmp_path / "surface.vti", contact)
+    asp.views.write_vtk(tmp_path / "box.vti", contact, ("xx",), depth=(0, 2e-6), y=(0, 20e-6))
     command = ["export", str(tmp_path / "contact.nc")]
     assert main([*command, "--surface", str(tmp_path / "s.vti")]) == 0
     assert main([*command, "--field", "xx:0-2um", str(tmp_path / "b.vti"), "--y", "0-20um"]) == 0
@@ -121,4 +121,4 @@ def test_a_contact_writes_what_the_command_exports(tmp_path):
         for name, values in written[0].items():
             np.testing.assert_allclose(values, written[1][name], rtol=1e-5, atol=1e-9)
     with pytest.raises(ValueError, match=r"depth = None: a pair"):
-        contact.to_vtk(tmp_path / "box.vti", ("xx",))
+        asp.views.write_vtk(tmp_path / "box.vti", contact, ("xx",))

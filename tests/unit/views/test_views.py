@@ -173,7 +173,7 @@ def test_section_ends_where_the_stress_has_faded(waves, bottom):
 def test_stress_of_a_body_in_pascal_has_units(young, label):
     height = 1e-6 * np.cos(Q * X) * np.cos(Q * X[:, None])
     contact = asp.solve_contact(height, asp.Solid(young, 0.3), EDGE, contact_area_fraction=0.1)
-    figure = asp.analyse_stress(contact).asperity.plot("von_mises")
+    figure = asp.views.plot_peaks(asp.analyse_stress(contact), "von_mises")
     assert figure.axes[0].get_ylabel() == label
 
 
