@@ -156,7 +156,7 @@ COMMANDS = [
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
     ("export {folder} --peaks p.csv", 1, "{folder}: the folder of an answer of asperity run is needed"),
     ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity run or asp.analyse_stress)"),
-    ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv or .parquet is needed"),
+    ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv is needed"),
     ("export {contact} --field xx f.vti", 1, "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is"),
     ("export {contact} --field xx:1 f.vti", 1, "--field = '1': a range such as 0-0.1 is needed"),
     ("export {contact} --field xx:0-1 f.vti --x 0-3", 1, "x = 0 to 3: rising positions from 0 to 1 are"),

@@ -3,7 +3,7 @@
     python workflow/cost.py [results] [--csv FILE] [--store]
 
 The memory that the rule declares stands beside the largest that was measured. With --csv the table is
-written as CSV or Parquet too. With --store the cost model of the library is fitted to this study.
+written as CSV too. With --store the cost model of the library is fitted to this study.
 """
 
 import argparse
@@ -24,7 +24,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("results", nargs="?", type=Path, default="results", help="folder of the results")
-    parser.add_argument("--csv", metavar="FILE", help="write the table too, .csv or .parquet")
+    parser.add_argument("--csv", metavar="FILE", help="write the table too")
     parser.add_argument("--store", action="store_true", help="fit the cost model to this study")
     options = parser.parse_args()
     jobs = job_costs(options.results)

@@ -21,7 +21,6 @@ from asperity.results.atomic import write_problem
 OWN_BEGIN = {
     ".csv": rb"quantity,|[yx]_(um|cell_length),",
     ".vti": rb'<\?xml version="1.0" encoding="UTF-8"\?><VTKFile type="ImageData"',
-    ".parquet": rb"PAR1",
     ".png": rb"\x89PNG.{20}\x08\x06",  # 8-bit RGBA, never a height map
     ".pdf": rb"%PDF",
     ".svg": rb"<\?xml",

@@ -1,4 +1,4 @@
-"""Tables of the project as files: their columns with units, and writers for CSV, Parquet and Excel.
+"""Tables of the project as files: their columns with units, and writers for CSV and Excel.
 
 A table is a data frame of pandas with one row for each case and numbers as numbers. `tables.yaml` describes
 all of them; `docs/tables.md` shows it. For a reader a table is made into Markdown or HTML by
@@ -9,7 +9,6 @@ import math
 import re
 from collections.abc import Mapping
 from html import escape
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
@@ -24,8 +23,6 @@ from asperity.results.atomic import atomic_write
 if TYPE_CHECKING:
     import pandas as pd
 
-SUFFIXES = (".csv", ".parquet")
-
 TABLES: dict[str, dict[str, Any]] = packaged_yaml("asperity.results", "tables.yaml")
 """Name → ``source``, ``row`` and ``columns`` of a table; a column is [unit, content], and may be marked
 optional.
@@ -35,46 +32,36 @@ Numbers in a column have one unit, ``1`` for a plain number; texts and truth val
 
 
 def write_table(frame: "pd.DataFrame", table: str, path: FilePath, float_format: str | None = None) -> None:
-    """Write a table as CSV or Parquet, by the suffix of the path, whole or not at all.
+    """Write a table as CSV, whole or not at all.
 
     Parameters
     ----------
     frame : DataFrame
-        Its columns are in `TABLES`, in the same order; a Parquet file keeps their units in
-        ``frame.attrs``.
+        Its columns are in `TABLES`, in the same order.
     table : str
         Name in `TABLES`.
     path : path
-        Ends in .csv or .parquet; the latter needs the package pyarrow.
+        Ends in .csv.
     float_format : str, optional
-        Of numbers in a CSV file, such as ``"%.8g"``; by default all digits.
+        Of numbers, such as ``"%.8g"``; by default all digits.
 
     Raises
     ------
     ValueError
         If the suffix is another, a column is not in the description, or one is missing.
-    ImportError
-        If pyarrow is needed and not installed.
     DatasetError
         If the file cannot be written; an earlier file of the same name is still there then.
     """
     path = Path(path)
-    if path.suffix not in SUFFIXES:
-        raise ValueError(f"{path}: a name that ends in {' or '.join(SUFFIXES)} is needed")
-    if path.suffix == ".parquet" and find_spec("pyarrow") is None:
-        raise ImportError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow, or write .csv")
+    if path.suffix != ".csv":
+        raise ValueError(f"{path}: a name that ends in .csv is needed")
     check_columns(frame, table)
     with atomic_write(path) as unfinished:
-        if path.suffix == ".csv":
-            frame.to_csv(unfinished, index=False, float_format=float_format, lineterminator="\n")
-        else:
-            described = frame.copy()
-            described.attrs["units"] = units(table, frame)
-            described.to_parquet(unfinished, index=False)
+        frame.to_csv(unfinished, index=False, float_format=float_format, lineterminator="\n")
 
 
 def read_table(table: str, path: FilePath) -> "pd.DataFrame":
-    """A table as it was before `write_table` wrote it as CSV, equal to the bit.
+    """A table as it was before `write_table` wrote it, equal to the bit.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from typing import Any
 from asperity.cli.files import check_out, is_si, length, positions, read_results, required, span
 from asperity.cli.parser import section
 from asperity.core.errors import one_line, shown
-from asperity.results.tables import SUFFIXES, write_table
+from asperity.results.tables import write_table
 from asperity.stress.planes.fields import FIELDS
 from asperity.study.preflight_and_manifest import require_space
 from asperity.study.progress_and_log import ProgressBar
@@ -23,7 +23,7 @@ from asperity.views.export import (
 )
 from asperity.views.source import Part, Source, Span, sources
 
-FORMATS = {"peaks": SUFFIXES, "surface": (".vti", ".csv"), "profile": (".csv",), "field": (".vti",)}
+FORMATS = {"peaks": (".csv",), "surface": (".vti", ".csv"), "profile": (".csv",), "field": (".vti",)}
 """Option → suffixes of its files."""
 
 
