@@ -133,8 +133,8 @@ def sweep(folder: Path) -> list[Row]:
     given = {"body": STEEL | {"yield_stress": "2 GPa", "layers": layers}}
     file = write_map(folder / "sweep.x3p", (512, 512))
     one = write_case(folder, "one.yaml", file, **given)
-    values = {"body.layers.0.thickness": {"from": "2 um", "to": "16 um", "steps": THICKNESSES}}
-    several = write_case(folder, "sweep.yaml", file, **given, sweep=values)
+    path = {"body.layers.0.thickness": {"from": "2 um", "to": "16 um", "steps": THICKNESSES}}
+    several = write_case(folder, "sweep.yaml", file, **given, sweep={"values": path})
     return in_turns(
         f"sweep of {THICKNESSES} thicknesses of a coating, 512²",
         partial(asperity, "run", several, folder=folder),

@@ -24,7 +24,6 @@ from asperity.core.version import __version__
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
 from asperity.engineering.folder import CASE_FILE, checksums_in
-from asperity.engineering.questions.sweep import with_values
 from asperity.engineering.scene import MATERIALS, Scene
 from asperity.results.atomic import write_text
 from asperity.settings.map import file_name, with_file
@@ -58,7 +57,7 @@ class FileKeys(Settings):
 
 
 def load_case(path: str | Path) -> dict[str, Any]:
-    """The content of a case file, with whole groups, and names of files relative to the working folder.
+    """The content of a case file, with names of files relative to the working folder.
 
     Raises
     ------
@@ -71,8 +70,6 @@ def load_case(path: str | Path) -> dict[str, Any]:
     for *groups, name in (keys[:-1] for keys in MAP_FILES):
         if isinstance(group := at(content, groups), dict) and name in group:
             group[name] = with_file(group[name])
-    if "sweep" in content:
-        content["sweep"] = with_values(content["sweep"])
     if (path.parent / MATERIALS).is_file():
         content.setdefault("materials", MATERIALS)
     maps = at(content, MAP_FILES[0])

@@ -90,6 +90,17 @@ def write_vtk(
     ------
     ValueError
         If an argument is out of range, or the result describes no solid.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> height = asp.self_affine((32, 32), 0.8, 20e-6, 8e-6, rms_height=1e-7, seed=1, length=40e-6)
+    >>> contact = asp.solve_contact(height, asp.Solid(210e9, 0.3), 40e-6, contact_area_fraction=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     asp.views.write_vtk(Path(folder) / "box.vti", contact, ["xx"], depth=(0, 2e-6))
+    ...     (Path(folder) / "box.vti").read_bytes()[-11:]
+    b'</VTKFile>\\n'
     """
     (source,) = sources(result, unit_system)
     if not fields:

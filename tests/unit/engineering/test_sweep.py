@@ -33,7 +33,7 @@ CASE = {"map": MAP, "body": STEEL, "load": {"mean_pressure": 2e8}}
 
 def test_rows_are_the_records_of_single_runs():
     """To ten times the tolerance of the contact, 1e-6, of the largest number in the unit."""
-    answer = asp.run(MAP, STEEL, mean_pressure=2e8, sweep={THICKNESS: [1e-6, 2e-6, "3 um"]})
+    answer = asp.run(MAP, STEEL, mean_pressure=2e8, sweep={"values": {THICKNESS: [1e-6, 2e-6, "3 um"]}})
     table = answer.tables["sweep"]
     for thickness in (1e-6, 2e-6, 3e-6):
         rows = table[table[f"at_{THICKNESS}"] == thickness]
@@ -60,12 +60,8 @@ def test_value_at_the_limit_is_that_of_hertz():
     """p₀³ = 6 F E*² / (π³ R²) (K. L. Johnson, Contact Mechanics, 1985, Eq. 4.24), inverted."""
     smooth = asp.HeightMap(np.zeros((64, 64)), (96e-6, 96e-6), unit="m", name="ball")
     ball = {"file": smooth, "radius": "1 mm", "periodic": "none"}
-    sweep = {
-        "load.force": {"from": 0.5, "to": 2.0, "steps": 4},
-        "body.poisson": [0.2, 0.3],
-        "number": "maximum pressure",
-        "limit": "2 GPa",
-    }
+    values = {"load.force": {"from": 0.5, "to": 2.0, "steps": 4}, "body.poisson": [0.2, 0.3]}
+    sweep = {"values": values, "number": "maximum pressure", "limit": "2 GPa"}
     answer = asp.run(ball, {"young": 210e9, "poisson": 0.3}, force=1.0, sweep=sweep)
     found = [each for each in answer.records if each.quantity.startswith("value at the limit")]
     for record, ratio in zip(found, (0.2, 0.3), strict=True):
@@ -76,32 +72,32 @@ def test_value_at_the_limit_is_that_of_hertz():
     assert "is below its limit, 2 GPa, for a force below" in answer.verdict[0]
 
 
-def sweeps(**given):
-    return lambda: asp.Case(**CASE, sweep=given)
+def sweeps(**values):
+    return lambda: asp.Case(**CASE, sweep={"values": values})
 
 
 test_wrong_sweep_is_refused_in_one_line = refuses(
-    (sweeps(**{"body.yong": [1e9]}), "sweep.body.yong: unknown key; did you mean young?"),
-    (sweeps(**{"body.base": ["bonded"]}), "sweep.body.base = 'bonded': a setting that is a number is needed"),
-    (sweeps(**{"map.radius": [5]}), "sweep.map.radius = 5: a length with its unit is needed"),
-    (sweeps(**{"body.layers.4.thickness": [1e-6]}), "sweep.body.layers.4.thickness: the case has no group"),
-    (sweeps(**{"body.layers.-1.thickness": [1e-6]}), "sweep.body.layers.-1.thickness: the case has no group"),
-    (sweeps(**{"film.share": [0.5]}), "sweep.film.share: the case has no group film"),
-    (sweeps(**{THICKNESS: ["-1 um"]}), f"sweep.{THICKNESS} = '-1 um': a length > 0"),
-    (sweeps(**{"load.mean_pressure": [1e20]}), "sweep.load.mean_pressure = 100000000 TPa: load"),
+    (sweeps(**{"body.yong": [1e9]}), "sweep.values.body.yong: unknown key; did you mean young?"),
+    (sweeps(**{"body.base": ["bonded"]}), "sweep.values.body.base = 'bonded': a setting that is a number"),
+    (sweeps(**{"map.radius": [5]}), "sweep.values.map.radius = 5: a length with its unit is needed"),
+    (sweeps(**{"body.layers.4.thickness": [1e-6]}), "sweep.values.body.layers.4.thickness: the case has no"),
+    (sweeps(**{"body.layers.-1.thickness": [1e-6]}), "sweep.values.body.layers.-1.thickness: the case has"),
+    (sweeps(**{"film.share": [0.5]}), "sweep.values.film.share: the case has no group film"),
+    (sweeps(**{THICKNESS: ["-1 um"]}), f"sweep.values.{THICKNESS} = '-1 um': a length > 0"),
+    (sweeps(**{"load.mean_pressure": [1e20]}), "sweep.values.load.mean_pressure = 100000000 TPa: load"),
     (sweeps(**{"body.poisson": [0], "body.young": [1], THICKNESS: [1]}), r"sweep\.values = .*: one or two"),
-    (sweeps(**{"body.poisson": {"from": 0.1, "to": 0.2, "steps": 1}}), r"sweep\.body\.poisson = .*, with 2"),
+    (sweeps(**{"body.poisson": {"from": 0.1, "to": 0.2, "steps": 1}}), r"sweep\.values\.body.* = .*, with 2"),
     (sweeps(**{"body.poisson": {"from": 0, "to": 0.2, "steps": 60}, "body.young": [1, 2]}), "sweep: at most"),
-    (sweeps(**{"body.young": [1e9], "limit": "7 bananas"}), "sweep.limit = 7 bananas"),
+    (lambda: asp.Case(**CASE, sweep={"values": {"body.young": [1e9]}, "limit": "7 bananas"}), "sweep.limit"),
 )  # fmt: skip
 
 
 SMALL = asp.self_affine((16, 16), 0.8, 32e-6, 16e-6, rms_height=1e-7, seed=2, length=EDGE)
 
 
-def small(**given):
+def small(values, **given):
     """The answer to a sweep on a small map."""
-    return asp.run(SMALL, STEEL, length=EDGE, mean_pressure=2e8, sweep=given)
+    return asp.run(SMALL, STEEL, length=EDGE, mean_pressure=2e8, sweep={"values": values, **given})
 
 
 def test_lengths_of_the_map_are_swept():
@@ -114,7 +110,7 @@ def test_lengths_of_the_map_are_swept():
         return answer_of(case, read_face(case.map))
 
     for key, values in (("radius", ["1 mm", "2 mm"]), ("wavelength_short", ["16 um", "24 um"])):
-        table = answer({f"map.{key}": values}).tables["sweep"]
+        table = answer({"values": {f"map.{key}": values}}).tables["sweep"]
         rows = table[table["quantity"] == "maximum pressure"]
         assert rows[f"at_map.{key}"].tolist() == pytest.approx(
             [1e-3, 2e-3] if key == "radius" else [16e-6, 24e-6]
@@ -125,7 +121,7 @@ def test_lengths_of_the_map_are_swept():
 
 def test_equal_values_are_computed_once_and_close_ones_have_names():
     """One micrometre in two units is one value; values that agree in four digits are two."""
-    table = small(**{THICKNESS: ["1 um", "1000 nm", "1 um", "1.00001 um"]}).tables["sweep"]
+    table = small({THICKNESS: ["1 um", "1000 nm", "1 um", "1.00001 um"]}).tables["sweep"]
     assert len({*table["case"]}) == len({*table[f"at_{THICKNESS}"]}) == 2
 
 
@@ -135,7 +131,7 @@ def test_number_or_limit_that_does_not_fit_is_a_warning():
         ({"number": "foo"}, "foo, is none of this answer"),
         ({"number": "maximum pressure", "limit": "5 um"}, "5 um, is no limit of the maximum pressure, in Pa"),
     ):
-        answer = small(**{THICKNESS: [1e-6, 2e-6]}, **given)
+        answer = small({THICKNESS: [1e-6, 2e-6]}, **given)
         assert any(text in each.text for each in answer.warnings)
         table, (picture,) = answer.tables["sweep"], answer.case.sweep.pictures(answer)
         assert {"maximum pressure", "contact area fraction"} <= {*table["quantity"][table["is_shown"]]}
@@ -143,24 +139,15 @@ def test_number_or_limit_that_does_not_fit_is_a_warning():
 
 
 def test_file_form_and_cost_have_the_sweep(tmp_path):
-    """Keys of a file may stand beside other settings or in groups; the form has them in one field."""
     short = "map: a.npy\nbody: {young: 1 GPa, poisson: 0.3}\nload: {force: 1 N}\n"
-    for text in (
-        "body.poisson: [0.1, 0.2]",
-        "body: {poisson: [0.1, 0.2]}",
-        "values: {body.poisson: [0.1, 0.2]}",
-    ):
-        (tmp_path / "case.yaml").write_text(f"{short}sweep: {{{text}}}")
-        content = load_case(tmp_path / "case.yaml")
-        assert content["sweep"] == {"values": {"body.poisson": [0.1, 0.2]}}
-        again = form.content_of(form.values_of(content))
-        case = asp.Case.read(again)
-        assert case.sweep.path(case, "body.poisson") == [0.1, 0.2]
+    (tmp_path / "case.yaml").write_text(f"{short}sweep: {{values: {{body.poisson: [0.1, 0.2]}}}}")
+    case = asp.Case.read(form.content_of(form.values_of(load_case(tmp_path / "case.yaml"))))
+    assert case.sweep.path(case, "body.poisson") == [0.1, 0.2]
     work = work_of(case)
     assert work["cases of sweep"] == pytest.approx(2 * sum(work_of(case.replaced(sweep=None)).values()))
     divided = work_of(case, processes=2)["cases of sweep"]
     assert divided == pytest.approx(BESIDE / 2 * work["cases of sweep"])
-    written = asp.Case(**CASE, sweep={THICKNESS: [1e-6]}).written()["sweep"]
+    written = asp.Case(**CASE, sweep={"values": {THICKNESS: [1e-6]}}).written()["sweep"]
     assert written == {"values": {THICKNESS: ["1 µm"]}}
 
 
@@ -170,7 +157,7 @@ def test_killed_sweep_continues(tmp_path, monkeypatch, without_pictures):
     np.save("ground.npy", 1e6 * HEIGHT[:32, :32])
     words = ["run", "ground.npy", "--unit", "um", "--physical-size", "32 um", "32 um", "--young", "210 GPa"]
     words += ["--poisson", "0.3", "--mean-pressure", "50 MPa", "--out", "out"]
-    words += ["--set", "sweep.body.poisson=[0.1, 0.2, 0.35, 0.45]"]
+    words += ["--set", "sweep.values={body.poisson: [0.1, 0.2, 0.35, 0.45]}"]
     environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
     process = subprocess.Popen(
         [sys.executable, "-m", "asperity", *words], env=environment, stderr=subprocess.DEVNULL
@@ -195,7 +182,7 @@ def test_killed_sweep_continues(tmp_path, monkeypatch, without_pictures):
 
 def test_cases_side_by_side_have_the_rows_of_one_process(monkeypatch):
     monkeypatch.setattr("asperity.engineering.face.SMALLEST_PARALLEL", 0)
-    body, values = {"young": 210e9, "poisson": 0.3}, {"body.young": [1e11, 3e11]}
+    body, values = {"young": 210e9, "poisson": 0.3}, {"values": {"body.young": [1e11, 3e11]}}
     case = asp.Case(map=MAP, body=body, load={"mean_pressure": 5e7}, sweep=values)
     one, two = (answer_of(case, cores=cores).tables["sweep"] for cores in (1, 2))
     pd.testing.assert_frame_equal(one, two)

@@ -1,6 +1,5 @@
 """Tables as files: their columns are described, and come back from CSV as they were."""
 
-
 import numpy as np
 import pandas as pd
 import pytest

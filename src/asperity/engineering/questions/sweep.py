@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from pydantic import PlainValidator, ValidationError, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import PlainValidator, ValidationError, ValidationInfo, WithJsonSchema
 
 from asperity.core.errors import did_you_mean
 from asperity.core.errors import shown as shown_value
@@ -64,31 +64,6 @@ VALUES = "a list of values, or {from: …, to: …, steps: …}"
 ACCEPTED = f"one or two dotted keys of settings, each with {VALUES}"
 
 
-def _flat(given: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys and their values, of groups within groups and lists of groups, too."""
-    items: Any = None
-    if isinstance(given, Mapping) and not (given and given.keys() <= RANGE):
-        items = given.items()
-    elif isinstance(given, list) and any(isinstance(each, (Mapping, list)) for each in given):
-        items = enumerate(given)
-    if items is None:
-        yield key, given
-        return
-    for name, each in items:
-        if each is not None:
-            yield from _flat(each, f"{key}.{name}" if key else str(name))
-
-
-def with_values(group: Any) -> Any:
-    """The group with its swept keys under `values`, where they may stand beside the other settings."""
-    if not isinstance(group, Mapping):
-        return group
-    own = {name: each for name, each in group.items() if name in Sweep.model_fields}
-    swept = {name: each for name, each in group.items() if name not in own}
-    given = own.get("values", {})
-    return {**own, "values": dict(_flat({**given, **swept}))} if isinstance(given, Mapping) else group
-
-
 def _checked(values: Any, info: ValidationInfo) -> Any:
     """The values as they are given; a bare number in a file becomes a text, as its unit is not known."""
 
@@ -112,8 +87,7 @@ Swept = Annotated[
 class Sweep(Question):
     """The numbers of the answer for several values of any numeric setting, or of two.
 
-    The case gives the settings, too. The keys may stand beside `number` and `limit`, without `values`:
-    ``sweep: {body.layers.0.thickness: [1 um, 2 um]}``.
+    The case gives the settings, too: ``sweep: {values: {body.layers.0.thickness: [1 um, 2 um]}}``.
     """
 
     ASKS = "How does it change with a setting?"
@@ -135,11 +109,6 @@ class Sweep(Question):
     )
     """The limit of the number."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _short(cls, group: Any) -> Any:
-        return with_values(group)
-
     def problems(self, case: Any, rough: RoughFace | None = None) -> Iterator[tuple[str, str]]:
         """Keys that are unknown or not numeric, and values that they, or the whole case, do not accept."""
         if rough is not None:
@@ -151,7 +120,7 @@ class Sweep(Question):
             try:
                 paths[key] = self.path(case, key)
             except ValueError as error:
-                yield f"sweep.{key}", str(error)
+                yield f"sweep.values.{key}", str(error)
         if len(paths) < len(self.values):
             return
         if math.prod(map(len, paths.values())) > MOST:
@@ -163,7 +132,7 @@ class Sweep(Question):
                 try:
                     with_value(alone, key, _given(case, key, value))
                 except SettingsError as error:
-                    yield f"sweep.{key}", f" = {_shown(case, key, value)}: {error.found[0]}"
+                    yield f"sweep.values.{key}", f" = {_shown(case, key, value)}: {error.found[0]}"
 
     def path(self, case: Scene, key: str) -> list[float]:
         """The values of a key in SI units; `ValueError` with the message after the key if one is refused."""
