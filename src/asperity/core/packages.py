@@ -14,7 +14,7 @@ ENGINES = ("ducc0", "pyfftw", "scipy")
 
 _MODULES = {
     BASE: "ducc0 jinja2 lazy_loader netCDF4 numba llvmlite numpy pandas pint psutil pydantic scipy "
-    "tqdm xarray yaml",
+    "tqdm xarray xlsxwriter yaml",
     "plot": "matplotlib",
     "maps": "SurfaceTopography h5py olefile tifffile",
     "study": "docutils mpmath pygments skfem snakemake",

@@ -8,12 +8,10 @@ all of them; `docs/tables.md` shows it. For a reader a table is made into Markdo
 import math
 import re
 from collections.abc import Mapping
-from html import escape
+from datetime import datetime
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
-
-import numpy as np
 
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import DatasetError
@@ -126,15 +124,15 @@ SHEET_UNITS = {
     "Pa": ("MPa", 1e6),
     "1/m^2": ("1/mm²", 1e6),
 }
-"""SI unit → unit in a sheet of Excel, and its size.
+"""SI unit → unit in a sheet of Excel, and its size."""
 
-The file is a zip archive of XML parts (Office Open XML, ECMA-376), written without a package for it: openpyxl
-takes a tenth of the time of a whole calculation to write the peaks of a map of 512 × 512 points.
-"""
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f]")
 
-_OPEN = "http://schemas.openxmlformats.org"
-_SHEETS = f"{_OPEN}/spreadsheetml/2006/main"
-_NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+PLAIN_TEXT = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
+"""Options of a workbook in which a text never becomes a formula or a link."""
+
+WRITTEN = datetime(2026, 1, 1)
+"""Date in every workbook: equal tables make equal files."""
 
 
 def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None:
@@ -147,40 +145,15 @@ def write_workbook(tables: "Mapping[str, pd.DataFrame]", path: FilePath) -> None
     path : path
         Ends in .xlsx.
     """
-    types = "application/vnd.openxmlformats-officedocument.spreadsheetml."
-    sheets = {f"sheet{number}": name for number, name in enumerate(tables, 1)}
-    contents = f'<Override PartName="/xl/workbook.xml" ContentType="{types}sheet.main+xml"/>'
-    names = ""
-    for number, (part, name) in enumerate(sheets.items(), 1):
-        contents += f'<Override PartName="/xl/{part}.xml" ContentType="{types}worksheet+xml"/>'
-        names += f'<sheet name="{escape(name, quote=False)}" sheetId="{number}" r:id="{part}"/>'
-    parts = {
-        "[Content_Types].xml": f'<Types xmlns="{_OPEN}/package/2006/content-types"><Default Extension="rels"'
-        f' ContentType="application/vnd.openxmlformats-package.relationships+xml"/>{contents}</Types>',
-        "_rels/.rels": _relations("officeDocument", {"book": "xl/workbook.xml"}),
-        "xl/_rels/workbook.xml.rels": _relations("worksheet", {part: f"{part}.xml" for part in sheets}),
-        "xl/workbook.xml": f'<workbook xmlns="{_SHEETS}" xmlns:r="{_OPEN}/officeDocument/2006/relationships">'
-        f"<sheets>{names}</sheets></workbook>",
-    }
-    for part, name in sheets.items():
-        shown = _in_sheet_units(name, tables[name])
-        columns = (map(_cell, shown[column].tolist()) for column in shown)
-        rows = [map(_cell, shown), *zip(*columns, strict=True)]
-        lines = "".join(f"<row>{''.join(row)}</row>" for row in rows)
-        parts[f"xl/{part}.xml"] = f'<worksheet xmlns="{_SHEETS}"><sheetData>{lines}</sheetData></worksheet>'
-    with ZipFile(path, "w") as book:
-        for name, content in parts.items():
-            entry = ZipInfo(name)  # without the time
-            entry.compress_type = ZIP_DEFLATED
-            book.writestr(entry, f'<?xml version="1.0" encoding="UTF-8"?>{content}', compresslevel=1)
+    from xlsxwriter import Workbook
 
-
-def _relations(kind: str, targets: Mapping[str, str]) -> str:
-    """Part of an Excel file that refers to other parts, in XML."""
-    kinds = f"{_OPEN}/officeDocument/2006/relationships/{kind}"
-    relation = '<Relationship Id="{}" Type="{}" Target="{}"/>'
-    found = "".join(relation.format(name, kinds, target) for name, target in targets.items())
-    return f'<Relationships xmlns="{_OPEN}/package/2006/relationships">{found}</Relationships>'
+    with Workbook(path, PLAIN_TEXT) as book:
+        book.set_properties({"created": WRITTEN})
+        for name, frame in tables.items():
+            sheet, shown = book.add_worksheet(name), _in_sheet_units(name, frame)
+            columns = (map(_cell, shown[column].tolist()) for column in shown)
+            for number, row in enumerate([list(shown), *zip(*columns, strict=True)]):
+                sheet.write_row(number, 0, row)
 
 
 def _in_sheet_units(name: str, frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -199,13 +172,10 @@ def _in_sheet_units(name: str, frame: "pd.DataFrame") -> "pd.DataFrame":
     return shown
 
 
-def _cell(value: Any) -> str:
+def _cell(value: Any) -> Any:
     """A cell of a sheet, which holds no infinity, and nothing where a value is missing."""
     if value is None or value != value:
-        return "<c/>"
-    if isinstance(value, (bool, np.bool_)):
-        return f'<c t="b"><v>{int(value)}</v></c>'
-    if isinstance(value, (int, float, np.number)) and abs(value) != math.inf:
-        return f"<c><v>{value:.16g}</v></c>"
-    text = _NOT_IN_XML.sub("?", str(value))
-    return f'<c t="inlineStr"><is><t xml:space="preserve">{escape(text, quote=False)}</t></is></c>'
+        return None
+    if isinstance(value, Real) and abs(value) != math.inf:
+        return value
+    return _UNPRINTABLE.sub("?", str(value))
