@@ -1,6 +1,6 @@
 """Form of an indenter: a sphere or a cylinder under the roughness."""
 
-from asperity.core.arguments import LARGEST, choice, magnitude, number, pair, require_finite
+from asperity.core.arguments import choice, magnitude, require_finite
 from asperity.core.types import Array, ArrayLike
 from asperity.fourier.grid import Grid
 from asperity.surface.roughness import checked_heights
@@ -12,13 +12,13 @@ def add_sphere(
     height: ArrayLike,
     length: Grid | float | tuple[float, float],
     radius: float,
-    centre: tuple[float, float] | None = None,
     *,
     radius_y: float | None = None,
 ) -> Array:
     """Height of a rough sphere: the paraboloid r²/(2R) is added to the lower face of the indenter.
 
-    With `radius_y` it is the elliptic paraboloid x²/(2R) + y²/(2R_y).
+    With `radius_y` it is the elliptic paraboloid x²/(2R) + y²/(2R_y). Its lowest
+    point is in the middle between the first and the last node, on both axes.
 
     As in Hertz's theory the sphere is approximated by a paraboloid. The sphere itself is higher by about
     r⁴/(8R³): by 0.25 % of r²/(2R) at a distance of a tenth of the radius from its lowest point.
@@ -32,9 +32,6 @@ def add_sphere(
         Edges of the map, in the unit of the heights, or the grid that has them.
     radius : float
         Radius of curvature R.
-    centre : (y, x), optional
-        Position of the lowest point, measured from the first node. By default the middle between the first
-        and the last node, on both axes.
     radius_y : float, optional
         Radius of curvature along y, if it differs from `radius`.
 
@@ -55,7 +52,7 @@ def add_sphere(
            [10.,  0., 10.],
            [20., 10., 20.]])
     """
-    y, x = _from_centre(height, length, centre)
+    y, x = _from_middle(height, length)
     ratio = 1.0 if radius_y is None else magnitude("radius", radius) / magnitude("radius_y", radius_y)
     return _added("add_sphere", height, ratio * y[:, None] ** 2 + x**2, radius)
 
@@ -64,13 +61,12 @@ def add_cylinder(
     height: ArrayLike,
     length: Grid | float | tuple[float, float],
     radius: float,
-    centre: tuple[float, float] | None = None,
     *,
     axis: str = "y",
 ) -> Array:
     """Height of a rough cylinder: the parabola s²/(2R) is added to the lower face of the indenter.
 
-    s is the distance from the axis of the cylinder, which lies along y or x through the centre. Parameters,
+    s is the distance from the axis of the cylinder, which lies along y or x through the middle. Parameters,
     result and errors are otherwise as for `add_sphere`.
 
     Parameters
@@ -92,7 +88,7 @@ def add_cylinder(
            [12.8,  3.2,  0. ,  3.2, 12.8]])
     """
     choice("axis", axis, AXES)
-    y, x = _from_centre(height, length, centre)
+    y, x = _from_middle(height, length)
     return _added("add_cylinder", height, (x if axis == "y" else y[:, None]) ** 2, radius)
 
 
@@ -103,16 +99,7 @@ def _added(function: str, height: ArrayLike, square: Array, radius: float) -> Ar
     return found
 
 
-def _from_centre(
-    height: ArrayLike, length: Grid | float | tuple[float, float], centre: tuple[float, float] | None
-) -> tuple[Array, Array]:
-    """Distances of the rows and columns of nodes from the centre."""
+def _from_middle(height: ArrayLike, length: Grid | float | tuple[float, float]) -> tuple[Array, Array]:
+    """Distances of the rows and columns of nodes from the middle."""
     y, x = Grid(checked_heights(height).shape, length).coordinates()  # type: ignore[arg-type]
-    if centre is None:
-        return y - 0.5 * y[-1], x - 0.5 * x[-1]
-    accepted = f"None or a pair (y, x) of numbers from {-LARGEST:g} to {LARGEST:g}"
-    middle_y, middle_x = (
-        number("centre", value, accepted, lambda place: abs(place) <= LARGEST)
-        for value in pair("centre", centre, accepted)
-    )
-    return y - middle_y, x - middle_x
+    return y - 0.5 * y[-1], x - 0.5 * x[-1]
