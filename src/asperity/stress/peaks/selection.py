@@ -93,8 +93,6 @@ def select_peaks(
     if not (isinstance(stress, xr.Dataset) and {*_LABELS, "quantity", "poisson"} <= set(stress.variables)):
         raise TypeError(f"stress = {shown(stress)}: the result of a stress analysis, a dataset, is needed")
     names, own_ratios = (stress[name].values for name in _LABELS)
-    if names.dtype.kind not in "OTU":
-        raise ValueError("stress: made by another version, with numbers in place of names; analyse it again")
     choice("quantity", quantity, [str(name) for name in stress["quantity"].values])
     choice("selection", selection, SELECTIONS)
     chosen = names == quantity
