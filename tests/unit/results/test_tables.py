@@ -39,7 +39,7 @@ def test_tables_of_an_answer_are_described(tmp_path):
 
 def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
-    rows = [("contact", "mean gap", 1.2e-7, "m", np.nan), ("contact", "maximum pressure", 2e9, "Pa", np.inf)]
+    rows = [("contact", "=1+\x01", 1.2e-7, "m", np.nan), ("contact", "maximum pressure", 2e9, "Pa", np.inf)]
     answer = pd.DataFrame(rows, columns=["topic", "quantity", "value", "unit", "error"])
     peaks = pd.DataFrame({"quantity": ["von_mises"], "value_Pa": [3e9], "depth_m": [2e-6]})
     curve = pd.DataFrame(
@@ -56,8 +56,11 @@ def test_workbook_is_in_micrometres_and_megapascals(tmp_path):
     assert [*found["curve"].iloc[0]] == [1.0, 2e13, 3e8]
     assert [*found["curve"]] == ["mean_pressure_MPa", "stiffness_Pa_m", "electrical_conductance_S_m2"]
     assert found["peaks_per_area"]["map_steel_m"].tolist() == [12.0]
-    errors = [*openpyxl.load_workbook(tmp_path / "a.xlsx")["answer"]["E"]][1:]
-    assert [(cell.value, cell.data_type) for cell in errors] == [(None, "n"), ("inf", "s")]
+    cells = openpyxl.load_workbook(tmp_path / "a.xlsx")["answer"]
+    assert [(cell.value, cell.data_type) for cell in cells["E"][1:]] == [(None, "n"), ("inf", "s")]
+    assert (cells["B2"].value, cells["B2"].data_type) == ("=1+?", "s")  # no formula
+    write_workbook(sheets, tmp_path / "b.xlsx")
+    assert (tmp_path / "a.xlsx").read_bytes() == (tmp_path / "b.xlsx").read_bytes()
 
 
 def test_costs_add_up_and_keep_the_largest_memory(costs):
