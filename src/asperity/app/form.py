@@ -65,6 +65,7 @@ LABELS = {
     "work": "work of adhesion",
     "range": "range of adhesion",
     "at": "position in the contact",
+    "radius_x": "combined (effective) radius along x, inf along the axis of a roller",
     "fields": "stresses to be shown",
     "detrend": "form removal",
     "undefined": "non-measured points",
@@ -73,6 +74,9 @@ LABELS = {
     "lambda_ratio": "film thickness ratio Λ",
 }
 """Setting → its label, where that is not its name."""
+
+MISSING = (": missing", " = None")
+"""Beginnings of the message on a setting that is to be given."""
 
 LONGEST_PROPOSED = 24
 """Characters of a proposed value that a field can show; a longer one stands below the field."""
@@ -202,7 +206,11 @@ def chosen(key: str, values: Mapping[str, str]) -> str:
 
 
 def content_of(values: Mapping[str, str]) -> dict[str, Any]:
-    """The groups of a case, as a case file holds them, from the texts of the form."""
+    """The groups of a case, as a case file holds them, from the texts of the form.
+
+    What the page asks for and a case may leave out, such as the material of an elastic counter body, is None
+    until it is given: the case is refused, and no other one is computed.
+    """
     content: dict[str, Any] = {}
     for switch, group in SWITCHES.items():
         if values.get(switch) and is_used(f"{group}.", values):
@@ -222,6 +230,13 @@ def content_of(values: Mapping[str, str]) -> dict[str, Any]:
         put(content, key.split("."), value)
     if has_several(values) and chosen("choose.maps", values) == "pooled":
         content.setdefault("sample", {})
+    counter = chosen("choose.counter_body", values)
+    if "elastic" in counter and not content.get("counter_body", {}).keys() - {"map"}:
+        put(content, ["counter_body", "material"], None)
+    if "map" in counter and at(content, ("counter_body", "map")) is None:
+        put(content, ["counter_body", "map"], {})
+    if "sliding" in content:
+        content["sliding"].setdefault("friction", None)
     return content
 
 
@@ -249,7 +264,7 @@ def values_of(content: Mapping[str, Any]) -> dict[str, str]:
         first = case_of_map(content, 0)
         Case.read({key: group for key, group in first.items() if key not in (OUT, CHECKSUMS)})
     except SettingsError as error:
-        found += [problem for problem in error.found if not problem.text.startswith(": missing")]
+        found += [problem for problem in error.found if not problem.text.startswith(MISSING)]
     found += [
         Problem(f"{body}.layers", f": the page holds at most {LAYERS}; asperity run takes any number")
         for body in BODIES
@@ -293,7 +308,7 @@ def command_of(content: Mapping[str, Any], flags: Mapping[str, str]) -> str:
             continue
         if key == "sample" and not value:
             words.append("--pooled")
-        elif key in flags:
+        elif key in flags and value is not None:
             words += [flags[key], *map(str, value if isinstance(value, list) else [value])]
         else:
             words += ["--set", f"{key}={yaml_line(value)}"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from asperity.app.form import EXAMPLE, contents_of
+from asperity.app.form import EXAMPLE, MISSING, contents_of
 from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.core.units import shown_si
@@ -22,6 +22,7 @@ from asperity.engineering.stages import BESIDE, FILES, FREE, work_of
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
+from asperity.settings.model import Problem, SettingsError
 from asperity.surface.description import describe_map
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
@@ -35,6 +36,14 @@ BINS, POINTS = 60, 400
 
 TREATMENT = ("despike", "detrend", "periodic", "scan_lines", "points", "wavelength_short")
 """Settings of a map on which its description does not depend."""
+
+STAND_INS = {
+    "map": {"file": "map"},
+    "body": {"young": "200 GPa", "poisson": 0.3, "yield_stress": "1 GPa"},
+    "counter_body": {"young": "200 GPa", "poisson": 0.3},
+    "load": {"mean_pressure": "1 MPa"},
+}
+"""Groups in place of those that are missing or wrong, with which the other groups are checked."""
 
 PLAIN = ("poisson", "conductivity", "resistivity")
 """Constants of a material that are numbers without a unit in a case."""
@@ -101,14 +110,15 @@ class MapJob:
         self._known, self._faces = self._faces, {}
         found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
         if not at(content, MAP_FILES[0]):
-            return found | {"problems": [("map.file", ": missing")]}
+            missing = [("map.file", ": missing")]
+            return found | {"problems": [*missing, *_of_others(content, missing)]}
         for small in (SMALL, math.inf):  # problems of the settings before a large map is read
             arrangement = arranged(
                 contents_of(content), out, pooled="sample" in content, read=self._read, small=small
             )
             first, jobs = arrangement.jobs[0], arrangement.jobs
             problems = [*(each for job in jobs for each in job.problems), *arrangement.problems]
-            found["problems"] = [*dict.fromkeys(map(tuple, problems))]
+            found["problems"] = [*dict.fromkeys(map(tuple, [*problems, *_of_others(content, problems)]))]
             if first.case is not None or first.rough is not None:
                 break
             self._reply("check", found)
@@ -163,10 +173,25 @@ class MapJob:
         return along(self._shown, ends)
 
 
+def _of_others(content: Mapping[str, Any], problems: Sequence[tuple[str, str]]) -> list[Problem]:
+    """What groups of a case lack that are checked only when all others are right."""
+    wrong = {key.partition(".")[0] for key, _ in problems}
+    groups = {name: group for name, group in content.items() if name not in wrong}
+    try:
+        Case.read(groups | {name: group for name, group in STAND_INS.items() if name in wrong})
+    except SettingsError as error:
+        new = [each for each in error.found if each.key.partition(".")[0] not in wrong]
+        found = [each for each in new if each.text.startswith((": ", *MISSING))]  # nothing about given values
+        return [*found, *_of_others(content, [*problems, *found])] if found else []
+    return []
+
+
 def _of_case(case: Case) -> dict[str, Any]:
     """Constants of the bodies that are from the table, and the smooth Hertz contact."""
     constants = {}
     for name, body in case.groups_of_bodies.items():
+        if body.material is not None:
+            constants[f"{name}.material"] = body.materials[0].state
         for each in body.from_material:
             value = getattr(body, each)
             constants[f"{name}.{each}"] = f"{value:g}" if each in PLAIN else shown_si(value, "Pa")

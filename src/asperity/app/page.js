@@ -92,6 +92,7 @@ function show(found) {
       input.dataset.proposed ??= input.placeholder;
       input.placeholder = found.constants[input.dataset.key] ? `${found.constants[input.dataset.key]}, of the table` : input.dataset.proposed;
     }
+    for (const line of document.querySelectorAll("[data-state]")) line.textContent = found.constants[line.dataset.state] || "";
     document.body.classList.toggle("has-map", found.has_map);
     document.body.dataset.ready = found.ready;
     byId("several").hidden = !found.several;

@@ -102,11 +102,15 @@ class MapFigure:
         self.outline = ColumnDataSource({"xs": [], "ys": []})
         self.mapper = LinearColorMapper(palette=palette, nan_color="rgba(0,0,0,0)")
         self._is_section, self._shown = is_section, (0.0, 0.0, 0.0, 0.0)
-        ratio: dict[str, Any] = {}
-        if not is_section:
-            ratio = {"x_range": (0, 1), "y_range": (0, 1), "sizing_mode": "scale_width"}
+        mode: dict[str, Any] = {} if is_section else {"sizing_mode": "scale_width"}
         self.figure = _figure(
-            title, title=title, height=260 if is_section else 420, min_border_right=10, **ratio
+            title,
+            title=title,
+            height=260 if is_section else 420,
+            min_border_right=10,
+            x_range=(0, 1),
+            y_range=(0, 1),
+            **mode,
         )
         self._factor, self._on_line = 1.0, on_line
         drawn = self.figure.image("image", "x", "y", "dw", "dh", source=self.image, color_mapper=self.mapper)
@@ -118,9 +122,6 @@ class MapFigure:
             color_mapper=self.mapper, width=10, padding=4, background_fill_alpha=0, title_standoff=6
         )
         self.figure.add_layout(self.bar, "right")
-        if is_section:
-            self.figure.x_range.range_padding = self.figure.y_range.range_padding = 0
-            self.figure.y_range.flipped = True
         if peaks is not None:
             self.figure.scatter(
                 *("x", "y"), source=peaks, size=9, fill_alpha=0, line_color="#ffffff", line_alpha=0.55,
@@ -155,8 +156,12 @@ class MapFigure:
         title: str = "",
         level: float | None = None,
         limits: Limits | None = None,
+        deepest: float = 0.0,
     ) -> None:
-        """Draw a field on its frame in m, with the contour of a level, in colours between two limits."""
+        """Draw a field on its frame in m, with the contour of a level, in colours between two limits.
+
+        `deepest` is the end of the depth axis of a section.
+        """
         values, edge = shown["values"], max(shown["dw"], shown["dh"])
         self._factor, length = units.of(edge, "m")
         low, high = limits or (float(np.nanmin(values)), float(np.nanmax(values)))
@@ -174,13 +179,15 @@ class MapFigure:
             ("place", f"$x{{0.00}} {length}, $y{{0.00}} {length}"),
         ]
         self.figure.title.text = title or self.title
-        if not self._is_section:
+        x, y, width, height = (frame[name][0] for name in ("x", "y", "dw", "dh"))
+        if self._is_section:
+            y, height = deepest / self._factor, -deepest / self._factor
+        else:
             self.figure.aspect_ratio = float(np.clip(1.15 * shown["dw"] / shown["dh"], 0.7, 2.5))
-            x, y, width, height = (frame[name][0] for name in ("x", "y", "dw", "dh"))
-            if self._shown != (x, y, width, height):  # into a map that was shown before one may have zoomed
-                self._shown = x, y, width, height
-                for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
-                    axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
+        if self._shown != (x, y, width, height):  # into a map that was shown before one may have zoomed
+            self._shown = x, y, width, height
+            for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
+                axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
         outline = np.nan_to_num(values)
         lines: Any = []
         if level is not None and min(values.shape) >= 2 and outline.min() < level < outline.max():
@@ -325,11 +332,13 @@ class AnswerPictures:
         title: str,
         level: float | None,
         limits: Limits,
+        deepest: float,
     ) -> None:
-        """Draw a plane and a section in common colours, with the line of the yield stress."""
+        """Draw a plane and a section to a depth in common colours, with the line of the yield stress."""
         for each in (self.plane, self.section):
             each.mapper.palette = SIGNED if limits[0] < 0 else Viridis256
         self.plane.show(plane["picture"], units, self.prefix + title, level, limits)
         self.plane.draw_line(ends)
         if section is not None:
-            self.section.show(section["picture"], units, self.prefix + self.section.title, level, limits)
+            title = self.prefix + self.section.title
+            self.section.show(section["picture"], units, title, level, limits, deepest)

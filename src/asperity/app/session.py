@@ -42,8 +42,9 @@ UNITS = {"length": ("", "nm", "µm", "mm"), "stress": ("", "kPa", "MPa", "GPa")}
 
 NEEDED = {
     "map.file": "a map",
-    "body": "the material of the body, or its Young's modulus and Poisson's ratio",
     "load": "the load",
+    "counter_body.map.file": "the map of the counter body",
+    "sliding.friction": "the coefficient of friction of the sliding",
     "choose.counter_body": "the kind of the counter body: a rigid one makes the contact smaller",
     "choose.maps": "whether the maps are positions of one surface, or surfaces to be compared",
 }
@@ -152,6 +153,7 @@ class Session:
         self._number, self._starts = 0, False
         self._left: list[dict[str, Any]] = []
         self._reader = self._listen(reader, self._of_reader)
+        self.set({})
 
     def _listen(self, worker: Worker, handler: Callable[..., None]) -> Worker:
         worker.listen(lambda name, found: self.loop.add_callback(handler, name, found))
@@ -482,12 +484,12 @@ class Session:
         listed, at_fields = [], {}
         imposed = f"load.{form.LOADS[form.chosen('choose.load', self.values)][0]}"
         for key, text in self._problems():
-            is_missing = text.startswith(": missing") and key in NEEDED
-            listed.append(NEEDED[key] if is_missing else _words(f"{key}{text}").lstrip(": "))
+            listed.append(_needed(key, text))
             first = imposed if key.startswith("load.") and "," in key else key.split(",")[0]
             first = "map.file" if first == "map" else first
             if self.values.get(first):
                 at_fields[first] = _words(text).lstrip(" :=")
+        listed = [*dict.fromkeys(listed)]
         return {
             "html": {name: self._part(name, listed=listed) for name in ("info", "hertz", "ready", "stale")},
             "problems": at_fields,
@@ -550,8 +552,13 @@ class Session:
             self._reader.send("compare", names=self._names(), folders=folders)
 
     def _names(self) -> list[str]:
-        """Numbers and labels of the answers that are shown."""
-        return [f"{self.slots.index(slot) + 1}: {slot.label}" for slot in filter(None, self.shown)]
+        """Numbers and maps of the answers that are shown, with their loads if these differ."""
+        shown = [(self.slots.index(slot) + 1, slot.label.rpartition(", ")) for slot in self.shown if slot]
+        is_one_load = len({load for _, (_, _, load) in shown}) == 1
+        return [
+            f"{number}: {maps}" if is_one_load else f"{number}: {maps}, {load}"
+            for number, (maps, _, load) in shown
+        ]
 
     def _look_at(self, slot: Slot, number: int) -> None:
         """Show the plane of a peak, and the section through it along x; without peaks the surface."""
@@ -652,6 +659,7 @@ class Session:
             ]
             low = min([0.0, *(float(each.min()) for each in values if each.size)])
             high = max([0.0, *(float(each.max()) for each in values if each.size)])
+            deepest = max((slot.section["picture"]["dh"] for slot, _ in drawn if slot.section), default=0.0)
             for slot, pictures in drawn:
                 plane: Any = slot.plane
                 body, name = self._looked_at(slot)
@@ -659,19 +667,33 @@ class Session:
                 words = name.replace("von_mises", "von Mises").replace("_", " ")
                 title = f"{words} at depth {shown_si(plane['depth'], 'm', 3)}"
                 shown = (plane, slot.section, self._lines["section"])
-                pictures.show_planes(*shown, self.units, title, level, (low, high))
+                pictures.show_planes(*shown, self.units, title, level, (low, high), deepest)
         tab.answers[0].mark(self.peak)
 
 
+def _needed(key: str, text: str) -> str:
+    """What is missing or wrong, in words."""
+    if text.startswith(form.MISSING):
+        group, _, name = key.rpartition(".")
+        if key == "body" or name in ("young", "poisson"):
+            of = _words(group or key)
+            return f"the material of the {of}, or its Young's modulus and Poisson's ratio"
+        if key in NEEDED:
+            return NEEDED[key]
+    return _words(f"{key}{text}").lstrip(": ")
+
+
 def _words(text: str) -> str:
-    """A message with words in place of keys: ``body.layers.0.young`` is "body, layer, young"."""
-    known = {part for key in form.settings() for part in key.split(".")} | {"layer"}
+    """A message with words in place of keys: ``body.layers.0.young`` is "body, layer 1, young"."""
+    layers = {f"layer_{number + 1}" for number in range(form.LAYERS)}
+    known = {part for key in form.settings() for part in key.split(".")} | layers
 
     def words(found: re.Match[str]) -> str:
         is_key = known.issuperset(found[0].split("."))  # and no name of a file
         return ", ".join(map(form.label_of, found[0].split("."))) if is_key else found[0]
 
-    return re.sub(r"\b[a-z]+(?:[._][a-z]+)+\b", words, text.replace("layers.0", "layer"))
+    text = re.sub(r"\blayers\.(\d)\b", lambda found: f"layer_{int(found[1]) + 1}", text)
+    return re.sub(r"\b[a-z]+(?:[._][a-z\d]+)+\b", words, text)
 
 
 def remove_made(folder: Path) -> None:

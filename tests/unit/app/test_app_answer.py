@@ -88,6 +88,11 @@ def test_everything_that_run_refuses_is_refused_before(tmp_path):
         return " ".join(key + text for key, text in found["problems"])
 
     assert problems(files[0]) == problems(files[0], files[2]) == ""
+    # What is missing is listed at once, also where groups are checked only when all others are right.
+    lacking = job.check({"film": {}, "cycles": {}, "sliding": {"friction": None}}, str(tmp_path / "out"), 1)
+    assert {key for key, _ in lacking["problems"]} == {
+        *("map.file", "body", "load", "sliding.friction", "film", "cycles")
+    }
     assert "frction: unknown key" in problems(files[0], frction=0.1)
     assert "load" in problems(files[0], load={"force": "1 N", "mean_pressure": "1 MPa"})
     assert "different names" in problems(files[0], files[0])

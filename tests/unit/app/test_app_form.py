@@ -7,6 +7,7 @@ import pytest
 from asperity.app import form
 from asperity.app.session import _words
 from asperity.cli.parser import FLAGS
+from asperity.engineering.case import Case
 from asperity.settings.model import SettingsError
 
 
@@ -45,6 +46,35 @@ def test_layers_survive_the_form_and_those_below_an_unused_one_are_left_out():
         form.values_of(content)
 
 
+CONSTANTS = {"counter_body.young", "counter_body.poisson"}
+
+
+@pytest.mark.parametrize(
+    ("values", "missing"),
+    [
+        ({"choose.counter_body": "flat"}, set()),
+        ({"choose.counter_body": "rigid map"}, {"counter_body.map.file"}),
+        ({"choose.counter_body": "elastic"}, CONSTANTS),
+        ({"choose.counter_body": "elastic map"}, CONSTANTS | {"counter_body.map.file"}),
+        ({"choose.counter_body": "elastic map", "counter_body.map.file": "b.x3p"}, CONSTANTS),
+        ({"choose.counter_body": "elastic", "counter_body.yield_stress": "1 GPa"}, CONSTANTS),
+        ({"use.sliding": "yes", "sliding.direction": "y"}, {"sliding.friction"}),
+    ],
+)
+def test_what_is_chosen_and_left_empty_is_demanded(values, missing):
+    content = form.content_of(form.values_of(form.EXAMPLE) | values)
+    found = []
+    try:
+        Case.read(content)
+    except SettingsError as error:
+        found = [each.key for each in error.found]
+    assert set(found) == missing
+    kind = values.get("choose.counter_body", "flat")
+    again = {"choose.counter_body": "flat"} | form.values_of(content)
+    assert again["choose.counter_body"] == kind
+    assert form.content_of(again) == content
+
+
 def test_every_setting_of_a_case_has_a_field():
     fields = {each.key for group in groups() for each in form.inputs(group)}
     others = {"map.file", "materials"}
@@ -72,7 +102,7 @@ def test_a_group_of_a_case_file_that_is_none_is_named():
 @pytest.mark.parametrize(
     ("message", "shown"),
     [
-        ("body.layers.0.young: missing", "body, layer, Young's modulus: missing"),
+        ("body.layers.0.young: missing", "body, layer 1, Young's modulus: missing"),
         (
             "partial_slip: needs sliding.friction, above 0",
             "partial slip: needs sliding, friction, above 0",

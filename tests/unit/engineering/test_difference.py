@@ -70,6 +70,12 @@ def test_single_maps_say_that_positions_are_not_known():
     assert found.text().count("± not known") == 1
     mixed = compared({"several": sample_of(1, 2, 3), "one": answer_of(4)})
     assert "one is one map: differences between positions are not known" in mixed.verdict
+    parts = compared(found.items)
+    parts.__dict__["records"] = {
+        name: {key: each.with_error(POSITIONS, 0.1 * abs(each.value)) for key, each in records.items()}
+        for name, records in found.records.items()
+    }
+    assert "positions are estimated only from parts of one map. " in parts.verdict
 
 
 def test_samples_are_judged_by_the_volume_above_yield():

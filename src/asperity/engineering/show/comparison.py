@@ -212,7 +212,9 @@ class Comparison:
         if math.isnan(found.chance):
             single = [name for name in (best, second) if counts[name] == 1]
             of = "one map each" if len(single) == 2 else f"{' and '.join(single)} is one map"
-            why = f"; {of}: differences between positions are not known" if single else ""
+            parts = any(POSITIONS in known[name].errors for name in single)
+            how = "estimated only from parts of one map" if parts else "not known"
+            why = f"; {of}: differences between positions are {how}" if single else ""
             return f"Not known whether {best} is better: {numbers}{why}."
         # The pair of the best was chosen of all pairs (Bonferroni).
         chance = min(1.0, found.chance * math.comb(len(order), 2))
