@@ -65,7 +65,9 @@ LABELS = {
     "work": "work of adhesion",
     "range": "range of adhesion",
     "at": "position in the contact",
-    "radius_x": "combined (effective) radius along x, inf along the axis of a roller",
+    "load.radius_x": "effective (combined) radius along x",
+    "load.radius_y": "effective (combined) radius along y",
+    "hertz_pressure": "Hertz pressure",
     "fields": "stresses to be shown",
     "detrend": "form removal",
     "undefined": "non-measured points",
@@ -73,7 +75,7 @@ LABELS = {
     "seal": "load that seals",
     "lambda_ratio": "film thickness ratio Λ",
 }
-"""Setting → its label, where that is not its name."""
+"""Setting, or its whole key → its label in the form, where that is not its name."""
 
 MISSING = (": missing", " = None")
 """Beginnings of the message on a setting that is to be given."""
@@ -148,7 +150,7 @@ def inputs(group: str) -> Iterator[Input]:
             proposed = f"such as {_text(key, entry['example'])}"
         yield Input(
             key,
-            label_of(name),
+            LABELS.get(key) or label_of(name),
             entry["description"].replace("`", ""),
             accepted(entry).replace("`", ""),
             _text(key, proposed),
