@@ -74,17 +74,49 @@ def answers():
     return [asp.run(each, steel, mean_pressure=30e6, cycles=cycles) for each in maps]
 
 
-def test_probability_of_an_area_with_its_interval(answers):
-    sample = asp.pool(answers)
+def test_probability_is_not_known_where_the_error_of_the_stress_is_not(answers):
+    sample, area = asp.pool(answers), 1e-8
+    (row,) = sample.survival(area).itertuples()
     cracks = [each["cracks expected per area"].value for each in answers]
-    error = 4.302652729911275 * np.std(cracks, ddof=1) / np.sqrt(3)  # Student's t, two degrees of freedom
-    (row,) = sample.survival(1e-8).itertuples()
-    assert row.no_crack == pytest.approx(np.exp(-1e-8 * np.mean(cracks)), rel=1e-9)
-    assert row.low == pytest.approx(np.exp(-1e-8 * (np.mean(cracks) + error)), rel=1e-9)
-    assert row.low < row.no_crack < row.high <= 1
-    (alone,) = asp.pool(answers[:1]).survival(1e-8).itertuples()
-    assert np.isnan(alone.low)
+    assert row.no_crack == pytest.approx(np.exp(-area * np.mean(cracks)), rel=1e-9)
+    assert np.isnan([row.low, row.high]).all()
     assert isinstance(sample, asp.engineering.Sample)
+    assert (
+        answers[0]["cracks expected per area"]
+        .text()
+        .partition(" per mm²")[2]
+        .startswith(" on these pixels, ± not known")
+    )
+
+
+def test_interval_of_the_cracks_is_that_of_the_stress_to_the_power():
+    """Factors (1 ± e)^m of each map; on a mean with the scatter between maps, as logarithms."""
+    edge, exponent = 4e-4, weibull_exponent(0.1)
+    steel = asp.Body(young=210e9, poisson=0.3, fatigue_torsion=3e8, fatigue_bending=4.8e8)
+    asked, found = {"fatigue_scatter": 0.1, "fatigue_volume": 1e-7, "area": 5e-4}, []
+    for seed in (1, 2):
+        height = asp.self_affine((128, 128), 0.8, 1e-4, 2e-5, 1e-7, seed, length=edge)
+        surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name="ground")
+        found.append(asp.run(surface, steel, mean_pressure=1e8, cycles=asked))
+    for answer in found:
+        stress, cracks = answer["maximum Dang Van stress over limit"], answer["cracks expected per area"]
+        ends = cracks.value * (1 + stress.error / stress.value * np.array([-1, 1])) ** exponent
+        np.testing.assert_allclose(cracks.interval, ends, rtol=1e-9)
+        none = answer["probability of no crack on the track"]
+        np.testing.assert_allclose(none.interval, np.exp(-5e-4 * ends[::-1]), rtol=1e-9)
+        chances = [f"{1 - each:.2g}" for each in none.interval[::-1]]
+        (told,) = (text for text in answer.verdict if "cracks can start" in text)
+        assert all(each in told for each in chances), (chances, told)
+        assert "with limits 10 % lower 3.6 times" in cracks.text()
+    each = [answer["cracks expected per area"] for answer in found]
+    values = np.array([record.value for record in each])
+    scatter = 12.706204736432095 * abs(np.diff(values)[0]) / 2 / values.mean()  # Student's t, one degree
+    common = np.mean([np.log(np.divide(record.interval, record.value)) for record in each], axis=0)
+    ends = values.mean() * np.exp([-np.hypot(common[0], scatter), np.hypot(common[1], scatter)])
+    sample = asp.pool(found)
+    np.testing.assert_allclose(sample["cracks expected per area"].interval, ends, rtol=1e-9)
+    (row,) = sample.survival(5e-4).itertuples()
+    np.testing.assert_allclose([row.low, row.high], np.exp(-5e-4 * ends[::-1]), rtol=1e-9)
 
 
 def case(**cycles):

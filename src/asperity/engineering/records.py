@@ -108,6 +108,8 @@ class Record:
         Other causes that add to its error, but whose part could not be estimated.
     better : "less", "more" or ""
         Direction in which the surface with this number is better.
+    ends : (low, high)
+        The 95 % interval of a number that is known to a factor, in place of `errors`; NaN for any other.
 
     Examples
     --------
@@ -133,6 +135,7 @@ class Record:
     varies: bool = False
     better: str = ""
     lacks: tuple[str, ...] = ()
+    ends: tuple[float, float] = (math.nan, math.nan)
 
     def __post_init__(self) -> None:
         low, high, _ = self.bounds
@@ -141,6 +144,7 @@ class Record:
             "extrapolated": _plain(min(max(self.extrapolated, low), high)),
             "position": Position(*map(_plain, self.position)),
             "lacks": tuple(self.lacks),
+            "ends": tuple(map(_plain, self.ends)),
             "errors": {
                 cause: float(self.errors[cause]) for cause in CAUSES if self.errors.get(cause, 0.0) > 0
             },
@@ -161,7 +165,7 @@ class Record:
     @property
     def interval(self) -> tuple[float, float]:
         """Ends of the interval by all known causes, within the bounds; NaN without an error."""
-        return self._within(self.error)
+        return self._within(self.error) if math.isnan(self.ends[0]) else self.ends
 
     def _within(self, error: float) -> tuple[float, float]:
         low, high, _ = self.bounds

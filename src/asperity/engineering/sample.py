@@ -21,6 +21,7 @@ from asperity.engineering.answer_data import AnswerData, at_the_top, case_in_wor
 from asperity.engineering.answer_files import read_data
 from asperity.engineering.folder import manifests_of_sample
 from asperity.engineering.places import CONFIDENCE
+from asperity.engineering.questions.cycles import CRACKS, known_to_a_factor, no_crack
 from asperity.engineering.records import (
     CAUSES,
     DISCRETISATION,
@@ -59,9 +60,6 @@ MAXIMA = {
     "dang_van": "maximum Dang Van stress over limit",
 }
 """Quantity of peaks → quantity whose discretisation error is used for its maximum on an area."""
-
-CRACKS = "cracks expected per area"
-"""Quantity from which the probability of a crack on an area follows."""
 
 ONE_MAP = "one map: differences between positions are not known"
 
@@ -173,6 +171,21 @@ def mean_of_maps(records: Sequence[Record]) -> tuple[Record, Array]:
         lacks=tuple(dict.fromkeys(cause for each in records for cause in each.lacks)),
     )
     return mean, values
+
+
+def pooled_cracks(mean: Record, records: Sequence[Record]) -> Record:
+    """The mean of expected cracks with the ends of its interval, which are combined as logarithms.
+
+    The factors by discretisation are common to all maps. The scatter between positions is added to each of
+    them as its relative half-width.
+    """
+    values = np.array([each.value for each in records])
+    if not values.all() or not np.isfinite([each.ends for each in records]).all():
+        return replace(mean, ends=records[0].ends if is_same(values) else (math.nan, math.nan), errors={})
+    common = np.log(np.maximum([np.divide(each.ends, each.value) for each in records], 1e-300)).mean(axis=0)
+    both = np.array([-1, 1]) * np.hypot(common, np.nan_to_num(mean.error) / mean.value)
+    low, high = (mean.value * np.exp(both)).tolist()
+    return replace(mean, ends=(low, high), errors={})
 
 
 def pooled(answers: Mapping[str, AnswerData], kind: type[Kind]) -> Kind:
@@ -289,7 +302,16 @@ class SampleData:
             for answer in self.answers.values()
         ]
         common = (key for key in maps[0] if all(key in each for each in maps))
-        return {key: mean_of_maps([each[key] for each in maps]) for key in common}
+        found = {key: mean_of_maps([each[key] for each in maps]) for key in common}
+        for key, (mean, values) in [*found.items()]:
+            if mean.quantity == CRACKS:
+                mean = pooled_cracks(mean, [each[key] for each in maps])
+                found[key] = known_to_a_factor(mean), values
+                nominal = float(self.areas.mean())
+                for where, area in self.case.questions["cycles"].areas(nominal).items():
+                    none = no_crack(mean, where, area, nominal)
+                    found[key_of(none)] = none, found[key_of(none)][1]
+        return found
 
     @property
     def records(self) -> tuple[Record, ...]:
@@ -431,14 +453,12 @@ class SampleData:
         Returns
         -------
         DataFrame
-            Columns body, area_m2, no_crack, and low and high of its 95 % interval, NaN for one map. No rows
-            without a scatter of the fatigue limit.
+            Columns body, area_m2, no_crack, and low and high of its 95 % interval, NaN where the
+            discretisation error of the stress is not known. No rows without a scatter of the fatigue limit.
         """
         found = []
         for each in find(self.records, CRACKS):
-            mean = each.best
-            error = np.nan_to_num(each.error) if len(self.names) > 1 else np.nan
-            ends = np.exp(-area * np.maximum([mean, mean + error, mean - error], 0))
+            ends = np.exp(-area * np.array([each.value, *reversed(each.ends)]))
             found.append((each.body, area, *ends))
         return pd.DataFrame(found, columns=["body", "area_m2", "no_crack", "low", "high"])
 

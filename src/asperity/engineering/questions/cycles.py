@@ -4,7 +4,8 @@ Fatigue after Dang Van, shakedown, and the probability that no crack starts foll
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -26,6 +27,7 @@ from asperity.engineering.records import (
     Advice,
     Position,
     Record,
+    find,
     fraction,
     per_cent,
 )
@@ -58,6 +60,11 @@ NO_CHANGE = "unlimited, as the stress does not change"
 
 CRACKS = "cracks expected per area"
 """Quantity from which the probability on an area follows."""
+
+ABOVE_LIMIT = "volume above 100 % of the limit per area"
+
+DECADE = 10.0
+"""Ratio of the ends of an interval of expected cracks from which the interval alone is shown."""
 
 STREAMED = 30.0
 """Work of the cycles of a smooth body, from the planes of its stress."""
@@ -164,6 +171,16 @@ class Cycles(Question):
         images = 4.0 if is_mirrored else 1.0
         return 0.0, images * (17.0 + 2.5 * self.shifts) * len(case.different_bodies)
 
+    def areas(self, nominal: float) -> dict[str, float]:
+        """Area of the track, if it is given, and of the map."""
+        return ({} if self.area is None else {"track": self.area}) | {"map": nominal}
+
+    @property
+    def lower_limits(self) -> str:
+        """Factor of the expected cracks if the fatigue limits are 10 % lower, in words."""
+        assert self.fatigue_scatter is not None
+        return f"with limits 10 % lower {0.9 ** -weibull_exponent(self.fatigue_scatter):.2g} times as many"
+
     def observer(self, pressed: Pressed, body: str, loaded: LoadedSolid) -> StreamedCycles | None:
         """Cycles of a smooth body from the planes of its stress below a coating."""
         constants = pressed.asked.bodies[body]
@@ -200,7 +217,7 @@ class Cycles(Question):
         columns = ["body", "fraction_of_limit", "volume_per_area_m"]
         return Findings(
             records=records,
-            verdict=_verdict(records, self.area or stages.numbers.nominal_area),
+            verdict=self._verdict(records, self.area or stages.numbers.nominal_area),
             warnings=[*self._warnings(case, cycles)],
             assumption=f"In stress cycles {self._motion(case)}.",
             tables={"fatigue": pd.DataFrame(fatigue, columns=columns)} if fatigue else {},
@@ -262,18 +279,19 @@ class Cycles(Question):
         for share in LIMIT_FRACTIONS:
             value = float(cycles["fatigue_volume"].interp(fatigue_share=share))
             name = f"volume above {100 * share:g} % of the limit per area"
-            yield Record(name, value, "m", bounds=POSITIVE, varies=True, better="less", **of)
+            volume = Record(name, value, "m", bounds=POSITIVE, varies=True, better="less", **of)
+            yield volume.with_error(DISCRETISATION, math.nan if value else 0.0)
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
             cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
-            note = f"Weibull exponent {weibull_exponent(self.fatigue_scatter):.3g}"
-            yield Record(CRACKS, cracks, "1/m^2", bounds=POSITIVE, note=note, **of)
-            for where, area in (("track", self.area), ("map", stages.numbers.nominal_area)):
-                if area is not None:
-                    note = (
-                        f"on {shown_si(area, 'm^2')}; a crack starts with {-math.expm1(-cracks * area):.2g}"
-                    )
-                    none, name = math.exp(-cracks * area), f"probability of no crack on the {where}"
-                    yield fraction(name, none, better="more", note=note, **of)
+            exponent = weibull_exponent(self.fatigue_scatter)
+            error = float(np.hypot(stages.bodies[body].cycle_error("dang_van"), few))
+            factors = np.maximum(1 + error * np.array([-1, 1]), 0) ** exponent  # of d^m
+            note = f"Weibull exponent {exponent:.3g}; {self.lower_limits}"
+            low, high = (cracks * factors).tolist()
+            found = Record(CRACKS, cracks, "1/m^2", bounds=POSITIVE, note=note, ends=(low, high), **of)
+            nominal = stages.numbers.nominal_area
+            yield known_to_a_factor(found)
+            yield from (no_crack(found, where, area, nominal) for where, area in self.areas(nominal).items())
 
     def _warnings(self, case: Scene, found: dict[str, xr.Dataset]) -> Iterator[Advice]:
         """Error by few shifts, and the stress with which the limits are compared."""
@@ -313,6 +331,44 @@ class Cycles(Question):
             f"the rough body moves along {case.along}, over each body as if that were the smooth one{below}"
         )
 
+    def _verdict(self, records: list[Record], area: float) -> str:
+        """Fatigue on an area, and shakedown, of the body with the worst cycles."""
+        worst = {
+            variable: [each.value for each in records if each.quantity == quantity]
+            for variable, (quantity, *_) in WORST.items()
+        }
+        found = []
+        if worst["dang_van"]:
+            ratio = max(worst["dang_van"])
+            text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
+            if ratio > 1:
+                text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+            if cracks := [each for each in records if each.quantity == CRACKS]:
+                most = max(cracks, key=lambda each: each.value)
+                stressed = area * next(find(records, ABOVE_LIMIT, most.body)).value
+                where = shown_si(area, "m^2", 3)
+                if ratio > 1 and self.fatigue_volume is not None and most.value * area < math.log(2):
+                    specimens = f"{1e9 * self.fatigue_volume:.3g} mm³"
+                    text += (
+                        f", but only {1e9 * stressed:.2g} mm³ on {where} is above it, and the limit is that "
+                    )
+                    text += f"of specimens of {specimens}"
+                text += f"; a crack starts on {where} with a probability {chance(most, area)}"
+            found.append(text)
+        if worst["shakedown_lower"] and worst["shakedown_upper"]:
+            low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
+            between = f"{low:.2g} to {high:.2g} times the load"
+            if high >= LARGEST_FACTOR:
+                between = f"{low:.2g} times the load"
+            if low >= 1:
+                shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
+            elif high < 1:
+                shakes = f"plastic strain returns in each pass; it would end below {between}"
+            else:
+                shakes = f"whether plastic strain ends is not decided; it ends below {between}"
+            found.append(shakes)
+        return "; ".join(found)
+
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The maximum Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
         for body in answer.case.different_bodies:
@@ -327,6 +383,59 @@ class Cycles(Question):
                 yield Picture(name, caption, _section(answer, cycles, limit), body)
 
 
+def known_to_a_factor(cracks: Record) -> Record:
+    """The cracks expected per area as they are shown: the interval alone if it spans more than a decade."""
+    words = _spread(cracks, lambda number: f"{1e-6 * number:.2g}", " per mm²")
+    return replace(cracks, words=words)
+
+
+def no_crack(cracks: Record, where: str, area: float, nominal: float) -> Record:
+    """The probability that no crack starts on an area, from the cracks expected per area.
+
+    Parameters
+    ----------
+    cracks : Record
+    where : "track" or "map"
+    area : float
+        In m².
+    nominal : float
+        Area of the map in m².
+    """
+    value, high, low = (math.exp(-each * area) for each in (cracks.value, *cracks.ends))
+    note = f"on {shown_si(area, 'm^2')}; a crack starts with a probability {chance(cracks, area)}"
+    if area > nominal:
+        note += f"; extrapolated to {area / nominal:.2g} times the area of the map"
+    words = _spread(cracks, lambda number: _survival(number * area))
+    of: dict[str, Any] = {"topic": cracks.topic, "body": cracks.body, "ends": (low, high), "words": words}
+    return fraction(f"probability of no crack on the {where}", value, better="more", note=note, **of)
+
+
+def chance(cracks: Record, area: float) -> str:
+    """The probability that a crack starts on an area, as it follows ``with a probability``."""
+    text = _spread(cracks, lambda number: f"{-math.expm1(-number * area):.2g}")
+    return text if text.startswith("between") else f"of {text}"
+
+
+def _spread(cracks: Record, text: Callable[[float], str], unit: str = "") -> str:
+    """A function of the expected cracks with its interval; the interval alone beyond a decade of cracks."""
+    low, high = cracks.ends
+    if math.isnan(low):
+        return f"{text(cracks.value)}{unit} on these pixels, ± not known"
+    ends = sorted((text(low), text(high)), key=lambda each: float(each.rstrip(" %")))
+    if ends[0] == ends[1]:
+        return f"{ends[0]}{unit}"
+    if high > DECADE * low:
+        return f"between {' and '.join(ends)}{unit}"
+    return f"{text(cracks.value)} ({' to '.join(ends)}){unit}"
+
+
+def _survival(cracks: float) -> str:
+    """The probability of no crack in per cent, with two digits of what it lacks to 100 %."""
+    if cracks > math.log(2):
+        return f"{100 * math.exp(-cracks):.2g} %"
+    return f"{100 - float(f'{-100 * math.expm1(-cracks):.2g}'):.8g} %"
+
+
 def _name(case: Scene, body: str) -> str:
     """Name of the cycles of a body among the datasets and pictures."""
     return f"cycles_{body}" if len(case.different_bodies) > 1 else "cycles"
@@ -339,38 +448,6 @@ def _limits(body: Body) -> dict[str, Any]:
     if isinstance(residual, ResidualStress):
         residual = residual.depth, residual.stress
     return {name: getattr(body, name) for name in names} | {"residual_stress": residual}
-
-
-def _verdict(records: list[Record], area: float) -> str:
-    """Fatigue on an area, and shakedown, of the body with the worst cycles."""
-    worst = {
-        variable: [each.value for each in records if each.quantity == quantity]
-        for variable, (quantity, *_) in WORST.items()
-    }
-    found = []
-    if worst["dang_van"]:
-        ratio = max(worst["dang_van"])
-        text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
-        if ratio > 1:
-            text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
-        if cracks := [each.value for each in records if each.quantity == CRACKS]:
-            chance = -math.expm1(-max(cracks) * area)
-            text += f"; by the stressed volume a crack starts on {shown_si(area, 'm^2', 3)} with "
-            text += f"a probability of {chance:.2g}"
-        found.append(text)
-    if worst["shakedown_lower"] and worst["shakedown_upper"]:
-        low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
-        between = f"{low:.2g} to {high:.2g} times the load"
-        if high >= LARGEST_FACTOR:
-            between = f"{low:.2g} times the load"
-        if low >= 1:
-            shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
-        elif high < 1:
-            shakes = f"plastic strain returns in each pass; it would end below {between}"
-        else:
-            shakes = f"whether plastic strain ends is not decided; it ends below {between}"
-        found.append(shakes)
-    return "; ".join(found)
 
 
 def _peaks(face: TreatedMap, body: str, cycles: xr.Dataset, limit: float) -> pd.DataFrame:

@@ -14,6 +14,8 @@ from asperity.core.units import shown_si
 from asperity.engineering.answer_data import REPEATS, by_topic, case_in_words, without_repeats
 from asperity.engineering.case_file import pool_text
 from asperity.engineering.folder import CASE_FILE, MANIFEST, SAMPLE_DATA, locked, names_in, replacing
+from asperity.engineering.questions.cycles import CRACKS, chance
+from asperity.engineering.records import find
 from asperity.engineering.sample import ONE_MAP, SampleData, label_of
 from asperity.engineering.show.report import page_of
 from asperity.engineering.show.tables import WIDEST, in_columns, tiles_of
@@ -107,13 +109,14 @@ def predicted(sample: SampleData) -> Iterator[str]:
             f"{shown_si(row.area_m2, 'm^2')}: {value}, {between}; from {row.peaks} peaks above {threshold}, "
             f"{row.times:.3g} times the area of the maps."
         )
-    track = getattr(sample.case.questions.get("cycles"), "area", None)
-    for row in sample.survival(area or track or float(sample.areas.sum())).itertuples():
-        between = f"95 % between {1 - row.high:.2g} and {1 - row.low:.2g}"
-        if not row.low <= row.high:
-            between = "no interval of one map"
-        where = f"{shown_si(row.area_m2, 'm^2')} of the {row.body} body"
-        yield f"Probability that a crack starts on {where}: {1 - row.no_crack:.2g}, {between}."
+    cycles: Any = sample.case.questions.get("cycles")
+    size = area or getattr(cycles, "area", None) or float(sample.areas.sum())
+    for cracks in find(sample.records, CRACKS):
+        times, where = size / float(sample.areas.sum()), f"{shown_si(size, 'm^2')} of the {cracks.body} body"
+        text = f"Probability that a crack starts on {where}: {chance(cracks, size).removeprefix('of ')}"
+        text += "; differences between positions are not known" * (len(sample.names) == 1)
+        text += f"; extrapolated to {times:.2g} times the area of the maps" * (times > 1)
+        yield f"{text}; {cycles.lower_limits}."
 
 
 def _area(sample: SampleData) -> float | None:
