@@ -82,10 +82,22 @@ def test_single_map_says_which_error_it_has(long, known):
     for name in ("contact area fraction", "volume above yield per area"):
         assert (POSITIONS in tiles[name].errors) == known
     assert tiles["maximum pressure"].unknown == [POSITIONS]
-    assert answer.verdict[0].startswith("The material yields: ")
+    volume = answer["volume above yield per area"].best_text()
+    assert answer.verdict[0].startswith(f"The material yields: volume above yield per area {volume}, down to")
+    assert "is limited by the hardness, 1.5 GPa, and is" in answer.verdict[0]
     model = [each.short for each in answer.uncertainties if each.subject == "stress beyond yield"]
     ratio = answer["maximum von Mises stress"].best / 500e6
     assert model == [f"model: the stress is elastic, up to {ratio:.3g} times the yield stress"]
+
+
+def test_below_the_hardness_the_stress_leads_the_verdict():
+    height = asp.self_affine((64, 64), 0.8, 4e-5, 2e-5, 1e-7, seed=1, length=1e-4)
+    surface = asp.HeightMap(height, (1e-4, 1e-4), periodic=True, unit="m", name="ground")
+    body = {**STEEL, "yield_stress": "500 MPa", "hardness": "inf"}
+    (verdict, *_) = asp.run(surface, body, mean_pressure="100 MPa").verdict
+    assert verdict.startswith("The material yields: maximum von Mises stress ")
+    assert "; volume above yield per area " in verdict
+    assert "hardness" not in verdict
 
 
 def test_residual_stress_over_depth_is_that_of_each_plane():

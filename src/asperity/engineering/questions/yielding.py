@@ -26,7 +26,6 @@ from asperity.engineering.records import (
     Record,
     find,
     fraction,
-    per_cent,
 )
 from asperity.engineering.scene import Scene
 from asperity.settings.body import HARDNESS_OVER_YIELD, Body
@@ -35,6 +34,9 @@ from asperity.stress.planes.stream import LinearPlane
 
 if TYPE_CHECKING:
     from asperity.stress.exceedance import Exceedance
+
+AT_SURFACE = ("", "the coating", "layer 1")
+"""Names of the materials that are in contact."""
 
 
 class Yielded:
@@ -186,7 +188,7 @@ def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[R
 
 
 class _Material(NamedTuple):
-    """A material with a yield stress: its words, name, stress, and the volume above yield if it is known."""
+    """A material with a yield stress: its words, name, stress, and the volume above yield per area."""
 
     words: str
     name: str
@@ -194,6 +196,8 @@ class _Material(NamedTuple):
     stress: Record
     volume: Record | None
     depth: Record | None
+    hardness: float
+    """That the contact reaches; 0 if it reaches none, or not on this material."""
 
     def equals(self, other: _Material) -> bool:
         """True for materials of two bodies without coatings whose yield stress and stress are equal."""
@@ -209,7 +213,6 @@ class _Material(NamedTuple):
     def verdict(self) -> str:
         """Whether the material yields, from the stress and its interval."""
         shown, limit = self.stress.best_text(), shown_si(self.limit, "Pa", 3)
-        ratio = f"{self.stress.best / self.limit:.3g} times its yield stress, {limit}"
         low = self.stress.interval[0]
         text = f"{self.words} yields"
         if self.is_elastic:
@@ -218,11 +221,15 @@ class _Material(NamedTuple):
                 text += " on these pixels (discretisation error not known)"
         elif low <= self.limit:
             text = f"{self.words} may yield"
-        text += f": maximum von Mises stress {shown}, {ratio}"
-        if self.volume is not None and self.volume.value and self.depth is not None:
-            down_to = self.depth.number(digits=3)
-            text += f"; {per_cent(self.volume.value)} of its volume down to {down_to} is above it"
-        return text
+        times = f"{self.stress.best / self.limit:.3g} times its yield stress, {limit}"
+        if self.volume is None or not self.volume.value or self.depth is None:
+            return f"{text}: maximum von Mises stress {shown}, {times}"
+        volume = f"volume above yield per area {self.volume.best_text()}, down to a depth of "
+        volume += self.depth.number(digits=3)
+        if self.hardness:
+            limited = f"is limited by the hardness, {shown_si(self.hardness, 'Pa', 3)}"
+            return f"{text}: {volume}; its maximum von Mises stress, {shown}, {limited}, and is {times}"
+        return f"{text}: maximum von Mises stress {shown}, {times}; {volume}"
 
     def warning(self, stages: Stages) -> Advice:
         """Stress that is, or may be, above the yield stress."""
@@ -234,7 +241,7 @@ class _Material(NamedTuple):
         text = f"the maximum von Mises stress{of}, {self.stress.best_text()}, {reaches} the yield stress of "
         text += shown_si(self.limit, "Pa", 3)
         # The hardness that a yield stress suggests holds for the surface.
-        if stages.case.hardness is None and self.name in ("", "the coating", "layer 1"):
+        if stages.case.hardness is None and self.name in AT_SURFACE:
             hardness = shown_si(HARDNESS_OVER_YIELD * self.limit, "Pa", 3)
             affected = (
                 f". The answer is elastic: real material flows there{affected}. The pressure stays below "
@@ -260,6 +267,8 @@ def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]
             within = "" if isinstance(part, Body) else f" in {name}"
             volume, depth = (
                 next(find(records, f"{each}{within}", body), None)
-                for each in ("volume fraction above yield", "maximum depth above yield")
+                for each in ("volume above yield per area", "maximum depth above yield")
             )
-            yield _Material(f"{name or 'the material'}{of}", name, limit, stress, volume, depth)
+            is_reached = stages.contact.plastic_area > 0 and name in AT_SURFACE
+            hardness = stages.contact.hardness if is_reached else 0.0
+            yield _Material(f"{name or 'the material'}{of}", name, limit, stress, volume, depth, hardness)
