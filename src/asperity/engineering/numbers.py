@@ -149,22 +149,29 @@ def hertz_records(case: Scene) -> Iterator[Record]:
             yield Record(name, value, unit, "Hertz contact of the smooth bodies", **more)
 
 
-def plastic_records(contact: Contact, is_estimated: bool, rms_gradient: float) -> Iterator[Record]:
-    """Numbers of a contact under a hardness, which is given or follows from the yield stress."""
+def plastic_records(case: Scene, contact: Contact, rms_gradient: float) -> Iterator[Record]:
+    """Numbers of a contact under a hardness, which is given or follows from the yield stress.
+
+    Beside the pressure of a film, less than the hardness of the case is left for the asperities.
+    """
+    is_estimated, hardness = case.hardness_is_estimated, case.hardness or contact.hardness
     topic = "plastic contact"
     note = f"{HARDNESS_OVER_YIELD:g} times the yield stress (Tabor), as none is given" if is_estimated else ""
     shares = {
         "area fraction at the hardness": contact.plastic_area,
         "load fraction at the hardness": contact.plastic_load,
     }
-    yield Record("hardness", contact.hardness, "Pa", topic, note=note)
+    yield Record("hardness", hardness, "Pa", topic, note=note)
+    if contact.hardness < hardness:
+        note = "less the pressure of the film"
+        yield Record("hardness left for the asperities", contact.hardness, "Pa", topic, note=note)
     if is_estimated and not contact.plastic_area:
         return
     for name, share in shares.items():
         yield fraction(name, share, topic=topic)
     depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
     yield Record("maximum plastic depth", depth, "m", topic)
-    index = contact.solid.effective_modulus * rms_gradient / contact.hardness
+    index = contact.solid.effective_modulus * rms_gradient / hardness
     yield Record("plasticity index", index, topic=topic, note="E* × Sdq / hardness")
 
 

@@ -292,8 +292,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions, pressed.asked.carried)]
     found += hertz_records(pressed.asked)
     if np.isfinite(contact.hardness):
-        is_estimated = pressed.asked.hardness_is_estimated
-        found += plastic_records(contact, is_estimated, numbers.rms_gradient)
+        found += plastic_records(pressed.asked, contact, numbers.rms_gradient)
     if (elastic := compared.elastic) is not None:
         found += elastic_record("contact area fraction", elastic.contact_area_fraction, found)
         found += elastic_record("maximum pressure", elastic.maximum_pressure, found)

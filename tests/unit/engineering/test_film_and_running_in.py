@@ -71,6 +71,20 @@ def test_share_follows_published_correlations(correlation, ratio, asperities):
     assert 1 - film.share == pytest.approx(asperities, abs=2e-5)
 
 
+def test_film_states_the_hardness_that_is_given_and_what_a_thinner_film_carries(ground):
+    """Plasticity is that of the material; 1 − erf 0.9 = 0.20309 (Abramowitz and Stegun, table 7.1)."""
+    steel = asp.Body(young=210e9, poisson=0.3, hardness=2e9)
+    dry, wet = (
+        asp.run(ground, steel, mean_pressure=2e8, **film) for film in ({}, {"film": {"lambda_ratio": 1}})
+    )
+    for name in ("hardness", "plasticity index"):
+        assert wet[name].value == dry[name].value
+    left = 2e9 - 0.842701 * 2e8  # erf 1
+    assert wet["hardness left for the asperities"].value == pytest.approx(left, rel=1e-6)
+    (told,) = (each.text for each in wet.warnings if each.subject == "film thickness")
+    assert told.endswith("If it is 10 % lower, the asperities carry 20 % of the load in place of 16 %.")
+
+
 def test_running_in_ends_at_the_hardness(ground):
     """The flattened map touches as the plastic contact did, nowhere with more than the hardness."""
     hardness = 2e9
@@ -100,7 +114,8 @@ def test_running_in_below_the_hardness_changes_nothing(ground):
     [
         ({"film": {}}, "film: exactly one of load_fraction and lambda_ratio is needed"),
         ({"film": {"load_fraction": 1.0}}, "film.load_fraction = 1.0: a number ≥ 0 and < 1 is needed"),
-        ({"film": {"lambda_ratio": 3}}, "film.lambda_ratio = 3: a number ≥ 0 and ≤ 2 is needed"),
+        ({"film": {"lambda_ratio": 3}}, "film.lambda_ratio = 3: a number ≥ 0 and ≤ 2 is needed; beyond it"),
+        ({"film": {"lambda_ratio": -1}}, "film.lambda_ratio = -1: a number from 0 to 2 is needed"),
         ({"running_in": {}}, "running_in.hardness: missing"),
         ({"running_in": {"hardness": 1e8}}, "running_in.hardness = 100 MPa: more than the mean pressure"),
     ],

@@ -42,6 +42,10 @@ SHARES_OF_ASPERITIES = {"arana": math.erfc, "balan": _balan}
 """
 
 
+LARGEST_RATIO = 2.0
+"""Largest Λ of the correlations."""
+
+
 class Film(Question):
     """Mixed lubrication: the fraction of the load that a film carries.
 
@@ -53,7 +57,9 @@ class Film(Question):
 
     load_fraction: Number | None = optional("from lambda_ratio", ge=0, lt=1, example=0.7, varied=True)
     """Fraction of the load that the film carries; the asperities carry the rest."""
-    lambda_ratio: Number | None = optional("load_fraction is given", ge=0, le=2, example=1.0, varied=True)
+    lambda_ratio: Number | None = optional(
+        "load_fraction is given", ge=0, accepts="a number from 0 to 2", example=1.0, varied=True
+    )
     """Central film thickness of the smooth contact over the composite rms roughness of both faces; the
     fraction follows by `correlation`."""
     correlation: Literal["arana", "balan"] = setting("arana")
@@ -72,6 +78,14 @@ class Film(Question):
         """Settings that a film needs, and settings that it excludes."""
         if (self.load_fraction is None) == (self.lambda_ratio is None):
             yield "film", ": exactly one of load_fraction and lambda_ratio is needed"
+        elif self.lambda_ratio is not None and self.lambda_ratio > LARGEST_RATIO:
+            beyond = f"the asperities carry less than {per_cent(math.erfc(LARGEST_RATIO))} of the load"
+            needed = (
+                f"a number ≥ 0 and ≤ {LARGEST_RATIO:g} is needed; beyond it {beyond} and the correlations"
+            )
+            remedy = "no longer hold: leave the map out and take the stress of the smooth bodies, or give"
+            text = f" = {self.lambda_ratio:g}: {needed} {remedy} film.load_fraction"
+            yield "film.lambda_ratio", text
         elif not self.share < 1:
             whole = "the film carries all of the load by this correlation"
             yield "film.lambda_ratio", f" = {self.lambda_ratio:g}: {whole}"
@@ -114,9 +128,9 @@ class Film(Question):
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """Fraction of the load on the film, and the pressures of film and asperities."""
         share, carried, topic = self.share, stages.contact.mean_pressure, "film"
-        note, warnings = "", []
+        note, warnings = "", list[Advice]()
         if self.lambda_ratio is not None:
-            note = f"by the correlation {self.correlation} at Λ = {self.lambda_ratio:g}"
+            note = f"by the correlation {self.correlation} at Λ = {self.lambda_ratio:g} (central thickness)"
             known = [of(self.lambda_ratio) for of in SHARES_OF_ASPERITIES.values()]
             low, high = min(known), max(known)
             size = high / low - 1 if low else math.inf
@@ -124,8 +138,13 @@ class Film(Question):
             text += f"{per_cent(low)} to {per_cent(high)} of the load at Λ = {self.lambda_ratio:g}; give "
             text += "the load fraction of the film where it is known better (film.load_fraction)."
             short = f"film: asperities carry {per_cent(low)} to {per_cent(high)} of the load by correlations"
-            is_small = size < SAME_SHARE
-            warnings = [] if is_small else [Advice(size > 1, "load fraction of the film", text, short, size)]
+            warnings += [Advice(size > 1, "load fraction of the film", text, short, size)] * (
+                size >= SAME_SHARE
+            )
+            thinner = SHARES_OF_ASPERITIES[self.correlation](0.9 * self.lambda_ratio)
+            text = "Λ is that of the central film thickness. If it is 10 % lower, the asperities carry "
+            text += f"{per_cent(thinner)} of the load in place of {per_cent(1 - share)}."
+            warnings.append(Advice(False, "film thickness", text))
         film = share / (1 - share) * carried
         records = [
             fraction("load fraction of the film", share, topic=topic, note=note),
