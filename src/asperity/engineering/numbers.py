@@ -64,7 +64,7 @@ PARTS = ("mean pressure", "mean contact pressure", "maximum pressure", "force")
 
 
 def contact_records(
-    numbers: ContactNumbers, limits: xr.Dataset, contact: Contact, of_positions: float, carried: float
+    numbers: ContactNumbers, limits: xr.Dataset, contact: Contact, of_positions: float, case: Scene
 ) -> Iterator[Record]:
     """Numbers of the contact on the map.
 
@@ -76,8 +76,7 @@ def contact_records(
     contact : Contact
     of_positions : float
         Relative error of the contact area between measurement positions; NaN where it is not known.
-    carried : float
-        Fraction of the load that the contact carries; a film carries the rest.
+    case : Scene
     """
     is_elastic = math.isinf(contact.hardness)
     most = POSITIVE if is_elastic else Bounds(0.0, contact.hardness, "the hardness")
@@ -119,9 +118,13 @@ def contact_records(
         record = _extrapolated(record, limits, quantity)
         if each.name in ("contact_area_fraction", "contact_area", "mean_pressure"):
             record = replace(record, varies=True).with_error(POSITIONS, of_positions * value)
-        if carried < 1 and quantity in PARTS:
-            note = ", ".join(filter(None, [record.note, "the part of the asperities"]))
-            record = replace(record, note=note)
+        notes = {
+            record.note: True,
+            "on the map": quantity == "force",
+            "of both faces together": quantity in ("Sq", "Sdq") and case.counter_map is not None,
+            "the part of the asperities": case.carried < 1 and quantity in PARTS,
+        }
+        record = replace(record, note=", ".join(text for text, holds in notes.items() if text and holds))
         yield record
 
 
@@ -131,12 +134,15 @@ def hertz_records(case: Scene) -> Iterator[Record]:
     if contact is None or not isinstance(load, Hertz):
         return
     y, x = load.at
+    narrow, is_line = contact.narrow, math.isinf(max(contact.half_width_x, contact.half_width_y))
+    per_length = math.pi / 2 * narrow * contact.maximum_pressure if is_line else math.inf
     shear, depth = contact.maximum_shear(case.body.poisson)
     at = f"at {y:g} half-widths along y and {x:g} along x" if y or x else "in the middle"
     values: dict[str, tuple[float, str, dict[str, Any]]] = {
         "maximum Hertz pressure": (contact.maximum_pressure, "Pa", {}),
         "half-width along x": (contact.half_width_x, "m", {}),
         "half-width along y": (contact.half_width_y, "m", {}),
+        "load per length of the Hertz contact": (per_length, "N/m", {}),
         "Hertz pressure on the map": (case.cell_pressure, "Pa", {"note": at}),
         "maximum shear stress, smooth": (
             shear,

@@ -289,7 +289,7 @@ def _records(pressed: Pressed, bodies: Mapping[str, BodyStress], compared: Compa
     """The records that no question asks for."""
     numbers, blocks, contact = pressed.numbers, pressed.blocks, pressed.contact
     of_positions = np.nan if blocks is None else blocks.error(blocks.means(contact.pressure > 0))
-    found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions, pressed.asked.carried)]
+    found = [*contact_records(numbers, bodies["lower"].limits, contact, of_positions, pressed.asked)]
     found += hertz_records(pressed.asked)
     if np.isfinite(contact.hardness):
         found += plastic_records(pressed.asked, contact, numbers.rms_gradient)

@@ -52,6 +52,19 @@ def test_elliptic_body_with_a_free_boundary_is_as_hertz_says():
     assert answer["contact area"].value == pytest.approx(area, rel=0.02)
 
 
+def test_line_contact_has_its_load_per_length_and_labels_of_the_map():
+    """w = π R p₀²/E* (K. L. Johnson, Contact Mechanics, 1985, section 4.2)."""
+    small = ground((64, 64), 5e-7)
+    load = {"hertz_pressure": 1e9, "radius_x": "4 mm", "radius_y": "inf"}
+    answer = asp.run(small, STEEL, {**STEEL, "map": small}, load=load)
+    modulus = 207e9 / (1 - 0.3**2) / 2
+    assert answer["load per length of the Hertz contact"].value == pytest.approx(
+        np.pi * 4e-3 * 1e18 / modulus
+    )
+    assert answer["force"].note == "on the map"
+    assert answer["Sq"].note == "of both faces together"
+
+
 def test_friction_without_a_direction_slides_along_the_lay():
     case = {"sliding": {"friction": 0.08}, "mean_pressure": "100 MPa"}
     answer = asp.run({"file": ground(), "crop": "100 um"}, STEEL, **case)

@@ -99,6 +99,16 @@ def test_running_in_ends_at_the_hardness(ground):
     depth = answer["maximum flattening of the first load"].value
     assert depth == pytest.approx(float(plastic.contact.plastic_depth.max()), rel=1e-6)
     assert answer["flattening by another load"].value < 1e-3 * depth
+    before, after = answer["Sq before the first load"].value, answer["Sq"].value
+    assert before == pytest.approx(float(ground.height.std()), rel=1e-6)
+    assert after < before
+    told = answer["Sq before the first load"].note
+    assert told.startswith("after running-in ")
+    assert told.endswith(f"{100 * (after / before - 1):+.2g} %")
+    flattened = answer["volume flattened by the first load per area"].value
+    lost = plastic.contact.height.mean() - plastic.contact.flattened_height().mean()
+    assert flattened == pytest.approx(abs(float(lost)), rel=1e-5)
+    assert "not decided whether the surface runs in further" in " ".join(answer.verdict)
     assert math.isinf(answer.contact.hardness)
 
 

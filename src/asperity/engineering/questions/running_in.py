@@ -11,10 +11,11 @@ from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
 from asperity.engineering.press import mean_pressure, press
 from asperity.engineering.question import Findings, Question, Stages
-from asperity.engineering.records import Advice, Bounds, Record, fraction
+from asperity.engineering.records import POSITIVE, Advice, Bounds, Record, fraction
 from asperity.engineering.scene import Scene
 from asperity.settings.model import Whole, optional, setting
 from asperity.settings.quantities import Pressure
+from asperity.surface.roughness import roughness_parameters
 
 UNCHANGED = 1e-6
 """Plastic depth of another load, over the range of heights, below which it changes nothing: the error of the
@@ -93,22 +94,46 @@ class RunningIn(Question):
         """The first contact, the depth of flattening, and the depth by which another load would flatten."""
         found: Flattening = stages.prepared["running_in"]
         first, depth, topic = found.first, found.depths[0], "running-in"
-        words, note, another = "none: it changes nothing", "", 0.0
+        words, note, another = "none, without wear and hardening", "", 0.0
         if found.depths[-1] > UNCHANGED * stages.numbers.peak_to_valley:
             another = found.depths[-1]
             words, note = "", f"{100 * found.another:.2g} % of the first"
+        volume = 0.0 if first.plastic_depth is None else float(first.plastic_depth.mean())
+        before, after = roughness_parameters(first.height, first.grid), stages.numbers
+
+        def of_both(quantity: str, value: float, later: float, unit: str = "1") -> Record:
+            shown = f"{later:.3g}" if unit == "1" else shown_si(later, unit, 3)
+            change = f", {100 * (later / value - 1):+.2g} %" if value else ""
+            return Record(quantity, value, unit, topic, note=f"after running-in {shown}{change}")
+
+        area = 100 * after.contact_area_fraction
         records = [
-            fraction("contact area fraction of the first load", first.contact_area_fraction, topic=topic),
+            fraction(
+                "contact area fraction of the first load",
+                first.contact_area_fraction,
+                topic=topic,
+                note=f"after running-in {area:.3g} %",
+            ),
+            of_both(
+                "maximum pressure of the first load", first.maximum_pressure, after.maximum_pressure, "Pa"
+            ),
+            of_both("Sq before the first load", before.rms_height, after.rms_height, "m"),
+            of_both("Sdq before the first load", before.rms_gradient, after.rms_gradient),
             fraction("area fraction at the hardness of the first load", first.plastic_area, topic=topic),
             Record("maximum flattening of the first load", depth, "m", topic),
+            Record("volume flattened by the first load per area", volume, "m", topic, bounds=POSITIVE),
             Record("flattening by another load", another, "m", topic, words=words, note=note),
         ]
         nothing = "the first load stays below the hardness everywhere: it flattens nothing."
+        heights = (shown_si(each.rms_height, "m", 3) for each in (before, after))
+        verdict = (
+            f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}, and changes Sq from "
+        )
+        verdict += f"{' to '.join(heights)}; wear and hardening are not included, so that it is not decided "
+        verdict += "whether the surface runs in further"
         return Findings(
             records=records,
-            verdict=f"the first load flattens the surface by up to {shown_si(depth, 'm', 3)}"
-            if depth
-            else "",
+            verdict=verdict if depth else "",
             bounds={"maximum pressure": Bounds(0.0, first.hardness, "the hardness at running-in")}
             if stages.asked.load.kind not in ("contact_area_fraction", "normal_approach")
             else {},
