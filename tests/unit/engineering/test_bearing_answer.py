@@ -54,9 +54,9 @@ def test_elliptic_body_with_a_free_boundary_is_as_hertz_says():
 
 def test_line_contact_has_its_load_per_length_and_labels_of_the_map():
     """w = π R p₀²/E* (K. L. Johnson, Contact Mechanics, 1985, section 4.2)."""
-    small = ground((64, 64), 5e-7)
+    small, counter = (ground((64, 64), 5e-7, seed) for seed in (1, 2))
     load = {"hertz_pressure": 1e9, "radius_x": "4 mm", "radius_y": "inf"}
-    answer = asp.run(small, STEEL, {**STEEL, "map": small}, load=load)
+    answer = asp.run(small, STEEL, {**STEEL, "map": counter}, load=load)
     modulus = 207e9 / (1 - 0.3**2) / 2
     assert answer["load per length of the Hertz contact"].value == pytest.approx(
         np.pi * 4e-3 * 1e18 / modulus

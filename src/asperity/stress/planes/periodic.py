@@ -216,7 +216,8 @@ class PeriodicPlanes:
                 shift = int(odd_x)
                 own = own[:, max(shift - columns.start, 0) :]  # without k = 0
                 stop = columns.stop - shift
-                engine.cosines(own, spectra[n, :, stop - own.shape[1] : stop], 0, odd_y, False)
+                if own.size:  # deep planes have k = 0 alone
+                    engine.cosines(own, spectra[n, :, stop - own.shape[1] : stop], 0, odd_y, False)
             return
         for some in _runs(fields):
             count = some.stop - some.start
