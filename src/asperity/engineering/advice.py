@@ -20,7 +20,7 @@ from asperity.settings.body import HARDNESS_OVER_YIELD, OfMaterial
 from asperity.settings.load import Hertz
 from asperity.stress.analysis import PLASTIC_CONTACT
 from asperity.surface.reading.formats import PROFILE
-from asperity.surface.roughness import sampling_error
+from asperity.surface.roughness import STRONG_LAY, sampling_error, texture
 
 UNLIKELY_STRAIN = 0.02
 """Von Mises stress over Young's modulus above which hardly any material stays elastic; the yield stress of
@@ -77,6 +77,9 @@ NEGLIGIBLE = 1e-6
 
 ACCEPTED_VIOLATION = 1e-3
 """Relative violation of the conditions of contact above which a warning is given."""
+
+OTHER_STATE = 0.02
+"""Difference of a given hardness from that of the material above which the yield stress is another's."""
 
 NOT_SEPARATE = 0.1
 """Change of the Hertz pressure over the map above which the map is too large for a uniform pressure."""
@@ -173,6 +176,14 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         if numbers.maximum_pressure > limit:
             size = numbers.maximum_pressure / limit - 1
             yield True, "beyond_material", {"material": each.material, "limit": limit, "size": size}
+    for body in case.bodies.values():
+        taken, hardness = body.from_material, float(body.hardness or math.inf)
+        is_given = math.isfinite(hardness) and not (body.hardness_is_estimated or "hardness" in taken)
+        if is_given and "yield_stress" in taken and "hardness" in (known := body.materials[0].constants):
+            limit = to_si(known["hardness"].value, "pressure")
+            if abs(hardness / limit - 1) > OTHER_STATE:
+                given = {"hardness": hardness, "yield_stress": body.yield_stress}
+                yield False, "another_state", given | {"material": body.material, "limit": limit}
     if (elastic := compared.elastic) is not None:
         own, alone = stages.contact.contact_area_fraction, elastic.contact_area_fraction
         values = {"area": 100 * own, "alone": 100 * alone, "pressure": elastic.maximum_pressure}
@@ -194,6 +205,14 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         along_it = face.grid.length[int(np.argmin(widths))]
         values = {"size": size, "ratio": smooth.narrow / along_it, "width": 2 * smooth.narrow}
         yield size > NOT_SEPARATE, "scales", values
+        rolling: Any = None if math.inf not in widths else "x" if widths[0] == math.inf else "y"
+        cycles: Any = case.questions.get("cycles")
+        if cycles is not None and cycles.shifts is not None:
+            rolling = case.sliding_direction
+        _, ratio, lay = texture(face.height, face.grid.spacing)
+        along = "y" if 45 < lay < 135 else "x"
+        if ratio < STRONG_LAY and rolling in ("x", "y") and rolling != along:
+            yield False, "across_lay", {"rolling": rolling, "along": along}
     wanted, area = case.load.value, numbers.contact_area_fraction
     if case.load.kind == "contact_area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
         yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}

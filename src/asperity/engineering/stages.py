@@ -452,8 +452,11 @@ def check_edges(case: Case, edges: Sequence[float]) -> None:
                 size = shown_si(edge, "m")
                 text = f": a Hertz contact wider than the map, {size} along {axis}, is needed; "
                 text += f"it is {given}. Use a part of the map, map.crop = fit, which is {part} along {axis}"
-                text += ", or press the whole form with its force or pressure: map.radius and map.radius_y "
-                text += "with map.periodic = none"
+                form = "map.radius and map.radius_y with map.periodic = none"
+                if math.inf in widths:
+                    across = "y" if widths[0] == math.inf else "x"
+                    form = f"map.radius with map.form = cylinder and map.cylinder_axis = {across}"
+                text += f", or press the whole form with its force or mean pressure: {form}"
                 found.append((f"load.radius_{axis}", text))
     elif case.load.kind == "force":
         found += case.problems_of_pressure(case.load.value / math.prod(edges))

@@ -26,6 +26,14 @@ def test_map_wider_than_its_hertz_contact_names_both_remedies():
         asp.run(ground(), STEEL, STEEL, load=BALL)
 
 
+def test_map_wider_than_its_roller_is_to_be_a_cylinder():
+    """The remedy is accepted."""
+    with pytest.raises(SettingsError, match=r"map.form = cylinder and map.cylinder_axis = y"):
+        asp.run(ground(), STEEL, STEEL, load={"hertz_pressure": 5e8, "radius_x": 3.776e-3, "radius_y": "inf"})
+    form = {"radius": 3.776e-3, "form": "cylinder", "cylinder_axis": "y"}
+    asp.Case(map={"file": ground(), **form}, body=STEEL, load={"force": 0.1})
+
+
 def test_part_of_a_map_is_pressed_and_said():
     answer = asp.run(
         {"file": ground(), "crop": "66 um", "crop_at": ("80 um", "120 um")}, STEEL, STEEL, load=BALL
@@ -61,8 +69,19 @@ def test_line_contact_has_its_load_per_length_and_labels_of_the_map():
     assert answer["load per length of the Hertz contact"].value == pytest.approx(
         np.pi * 4e-3 * 1e18 / modulus
     )
+    (across,) = (each.text for each in answer.warnings if each.subject == "rolling across the lay")
+    assert "the lay of the map is along y, and the direction of rolling is x" in across
     assert answer["force"].note == "on the map"
     assert answer["Sq"].note == "of both faces together"
+
+
+def test_yield_stress_of_another_hardness_is_a_note():
+    told = []
+    for given in ({}, {"hardness": "6.4 GPa"}, {"hardness": "6.4 GPa", "yield_stress": "1.8 GPa"}):
+        answer = asp.run(ground((64, 64)), {"material": "100Cr6", **given}, mean_pressure="100 MPa")
+        told.append([each.text for each in answer.warnings if "another hardness" in each.subject])
+    assert [len(each) for each in told] == [0, 1, 0]
+    assert "6.4 GPa is given" in told[1][0]
 
 
 def test_friction_without_a_direction_slides_along_the_lay():
