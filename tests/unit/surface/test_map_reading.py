@@ -492,3 +492,19 @@ def test_a_damaged_container_is_refused_in_one_line(tmp_path, name, content):
     with pytest.raises(MapError) as caught:
         read_map(tmp_path / name)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("aspect", "bow", "is_said"), [(1.0, 0.0, True), (6.0, 0.0, False), (1.0, 3e-6, False)]
+)
+def test_hurst_exponent_is_left_out_where_lay_or_form_change_it(tmp_path, aspect, bow, is_said):
+    """A self-affine map of exponent 0.8, stretched along x, or on a paraboloid."""
+    edge, nodes = 240e-6, 512
+    height = self_affine((nodes, nodes), 0.8, 60e-6, 1e-6, 1e-7, seed=1, length=edge)
+    at = np.linspace(0, nodes - 1, nodes) / aspect
+    stretched = np.array([np.interp(at, np.arange(nodes), row) for row in height])
+    stretched += bow * np.linspace(-1, 1, nodes) ** 2
+    np.save(tmp_path / "map.npy", stretched)
+    options = MapOptions(unit="m", physical_size=(edge, edge))
+    words = describe_map(tmp_path / "map.npy", options).properties["waves"]
+    assert ("Hurst exponent of" in words) == is_said
