@@ -189,21 +189,11 @@ def test_sliding_couples_half_spaces_by_dundurs_constant():
 def test_sliding_coupling_of_a_bonded_layer_is_that_of_the_page():
     """`docs/stress.md`, over waves from 0.06 to 6000 heights."""
     page = " ".join((ROOT / "docs/stress.md").read_text("utf-8").split())
-    numbers = re.search(
-        r"at most ([\d.]+) at ν = ([\d.]+) and ([\d.]+) at ν = ([\d.]+)\. It exceeds 1 only at ν > ([\d.]+), "
-        r"for waves longer than ([\d.]+) heights",
-        page,
-    )
-    first, at_first, second, at_second, least, waves = (float(each) for each in numbers.groups())
+    numbers = re.search(r"at most ([\d.]+) at ν = ([\d.]+) and ([\d.]+) at ν = ([\d.]+)\.", page)
+    first, at_first, second, at_second = map(float, numbers.groups())
     q = np.logspace(-3, 2, 2001)
     largest = {nu: sliding_coupling(Solid(1.0, nu, 1.0), q).max() for nu in (at_first, at_second)}
     assert largest == {at_first: pytest.approx(first, abs=0.005), at_second: pytest.approx(second, abs=0.005)}
-    for nu in (0.0, 0.2, least - 0.002):
-        assert sliding_coupling(Solid(1.0, nu, 1.0), q).max() < 1
-    for nu in (least + 0.002, 0.49, 0.5):
-        above = q[sliding_coupling(Solid(1.0, nu, 1.0), q) > 1]
-        assert above.size
-        assert 2 * np.pi / above.max() > waves
 
 
 ratios = st.one_of(st.floats(-0.95, 0.5), st.just(0.5))
