@@ -66,9 +66,13 @@ def picture(values: Array, grid: Grid, reduce: Callable[..., Array]) -> dict[str
 def along(shown: Mapping[str, Any], ends: Ends) -> tuple[Array, Array]:
     """Distances in m and values along the part of a line (x, y, x, y) that lies on a picture."""
     first, last = 0.0, 1.0
-    for start, end, edge, width in zip(
-        ends[:2], ends[2:], (shown["x"], shown["y"]), (shown["dw"], shown["dh"]), strict=True
+    rows, columns = shown["values"].shape
+    halves = shown["dw"] / columns / 2, shown["dh"] / rows / 2
+    for start, end, edge, width, half in zip(
+        ends[:2], ends[2:], (shown["x"], shown["y"]), (shown["dw"], shown["dh"]), halves, strict=True
     ):
+        if start == end and -half <= start - edge <= width + half:  # planes have pixels of several sizes
+            continue
         step = (end - start) or 1e-300
         near, far = sorted(((edge - start) / step, (edge + width - start) / step))
         first, last = max(first, near), min(last, far)
@@ -76,7 +80,6 @@ def along(shown: Mapping[str, Any], ends: Ends) -> tuple[Array, Array]:
         raise InputError("line", ["x, y, x, y of two places are needed between which it crosses the map"])
     at_line = np.linspace(first, last, POINTS)
     x, y = (start + at_line * (end - start) for start, end in zip(ends[:2], ends[2:], strict=True))
-    rows, columns = shown["values"].shape
     place = [(y - shown["y"]) / shown["dh"] * rows - 0.5, (x - shown["x"]) / shown["dw"] * columns - 0.5]
     values = map_coordinates(shown["values"], place, order=1, mode="nearest")
     return np.hypot(x - x[0], y - y[0]), values

@@ -30,6 +30,7 @@ def test_a_line_is_cut_at_the_edges_of_the_map():
     assert distance[-1] == pytest.approx(4.0)
     assert values[-1] == pytest.approx(3.5)
     assert along(shown, (2.0, -9.0, 2.0, 9.0))[0][-1] == pytest.approx(4.0)
+    assert along(shown, (0.0, 4.3, 8.0, 4.3))[0][-1] == pytest.approx(8.0)  # next to the edge
     for ends in ((9.0, 0.0, 9.0, 4.0), (1.0, 1.0, 1.0, 1.0), (-1.0, 5.0, 9.0, 5.0)):
         with pytest.raises(InputError, match="crosses the map"):
             along(shown, ends)
