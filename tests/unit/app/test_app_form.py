@@ -62,7 +62,8 @@ CONSTANTS = {"counter_body.young", "counter_body.poisson"}
     ],
 )
 def test_what_is_chosen_and_left_empty_is_demanded(values, missing):
-    content = form.content_of(form.values_of(form.EXAMPLE) | values)
+    given = {"map": {"file": "a.x3p"}, "body": {"material": "100Cr6"}, "load": {"mean_pressure": "50 MPa"}}
+    content = form.content_of(form.values_of(given) | values)
     found = []
     try:
         Case.read(content)
