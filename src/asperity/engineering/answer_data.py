@@ -38,12 +38,12 @@ ON_INTERFACE = {"shear": "maximum shear stress on", "tension": "maximum tension 
 ALIKE = 0.01
 """Relative difference up to which a number of the upper body is left out as equal to the lower body's."""
 
-REPEATS = f"upper body: its numbers are listed where the lower body has others, by more than {ALIKE:.0%}"
+REPEATS = f"upper body: only numbers that differ from the lower body's by more than {ALIKE:.0%} are listed"
 
 ONE_POSITION = (
-    "the map is from one position of the surface: a discretisation error does not include how much other "
-    "positions differ; an error between positions is estimated from parts of the map, and only several maps "
-    "(--pooled) show it"
+    "the map shows one position of the surface: a discretisation error does not include how much other "
+    "positions differ. An error between positions is estimated from parts of the map; several maps "
+    "(--pooled) measure it"
 )
 
 UNCERTAINTIES = 3

@@ -247,7 +247,7 @@ class Record:
             if cause == DISCRETISATION and math.isfinite(self.extrapolated):
                 is_cut = self._within(error) != (self.best - error, self.best + error)
                 known = self.bounds in (FRACTION, POSITIVE)
-                limited = f", limited by {self.bounds.reason}" if is_cut and not known else ""
+                limited = f", limited by {self.bounds.reason}," if is_cut and not known else ""
                 found.append(f"{self._best_text(error, factor, symbol)}{limited} {EXTRAPOLATED}")
             elif self._within(error) != (self.best - error, self.best + error):
                 ends = (_digits(end / factor, 2) for end in self._within(error))

@@ -87,7 +87,7 @@ def test_hardness_cuts_the_interval():
     assert record.best == 3e9
     assert record.interval == (pytest.approx(2.79e9), 3e9)
     assert record.text() == (
-        "3 GPa; 3 (2.79 to 3) GPa, limited by the hardness extrapolated to zero pixel size"
+        "3 GPa; 3 (2.79 to 3) GPa, limited by the hardness, extrapolated to zero pixel size"
     )
     alone = Record("maximum pressure", 2.9e9, "Pa", bounds=bounds, errors={DISCRETISATION: 0.3e9})
     assert alone.interval == (pytest.approx(2.6e9), 3e9)

@@ -357,15 +357,13 @@ class Cycles(Question):
             found.append(text)
         if worst["shakedown_lower"] and worst["shakedown_upper"]:
             low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
-            between = f"{low:.2g} to {high:.2g} times the load"
+            between = f"between {low:.2g} and {high:.2g}"
             if high >= LARGEST_FACTOR:
-                between = f"{low:.2g} times the load"
-            if low >= 1:
-                shakes = f"up to {low:.3g} times the load no plastic strain returns in each pass"
-            elif high < 1:
-                shakes = f"plastic strain returns in each pass; it would end below {between}"
-            else:
-                shakes = f"whether plastic strain ends is not decided; it ends below {between}"
+                between = f"at least {low:.2g}"
+            returns = "it is not decided whether plastic strain returns in each pass"
+            if low >= 1 or high < 1:
+                returns = f"{'no ' * (low >= 1)}plastic strain returns in each pass"
+            shakes = f"the shakedown limit is {between} times this load: {returns}"
             found.append(shakes)
         return "; ".join(found)
 
