@@ -212,13 +212,13 @@ class Record:
         return (units or scaled_unit)(largest, self.unit)
 
     def number(self, units: Any = None, digits: int = 4) -> str:
-        """The value with its unit as text, with the digits that its error leaves, or at most so many."""
+        """The value with its unit and the digits that its error leaves; at most three if it is not known."""
         if self.words:
             return self.words
         if self.bounds == FRACTION and 0 < self.value < LEAST_FRACTION:
             return f"less than {per_cent(LEAST_FRACTION)}"
         factor, symbol = self.scale(units)
-        text = _digits(self.value / factor, digits)
+        text = _digits(self.value / factor, min(digits, 3) if self.unknown and not self.errors else digits)
         if 1e-3 * abs(self.value) < self.error < abs(self.value):
             text = min(_rounded(self.value, self.error, factor)[0], text, key=len)
         return f"{text} {symbol}".strip()

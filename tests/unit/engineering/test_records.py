@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -144,3 +145,10 @@ def test_an_error_beyond_a_bound_is_shown_as_an_interval_within_it():
     assert Record("maximum pressure", 1e9, "Pa", errors={DISCRETISATION: 1e8}).error_texts() == [
         "± 0.10 GPa by discretisation"
     ]
+
+
+def test_digits_are_those_that_the_error_leaves_or_three():
+    stress = Record("stress", 4.3642e9, "Pa")
+    assert stress.number() == "4.364 GPa"
+    assert replace(stress, varies=True).number() == "4.36 GPa"
+    assert replace(stress, varies=True).with_error(DISCRETISATION, 1.1e9).number() == "4.4 GPa"
