@@ -69,7 +69,7 @@ wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the pa
 	pytest -m wheel tests/wheel
 
 test-oldest: ## Run the unit tests with the oldest versions of all dependencies (tests/requirements-oldest.lock)
-	NUMBA_CACHE_DIR=$(CURDIR)/.venv-oldest/machine_code \
+	NUMBA_CACHE_DIR="$(CURDIR)/.venv-oldest/machine_code" \
 		$(MAKE) VENV=.venv-oldest LOCK=tests/requirements-oldest.lock PYTEST="-W default" unit-tests
 
 test-python: ## Run the unit tests with another Python: make test-python PYTHON=python3.13

@@ -29,6 +29,9 @@ OWN_FAULT = (
     "lines above and the output of asperity --version"
 )
 
+NEEDED_BY = {"run": ("SurfaceTopography", "matplotlib"), "app": ("SurfaceTopography", "matplotlib", "bokeh")}
+"""Command → modules without which it cannot end, beside those that every command needs."""
+
 RARELY = 1_000_000
 """Allocations between two garbage collections, twice as many as `asperity run` makes; those of imports stay.
 With Python's default of 700, `asperity run` on 512² points takes a tenth longer."""
@@ -125,6 +128,7 @@ def _run(arguments: Sequence[str] | None) -> None:
     from asperity.cli.parser import parse, with_flags
 
     options = parse(arguments)
+    require(NEEDED_BY.get(options.command, ()))  # before the computation, not after it
     from asperity.fourier import fft_engine  # a slow import that help and usage errors do not need
 
     engine = getattr(options, "fft_engine", None)

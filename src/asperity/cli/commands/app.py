@@ -7,7 +7,6 @@ import sys
 
 from asperity.cli.parser import FLAGS, WRONG_USAGE
 from asperity.core.errors import fail, shown
-from asperity.core.packages import require
 
 SECONDS = {"s": 1, "min": 60, "h": 3600}
 """Unit of a time → its seconds."""
@@ -18,7 +17,6 @@ MEMORY_SHARE = 0.75
 
 def run(options: argparse.Namespace) -> None:
     """Serve the page until Ctrl-C."""
-    require(("SurfaceTopography", "matplotlib", "bokeh"))
     if options.open is not None and not os.path.exists(options.open):
         sys.exit(fail(f"{options.open}: no such file or folder", WRONG_USAGE))
     import psutil

@@ -13,7 +13,6 @@ from asperity.app.map_job import cost_of
 from asperity.cli.commands import compare
 from asperity.cli.parser import FLAGS, WRONG_USAGE
 from asperity.core.errors import InputError, fail, one_line, shown
-from asperity.core.packages import require
 from asperity.engineering.case import Case
 from asperity.engineering.case_file import (
     CHECKSUMS,
@@ -56,7 +55,6 @@ def run(options: argparse.Namespace) -> None:
 
         compare.run(argparse.Namespace(answers=options.map, out=options.out))
         return
-    require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
 
     maps = [each for path in options.map for each in maps_in(path)]
     options.pooled, options.map = options.pooled or len(maps) > len(options.map), maps
