@@ -175,7 +175,7 @@ def summary_of(found: Answer | Sample) -> dict[str, Any]:
     answers = _answers_in(found)
     names = found.face.name if isinstance(found, Answer) else ", ".join(answers)
     return {
-        "label": " ".join([f"{names},", *load_in_words(found.case)]),
+        "title": (names, " ".join(load_in_words(found.case))),
         "whole": _described(found),
         "maps": {name: _described(answer) for name, answer in answers.items() if answer is not found},
         "drawn": drawn_of(*next(iter(answers.items()))),

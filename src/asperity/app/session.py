@@ -391,7 +391,8 @@ class Session:
 
     def _take(self, slot: Slot, found: dict[str, Any]) -> None:
         """Show an answer that was computed or opened."""
-        slot.state, slot.summary, slot.drawn, slot.label = "shown", found, found["drawn"], found["label"]
+        slot.state, slot.summary, slot.drawn = "shown", found, found["drawn"]
+        slot.label = ", ".join(found["title"])
         self.do_show(str(self.slots.index(slot.first or slot)))
         if slot.first is not None:
             self.do_beside(str(self.slots.index(slot)))
@@ -553,11 +554,11 @@ class Session:
 
     def _names(self) -> list[str]:
         """Numbers and maps of the answers that are shown, with their loads if these differ."""
-        shown = [(self.slots.index(slot) + 1, slot.label.rpartition(", ")) for slot in self.shown if slot]
-        is_one_load = len({load for _, (_, _, load) in shown}) == 1
+        shown = [(self.slots.index(slot) + 1, *slot.summary["title"]) for slot in self.shown if slot]
+        is_one_load = len({load for *_, load in shown}) == 1
         return [
             f"{number}: {maps}" if is_one_load else f"{number}: {maps}, {load}"
-            for number, (maps, _, load) in shown
+            for number, maps, load in shown
         ]
 
     def _look_at(self, slot: Slot, number: int) -> None:

@@ -43,7 +43,7 @@ def test_planes_and_sections_are_those_of_the_answer(answer):
     assert summary["number"] == 3
     differences = reader.compare(["1", "2"], [str(folder)] * 2)["differences"]
     assert {each.first.quantity for each in differences} == {each.quantity for each in found.records}
-    assert summary["label"] == "ground, mean pressure 50 MPa"
+    assert summary["title"] == ("ground", "mean pressure 50 MPa")
     assert summary["whole"]["verdict"] == list(found.verdict)
     assert summary["whole"]["tiles"] == found.tiles[:4]
     depth = summary["drawn"]["depths"]["lower"][4]

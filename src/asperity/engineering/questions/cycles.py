@@ -403,7 +403,7 @@ def no_crack(cracks: Record, where: str, area: float, nominal: float) -> Record:
     note = f"on {shown_si(area, 'm^2')}; a crack starts with a probability {chance(cracks, area)}"
     if area > nominal:
         note += f"; extrapolated to {area / nominal:.2g} times the area of the map"
-    words = _spread(cracks, lambda number: _survival(number * area))
+    words = _spread(cracks, lambda number: _survival(number * area), falls=True)
     of: dict[str, Any] = {"topic": cracks.topic, "body": cracks.body, "ends": (low, high), "words": words}
     return fraction(f"probability of no crack on the {where}", value, better="more", note=note, **of)
 
@@ -414,12 +414,12 @@ def chance(cracks: Record, area: float) -> str:
     return text if text.startswith("between") else f"of {text}"
 
 
-def _spread(cracks: Record, text: Callable[[float], str], unit: str = "") -> str:
+def _spread(cracks: Record, text: Callable[[float], str], unit: str = "", falls: bool = False) -> str:
     """A function of the expected cracks with its interval; the interval alone beyond a decade of cracks."""
     low, high = cracks.ends
     if math.isnan(low):
         return f"{text(cracks.value)}{unit} on these pixels, ± not known"
-    ends = sorted((text(low), text(high)), key=lambda each: float(each.rstrip(" %")))
+    ends = [text(each) for each in ((high, low) if falls else (low, high))]
     if ends[0] == ends[1]:
         return f"{ends[0]}{unit}"
     if high > DECADE * low:
