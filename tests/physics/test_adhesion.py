@@ -125,6 +125,13 @@ LAYER, COATED = asp.Solid(1.0, 0.5, height=0.05), asp.Solid(5.0, 0.3, height=0.0
 PAIR = asp.TwoBodies(asp.Solid(2.0, 0.3), asp.Solid(3.0, 0.2))
 
 
+def test_steps_with_equal_changes_are_extrapolated():
+    height, solid = asp.self_affine((32, 32), 0.8, 0.5, 1 / 8, rms_height=2e-3, seed=2), asp.Solid(1.0, 0.3)
+    adhesion = asp.Adhesion.fitted(2e-5, solid, asp.Grid((32, 32)), "maugis-dugdale")
+    contact = asp.solve_contact(height, solid, approach=height.min(), adhesion=adhesion)
+    assert 0 < contact.pressure.max() < np.inf
+
+
 @pytest.mark.parametrize(
     ("solid", "kind"),
     [

@@ -365,7 +365,8 @@ def _extrapolated(history: list[Step], strength: float) -> Array:
     *others, last = history
     changes = [last.change - each.change for each in others]
     products, target = _products(changes, changes), _products(changes, [last.change])[:, 0]
-    sizes = np.maximum(np.sqrt(np.diag(products)), math.ulp(0))
+    sizes = np.sqrt(np.diag(products))
+    sizes[sizes == 0] = 1.0  # two steps with equal changes
     weights = np.linalg.lstsq(products / np.outer(sizes, sizes), target / sizes, rcond=1e-12)[0] / sizes
     found = last.attraction + last.change
     for weight, change, each in zip(weights, changes, others, strict=True):

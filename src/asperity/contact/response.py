@@ -272,7 +272,7 @@ class FreeAlongY(FreeResponse):
 
     boundary = "free along y"
     free = BOUNDARIES[boundary]
-    transforms = partial(PaddedFourier, free=free)
+    transforms = staticmethod(partial(PaddedFourier, free=free))
 
 
 class FreeAlongX(FreeResponse):
@@ -280,7 +280,7 @@ class FreeAlongX(FreeResponse):
 
     boundary = "free along x"
     free = BOUNDARIES[boundary]
-    transforms = partial(PaddedFourier, free=free)
+    transforms = staticmethod(partial(PaddedFourier, free=free))
 
 
 RESPONSES: dict[str, type[Response]] = {

@@ -152,6 +152,12 @@ class Record:
         for name, value in plain.items():
             object.__setattr__(self, name, value)
 
+    def __eq__(self, other: object) -> bool:
+        """True for equal fields; tuples take the one NaN of all records as equal, dataclasses do not."""
+        if not isinstance(other, Record):
+            return NotImplemented
+        return all((getattr(self, each.name),) == (getattr(other, each.name),) for each in fields(self))
+
     @property
     def best(self) -> float:
         """The value extrapolated to zero pixel size, or the value where there is none."""
