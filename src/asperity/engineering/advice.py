@@ -209,10 +209,11 @@ def _on_contact(stages: Stages, compared: Compared) -> Iterator[Found]:
         cycles: Any = case.questions.get("cycles")
         if cycles is not None and cycles.shifts is not None:
             rolling = case.sliding_direction
-        _, ratio, lay = texture(face.height, face.grid.spacing)
-        along = "y" if 45 < lay < 135 else "x"
-        if ratio < STRONG_LAY and rolling in ("x", "y") and rolling != along:
-            yield False, "across_lay", {"rolling": rolling, "along": along}
+        if rolling in ("x", "y"):
+            _, ratio, lay = texture(face.height, face.grid.spacing)
+            along = "y" if 45 < lay < 135 else "x"
+            if ratio < STRONG_LAY and rolling != along:
+                yield False, "across_lay", {"rolling": rolling, "along": along}
     wanted, area = case.load.value, numbers.contact_area_fraction
     if case.load.kind == "contact_area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
         yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}
