@@ -26,6 +26,7 @@ from asperity.settings.model import Problem, SettingsError
 from asperity.surface.description import describe_map
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
+from asperity.surface.treatment.treatment import Doubt
 from asperity.views.maps import blocks
 
 PIXELS = 1024
@@ -135,7 +136,7 @@ class MapJob:
             doubts = list(first.rough.doubts)
             heights = {job.name: float(job.rough.face.height.std()) for job in jobs if job.rough}
             if arrangement.pooled and (doubt := doubt_of_one_surface(heights)):
-                doubts.append(f"file: {doubt}")
+                doubts.append(Doubt("file", doubt))
             found |= {"doubts": doubts, "done": face.done, "map_length": face.grid.length}
         with suppress(InputError, ValueError, OSError):  # reported above
             options = Map.read(first.content["map"])

@@ -75,18 +75,17 @@ function show(found) {
       if (text && line && line.closest("details")) line.closest("details").open = true;
     }
     for (const line of document.querySelectorAll(".doubt")) {
-      const key = line.id.replace("doubt-", ""), name = key.replace("map.", "");
-      const doubt = found.doubts.find((text) => key === `map.${name}` && text.startsWith(`${name}: `));
-      line.textContent = doubt ? doubt.slice(name.length + 2) : "";
-      const proposed = /set it to ([\w.]+)/.exec(line.textContent);
+      const key = line.id.replace("doubt-", "");
+      const [, sentence, proposed] = found.doubts.find(([option]) => option === key) || [];
+      line.textContent = sentence || "";
       if (proposed) {
         const button = document.createElement("button");
         button.type = "button";
-        button.textContent = `Set to ${proposed[1]}`;
-        button.onclick = () => { byId(key).focus(); fill(key, proposed[1]); change(key, proposed[1], 0); };
+        button.textContent = `Set to ${proposed}`;
+        button.onclick = () => { byId(key).focus(); fill(key, proposed); change(key, proposed, 0); };
         line.append(button);
       }
-      if (doubt && line.closest("details")) line.closest("details").open = true;
+      if (sentence && line.closest("details")) line.closest("details").open = true;
     }
     for (const input of document.querySelectorAll("input[data-key]")) {
       input.dataset.proposed ??= input.placeholder;

@@ -490,11 +490,11 @@ class Session:
             first = "map.file" if first == "map" else first
             if self.values.get(first):
                 at_fields[first] = _words(text).lstrip(" :=")
-        listed = [*dict.fromkeys(listed)]
+        listed, doubts = [*dict.fromkeys(listed)], self.check.get("doubts", ())
         return {
             "html": {name: self._part(name, listed=listed) for name in ("info", "hertz", "ready", "stale")},
             "problems": at_fields,
-            "doubts": list(self.check.get("doubts", ())),
+            "doubts": [(f"map.{each.option}", each.sentence, each.proposed) for each in doubts],
             "constants": self.check.get("constants", {}),
             "ready": not listed,
             "has_map": bool(self.values.get("map.file")),

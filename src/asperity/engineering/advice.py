@@ -289,15 +289,13 @@ def _on_map(stages: Stages, compared: Compared) -> Iterator[Found]:
     """Advice on slopes, contact area and edges beyond the theory, and on altered heights."""
     numbers, face, record = stages.numbers, stages.face, stages.face.treatment
     for doubt in stages.rough.doubts:
-        subject = doubt.partition(":")[0]
+        subject = doubt.option
         if subject != "despike" or not numbers.pressure_on_spike:
             alters = subject == "detrend" or (subject == "despike" and numbers.presses_spikes)
-            words, _, value = doubt.partition("; set it to ")
-            flag = f" (--{subject} {value.split()[0]})" if value else ""
-            values: dict[str, Any] = {"subject": subject, "size": SPIKE_SIZE, "short": ""}
-            values["doubt"] = doubt if doubt.endswith("?") else f"{doubt}{flag}."
-            if alters:
-                values["short"] = f"map: {words.removeprefix(f'{subject}: ').partition(',')[0]}{flag}"
+            flag = f" (--{subject} {doubt.proposed})" if doubt.proposed else ""
+            values: dict[str, Any] = {"subject": subject, "size": SPIKE_SIZE}
+            values["doubt"] = doubt if doubt.text.endswith("?") else f"{doubt}{flag}."
+            values["short"] = f"map: {doubt.text}{flag}" if alters else ""
             yield alters or subject in ("unit", "physical_size", "missing"), "doubt", values
     slope = numbers.rms_gradient
     if slope > STEEP:

@@ -12,13 +12,14 @@ from asperity.core.errors import one_line
 from asperity.core.system import available_memory, sha256_of
 from asperity.core.types import Array
 from asperity.settings.map import MOST_POINTS, CounterMap, Map
-from asperity.surface.description import MapMeasures, map_warnings
+from asperity.surface.description import MapMeasures, map_doubts
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, is_period
 from asperity.surface.reading.map_file import open_shared_map
 from asperity.surface.treatment.face_to_face import face_to_face
 from asperity.surface.treatment.treatment import (
     ANSWER_MEMORY,
     BYTES_PER_NODE,
+    Doubt,
     TreatedMap,
     missing_options,
     treat_map,
@@ -33,7 +34,9 @@ LONGEST_NAME = 60
 SPIKE_REACH = 1.5
 """Pixels beside a spike that belong to it, after the map is levelled and resampled."""
 
-ASSUMED = f"orientation: the file does not say which way is up; taken as {PEAKS_UP}, as instruments show them"
+ASSUMED = Doubt(
+    "orientation", f"the file does not say which way is up; taken as {PEAKS_UP}, as instruments show them"
+)
 
 
 class ReadFile(NamedTuple):
@@ -53,8 +56,8 @@ class RoughFace(NamedTuple):
     Parameters
     ----------
     face : TreatedMap
-    doubts : tuple of str
-        As of `asperity.surface.description.map_warnings`.
+    doubts : tuple of Doubt
+        As of `asperity.surface.description.map_doubts`.
     spikes : (spikes, 2) array
         Places (y, x) on the map of the spikes that were not removed.
     reach : (y, x)
@@ -72,7 +75,7 @@ class RoughFace(NamedTuple):
     """
 
     face: TreatedMap
-    doubts: tuple[str, ...]
+    doubts: tuple[Doubt, ...]
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[ReadFile, ...] = ()
@@ -130,7 +133,7 @@ def read_face(
         *(line for line in treated.done[1:] if not (pair.whole and line.startswith("levelled"))),
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
-    of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
+    of_both = *doubts, *(each._replace(text=f"{each.text} (counter map)") for each in counter_doubts)
     return RoughFace(
         face, of_both, spikes[:0], (0.0, 0.0), files, options, upper, counter, _unfiltered(pair.map, later)
     )
@@ -152,7 +155,7 @@ def _read_file(source: Any) -> tuple[ReadFile, ...]:
 
 def _read(
     options: Map, shared: Set[str], check: Callable[[Sequence[float]], None] | None = None
-) -> tuple[str, HeightMap, tuple[str, ...], Array, Map]:
+) -> tuple[str, HeightMap, tuple[Doubt, ...], Array, Map]:
     """Name and heights of a map, its doubts, places of spikes, and options; checks that none is missing.
 
     The file overrides the options that are `shared` with other maps.
@@ -171,7 +174,7 @@ def _read(
     if check is not None:
         check(surface.length)
     measured = MapMeasures(surface, options)
-    doubts = map_warnings(surface, options, measured)
+    doubts = map_doubts(surface, options, measured)
     if surface.orientation is None:
         surface = replace(surface, orientation=PEAKS_UP)
         doubts.append(ASSUMED)

@@ -26,6 +26,7 @@ from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_
 from asperity.surface.treatment.treatment import (
     DESPIKE,
     FLAT_VARIATION,
+    Doubt,
     TreatedMap,
     missing_options,
     treat_map,
@@ -92,14 +93,14 @@ class MapDescription(NamedTuple):
         Options that every calculation needs besides the file; each text begins with a field of `MapOptions`.
     choices : list of str
         Options that `asperity.prepare_map` and a study need too, and that asperity run chooses by itself.
-    warnings : list of str
-        As of `map_warnings`.
+    doubts : list of Doubt
+        As of `map_doubts`.
     """
 
     properties: dict[str, str]
     needed: list[str]
     choices: list[str]
-    warnings: list[str]
+    doubts: list[Doubt]
 
 
 def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
@@ -133,7 +134,7 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
         "pixel": pixel,
         "non-measured": surface.shown_share(surface.missing) if surface.missing else "no points",
     }
-    warnings = []
+    doubts: list[Doubt] = []
     if np.isfinite(surface.height).any():
         measures = MapMeasures(surface, options)
         comparable, is_profile = found.edges_comparable, options.format == PROFILE
@@ -146,8 +147,8 @@ def describe_map(path: FilePath, options: MapOptions) -> MapDescription:
         for name, text in of_heights.items():
             if name not in unknown and not (is_profile and name in ("Sal", "Str")):
                 properties[name.replace("S", "R", 1) if is_profile else name] = text
-        warnings = map_warnings(surface, options, measures, comparable)
-    return MapDescription(properties, needed, choices, warnings)
+        doubts = map_doubts(surface, options, measures, comparable)
+    return MapDescription(properties, needed, choices, doubts)
 
 
 @own_errors
@@ -194,7 +195,7 @@ def prepare_map(source: FilePath | HeightMap, options: MapOptions | None = None,
     options = (options or MapOptions()).replaced(**given)
     surface = source if isinstance(source, HeightMap) else usable_map(source, options)
     treated = treat_map(surface, options)
-    doubts = tuple(map_warnings(surface, options))
+    doubts = tuple(map_doubts(surface, options))
     for doubt in doubts:
         warnings.warn(f"{surface.name or 'map'}: {doubt}", stacklevel=3)  # own_errors is one level
     return replace(treated, doubts=doubts)
@@ -261,52 +262,51 @@ class MapMeasures:
         )
 
 
-def map_warnings(
+def map_doubts(
     surface: HeightMap,
     options: MapOptions,
     measures: MapMeasures | None = None,
     edges_known: bool = True,
-) -> list[str]:
-    """Doubts about a map that the options do not answer: its unit, edges, missing points, spikes and form.
-
-    Each begins with the field of `MapOptions` that answers it.
-    """
+) -> list[Doubt]:
+    """Doubts about a map that the options do not answer: its unit, edges, missing points, spikes and form."""
     found = measures or MapMeasures(surface, options)
-    rms, length, warnings = found.rms_height_without_bow, surface.shown_length, []
+    rms, length = found.rms_height_without_bow, surface.shown_length
+    doubts: list[Doubt] = []
     if rms <= FLAT_VARIATION * np.abs(surface.height[found.measured]).max(initial=0.0):
         rms = 0.0  # of a flat map, except for rounding
     if repeated := repeated_height(surface.height):
         number = repeated[0] / (metres(surface.unit) if surface.unit else 1.0)
-        warnings.append(
-            f"missing: {surface.shown_share(repeated[1])} have the height {number:.9g} exactly; set it to "
-            "this number if they are non-measured"
-        )
+        text = f"{surface.shown_share(repeated[1])} have the height {number:.9g} exactly"
+        doubts.append(Doubt("missing", text, f"{number:.9g}", "if they are non-measured"))
     elif surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
-        warnings.append(f"unit: Sq of {length(rms)}; is {surface.unit} the unit of the heights?")
+        doubts.append(Doubt("unit", f"Sq of {length(rms)}; is {surface.unit} the unit of the heights?"))
     if edges_known and not repeated:
         aspect = max(surface.spacing) / min(surface.spacing)
         slope = roughness.rms_step(np.where(found.measured, found.level, np.nan), surface.spacing)
         if surface.unit is not None and max(surface.length) >= LARGEST_EDGE:
-            warnings.append(f"physical_size: an edge of {length(max(surface.length))}; is this right?")
+            doubts.append(Doubt("physical_size", f"an edge of {length(max(surface.length))}; is this right?"))
         if aspect >= LARGEST_ASPECT:
             pixel = length(*surface.spacing)
-            warnings.append(f"physical_size: pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?")
-        if slope and not SLOPES[0] <= slope <= SLOPES[1]:
-            warnings.append(
-                f"physical_size: Sdq of {slope:.2g} between neighbouring points; are the units "
-                "of edges and heights right?"
+            doubts.append(
+                Doubt("physical_size", f"pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?")
             )
+        if slope and not SLOPES[0] <= slope <= SLOPES[1]:
+            text = (
+                f"Sdq of {slope:.2g} between neighbouring points; are the units of edges and heights right?"
+            )
+            doubts.append(Doubt("physical_size", text))
     if found.spike_count and options.despike is None:
-        warnings.append(
-            f"despike: {found.spike_count} spikes of up to {length(found.highest_spike)}; set it to "
-            f"{DESPIKE:g} to replace them"
-        )
+        text = f"{_spikes(found.spike_count)} of up to {length(found.highest_spike)}"
+        doubts.append(Doubt("despike", text, f"{DESPIKE:g}", "to replace them"))
     if found.bow_counts and options.detrend != "curvature":
-        warnings.append(
-            f"detrend: a form of {length(found.bow)} height, with it Sq is {length(found.rms_height)}, "
-            f"without it {length(rms)}, a change larger than the error of a sample; set it to curvature"
-        )
-    return warnings
+        change = f"Sq from {length(rms)} to {length(found.rms_height)}"
+        text = f"a form of {length(found.bow)} height changes {change}"
+        doubts.append(Doubt("detrend", text, "curvature", "to subtract it"))
+    return doubts
+
+
+def _spikes(count: int) -> str:
+    return f"{count} spike{'s' * (count > 1)}"
 
 
 def _defects(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
@@ -316,7 +316,7 @@ def _defects(surface: HeightMap, measures: MapMeasures) -> dict[str, str]:
     if measures.spike_count:
         share = surface.shown_share(int(np.count_nonzero(measures.spikes)))
         highest = surface.shown_length(measures.highest_spike, digits=4)
-        spikes = f"{share} in {measures.spike_count} spikes of up to {highest}"
+        spikes = f"{share} in {_spikes(measures.spike_count)} of up to {highest}"
         beyond += "; plasticity, Sal, Str, tip and waves are without them"
     tilt = bow = "not subtracted: the map is one period"
     if not measures.is_period:

@@ -91,9 +91,9 @@ def test_a_prepared_map_brings_its_grid_boundary_and_doubts():
     with pytest.raises(ValueError, match="not accepted with a map, which has its grid"):
         asp.solve_contact(made, steel, 1e-4, mean_pressure=5e6)
     height[3, 7] += 1e-5
-    with pytest.warns(UserWarning, match="despike: 1 spikes"):
+    with pytest.warns(UserWarning, match="despike: 1 spike of"):
         made = asp.prepare_map(asp.HeightMap(height, (2e-4, 2e-4), unit="m"), periodic="mirrored")
-    assert "despike: 1 spikes" in repr(made)
+    assert "despike: 1 spike of" in repr(made)
     assert made.doubts
 
 
@@ -109,7 +109,7 @@ def test_cracks_are_counted_on_the_area_of_the_track():
     answer = asp.run(ground(), limits, mean_pressure=50e6, cycles=asked)
     on_map, on_track = (answer[f"probability of no crack on the {of}"].value for of in ("map", "track"))
     assert on_track == pytest.approx(on_map**10, rel=1e-6)
-    told = f"with a probability of {1 - on_track:.2g} on these pixels, ± not known"
+    told = f" is {1 - on_track:.2g} on these pixels, ± not known"
     assert any(told in text for text in answer.verdict)
     with pytest.raises(asp.SettingsError, match=r"cycles\.area: requires fatigue_scatter"):
         asp.Case(map=ground(), body=limits, load={"mean_pressure": 1e6}, cycles={"area": "1 mm2"})

@@ -12,6 +12,7 @@ from asperity import Body, run
 from asperity.engineering import advice
 from asperity.engineering.question import Stages
 from asperity.settings.model import Settings
+from asperity.surface.treatment.treatment import Doubt
 
 STEEL = Body(young=210e9, poisson=0.3, yield_stress=2e9)
 
@@ -88,7 +89,7 @@ def test_nothing_is_warned_of_in_a_sound_answer(sound):
 
 
 STRESS, BODY, RECORD = "records.maximum von Mises stress.value", "bodies.lower.body", "rough.face.treatment"
-SPIKES = "despike: 3 spikes of up to 2 µm; set it to 8 to replace them"
+SPIKES = Doubt("despike", "3 spikes of up to 2 µm", "8", "to replace them")
 FREE = {"rough.face.boundary": "free", "numbers.load_on_edges": 0.2}
 
 
@@ -107,14 +108,14 @@ WARNINGS = [
     ({"numbers.contact_nodes": 0}, "no contact"),
     ({"numbers.pressure_on_spike": True}, "maximum pressure on a spike"),
     ({"numbers.maximum_pressure": 300e9}, "pressure above Young's modulus"),
-    ({"rough.doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "unit of the map"),
+    ({"rough.doubts": [Doubt("unit", "an rms height of 0.4 nm; is um the unit?")]}, "unit of the map"),
     ({"numbers.peak_to_valley": 3e-4}, "heights as large as the map"),
     ({f"{BODY}.young": 210e12}, "Young's modulus"),
     ({f"{BODY}.young": 210e6}, "Young's modulus"),
     ({f"{BODY}.poisson": 0.5}, "Poisson's ratio"),
     ({f"{BODY}.yield_stress": 1.5e11}, "yield stress"),
     ({"numbers.violation": float("nan")}, "accuracy of the solution"),
-    ({"rough.doubts": ["detrend: a form of 2 µm height; set it to curvature"]}, "detrend of the map"),
+    ({"rough.doubts": [Doubt("detrend", "a form of 2 µm height", "curvature")]}, "detrend of the map"),
     ({"rough.doubts": [SPIKES], "numbers.presses_spikes": True}, "despike of the map"),
 ]
 NOTES = [

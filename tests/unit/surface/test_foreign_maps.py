@@ -11,7 +11,7 @@ import xarray as xr
 import asperity as asp
 from asperity.engineering.face import read_face
 from asperity.settings.map import CounterMap, Map
-from asperity.surface.description import describe_map, map_warnings, prepare_map
+from asperity.surface.description import describe_map, map_doubts, prepare_map
 from asperity.surface.reading.agreement import repeated_height
 from asperity.surface.reading.height_map import MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
@@ -512,13 +512,13 @@ def test_missing_points_are_named_and_set(tmp_path, value, dtype):
     options = {"physical_size": ("3 mm", "4 mm"), "unit": "um", "orientation": "peaks up"}
     count = int(np.sum(array == array.dtype.type(value)))
     found = describe_map(tmp_path / "map.npy", MapOptions(**options))
-    (doubt,) = [text for text in (*found.warnings, *found.needed) if text.startswith("missing")][-1:]
+    (doubt,) = [text for text in (*map(str, found.doubts), *found.needed) if text.startswith("missing")][-1:]
     assert doubt.startswith(f"missing: {count} points")
     assert f"have the height {value:.9g}" in doubt.replace(f"{float(np.float32(value)):.9g}", f"{value:.9g}")
     said = read_map(tmp_path / "map.npy", **options, missing=value)
     assert said.missing == count
     assert np.nanmax(np.abs(said.height - 1e-4)) < 1e-5
-    assert not describe_map(tmp_path / "map.npy", MapOptions(**options, missing=value)).warnings
+    assert not describe_map(tmp_path / "map.npy", MapOptions(**options, missing=value)).doubts
     with pytest.raises(MapError, match=r"missing = 7: no point has this height; leave it out"):
         read_map(tmp_path / "map.npy", **options, missing=7)
 
@@ -539,11 +539,9 @@ def test_doubts_about_edges_are_named():
         ((3e-4, 1e-4), ["pixels of 4.69 µm x 1.56 µm (y, x), 3 to 1"]),
         ((1e-7, 1e-7), ["Sdq of"]),
     ):
-        found = map_warnings(asp.HeightMap(rough, length, unit="m"), MapOptions())
-        assert [
-            text.partition(": ")[2][: len(word)] for text, word in zip(found, words, strict=True)
-        ] == words
-        assert all(text.startswith("physical_size: ") for text in found)
+        found = map_doubts(asp.HeightMap(rough, length, unit="m"), MapOptions())
+        assert [each.text[: len(word)] for each, word in zip(found, words, strict=True)] == words
+        assert all(each.option == "physical_size" for each in found)
 
 
 def test_shared_options_fill_what_files_omit(tmp_path):

@@ -18,7 +18,7 @@ import xarray as xr
 from asperity import Solid, solve_contact
 from asperity.cli.main import main
 from asperity.settings.model import SettingsError
-from asperity.surface.description import describe_map, map_warnings, prepare_map, spectrum_summary
+from asperity.surface.description import describe_map, map_doubts, prepare_map, spectrum_summary
 from asperity.surface.reading.formats import known_formats
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
@@ -354,14 +354,16 @@ def test_doubts_about_a_map_name_their_option():
     x = np.linspace(-5e-5, 5e-5, 64)
     curved = rough - x**2 / (2 * 1e-3)  # a bow of 1.25 µm
     curved[20:22, 30] += 5e-6
-    found = map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), MapOptions())
-    assert [text.split(":")[0] for text in found] == ["despike", "detrend"]
-    assert "1 spikes of up to 5" in found[0]
-    assert "a form of 1.2" in found[1]
+    found = map_doubts(HeightMap(curved, (1e-4, 1e-4), unit="m"), MapOptions())
+    assert [(each.option, each.proposed) for each in found] == [("despike", "8"), ("detrend", "curvature")]
+    assert "1 spike of up to 5" in found[0].text
+    assert "a form of 1.2" in found[1].text
     answered = MapOptions(despike=8, detrend="curvature")
-    assert map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), answered) == []
-    (doubt,) = map_warnings(HeightMap(1e-3 * curved, (1e-7, 1e-7), unit="mm"), answered)
-    assert doubt.startswith("unit: Sq of")
+    assert map_doubts(HeightMap(curved, (1e-4, 1e-4), unit="m"), answered) == []
+    (doubt,) = map_doubts(HeightMap(1e-3 * curved, (1e-7, 1e-7), unit="mm"), answered)
+    assert str(doubt).startswith("unit: Sq of")
+    (repeated,) = map_doubts(HeightMap(np.where(rough > 0, rough, -2e-6), (1e-4, 1e-4), unit="m"), answered)
+    assert str(repeated).endswith("exactly; set it to -2e-06 if they are non-measured")
 
 
 def test_smooth_high_peaks_are_no_spikes(tmp_path):

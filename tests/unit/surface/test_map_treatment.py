@@ -149,7 +149,7 @@ def test_the_record_says_what_was_done():
     assert record.altered_fraction == pytest.approx(1 - 0.8**2, abs=0.03)  # nodes at the ends of the taper
     assert (treated.grid.shape, treated.grid.length) == ((32, 32), (EDGE, EDGE))
     text = "\n".join(treated.done)
-    for words in ("turned upside down", "1 points (0.024 %) beyond 8", "2 points (0.049 %)", "tilt of 2."):
+    for words in ("turned upside down", "1 point (0.024 %) beyond 8", "2 points (0.049 %)", "tilt of 2."):
         assert words in text
     for words in ("% of the area", "waves shorter than 20 µm", "resampled to 32 x 32"):
         assert words in text

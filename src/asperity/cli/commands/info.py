@@ -38,7 +38,11 @@ def _describe(path: str, given: dict[str, Any]) -> None:
         print(f"{name + ':':<{width}}{one_line(text)}")
     chosen = "asperity run takes peaks as upward, fills non-measured points and mirrors the map by itself; "
     chosen += "asp.prepare_map and a study need"
-    lists = {"look at": found.warnings, "every calculation needs": found.needed, chosen: found.choices}
+    lists = {
+        "look at": [*map(str, found.doubts)],
+        "every calculation needs": found.needed,
+        chosen: found.choices,
+    }
 
     def of_run(name: str) -> str:  # those without a flag are set by their key
         return flag(name) if f"map.{name}" in FLAGS else f"--set map.{name}=…"

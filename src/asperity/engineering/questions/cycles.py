@@ -353,7 +353,7 @@ class Cycles(Question):
                         f", but only {1e9 * stressed:.2g} mm³ on {where} is above it, and the limit is that "
                     )
                     text += f"of specimens of {specimens}"
-                text += f"; a crack starts on {where} with a probability {chance(most, area)}"
+                text += f"; the probability that a crack starts on {where} is {chance(most, area)}"
             found.append(text)
         if worst["shakedown_lower"] and worst["shakedown_upper"]:
             low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
@@ -400,7 +400,7 @@ def no_crack(cracks: Record, where: str, area: float, nominal: float) -> Record:
         Area of the map in m².
     """
     value, high, low = (math.exp(-each * area) for each in (cracks.value, *cracks.ends))
-    note = f"on {shown_si(area, 'm^2')}; a crack starts with a probability {chance(cracks, area)}"
+    note = f"on {shown_si(area, 'm^2')}; the probability of a crack is {chance(cracks, area)}"
     if area > nominal:
         note += f"; extrapolated to {area / nominal:.2g} times the area of the map"
     words = _spread(cracks, lambda number: _survival(number * area), falls=True)
@@ -409,9 +409,8 @@ def no_crack(cracks: Record, where: str, area: float, nominal: float) -> Record:
 
 
 def chance(cracks: Record, area: float) -> str:
-    """The probability that a crack starts on an area, as it follows ``with a probability``."""
-    text = _spread(cracks, lambda number: f"{-math.expm1(-number * area):.2g}")
-    return text if text.startswith("between") else f"of {text}"
+    """The probability that a crack starts on an area, in words."""
+    return _spread(cracks, lambda number: f"{-math.expm1(-number * area):.2g}")
 
 
 def _spread(cracks: Record, text: Callable[[float], str], unit: str = "", falls: bool = False) -> str:

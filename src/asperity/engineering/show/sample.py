@@ -113,7 +113,7 @@ def predicted(sample: SampleData) -> Iterator[str]:
     size = area or getattr(cycles, "area", None) or float(sample.areas.sum())
     for cracks in find(sample.records, CRACKS):
         times, where = size / float(sample.areas.sum()), f"{shown_si(size, 'm^2')} of the {cracks.body} body"
-        text = f"Probability that a crack starts on {where}: {chance(cracks, size).removeprefix('of ')}"
+        text = f"Probability that a crack starts on {where}: {chance(cracks, size)}"
         text += "; differences between positions are not known" * (len(sample.names) == 1)
         text += f"; extrapolated to {times:.2g} times the area of the maps" * (times > 1)
         yield f"{text}; {cycles.lower_limits}."

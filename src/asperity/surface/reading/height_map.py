@@ -216,7 +216,7 @@ class HeightMap:
 
     def shown_share(self, count: int) -> str:
         """A number of points and their fraction of the map as text."""
-        return f"{count} points ({100 * count / self.height.size:.2g} %)"
+        return f"{count} point{'s' * (count != 1)} ({100 * count / self.height.size:.2g} %)"
 
     def in_map_unit(self, name: str, value: float | str) -> float:
         """An option that is a length, in the unit of the map.

@@ -51,6 +51,32 @@ FLAT_VARIATION = 1e-13
 """Largest variation, relative to the heights, of a map that is flat except for rounding."""
 
 
+class Doubt(NamedTuple):
+    """What is doubtful about a map; ``str`` is a sentence that begins with the option.
+
+    Attributes
+    ----------
+    option : str
+        Field of `MapOptions` that answers the doubt.
+    text : str
+    proposed, purpose : str
+        Value of the option, and what it is set for; empty if none is proposed.
+    """
+
+    option: str
+    text: str
+    proposed: str = ""
+    purpose: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.option}: {self.sentence}"
+
+    @property
+    def sentence(self) -> str:
+        """The doubt with the proposed value, without the option."""
+        return self.text + (f"; set it to {self.proposed} {self.purpose}" if self.proposed else "")
+
+
 @dataclass(frozen=True)
 class MapTreatment:
     """Changes to a map by its treatment, in numbers; lengths are in the unit of the map.
@@ -105,7 +131,7 @@ class TreatedMap:
         Name of the map.
     boundary : str
         Boundary of the contact: "free" if the map was not made periodic, "free along x" if it ends there.
-    doubts : tuple of str
+    doubts : tuple of Doubt
         Doubts about the map that its options do not answer, if `asperity.prepare_map` looked for them.
 
     Examples
@@ -123,7 +149,7 @@ class TreatedMap:
     done: tuple[str, ...] = ()
     name: str = ""
     boundary: str = "periodic"
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
     def __repr__(self) -> str:
         ny, nx = self.height.shape
