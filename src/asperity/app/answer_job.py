@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from asperity.app.form import contents_of
 from asperity.app.map_job import Ends, MapJob, along, picture
@@ -22,7 +23,7 @@ from asperity.engineering.show.tables import TILES
 from asperity.results.atomic import locked
 from asperity.stress.planes.planes import StressPlane, named_fields
 from asperity.stress.planes.stream import PlaneStream
-from asperity.views.maps import largest_magnitude
+from asperity.views.scales import largest_magnitude
 
 SHOWN_TOLERANCE = 1e-3
 """Error of a plane that is only looked at, relative to the rms of σ_zz in it."""
@@ -36,8 +37,11 @@ ROWS = 160
 FADED = 0.05
 """A section ends where the stress is below this fraction of its largest value."""
 
-PEAKS = ("value_Pa", "depth_m", "y_m", "x_m")
-"""Columns of the peaks that are shown, beside their body and quantity."""
+PEAKS = {"x": "x_m", "y": "y_m", "depth": "depth_m", "value": "value_Pa"}
+"""Name of a number of a peak on the page → its column in the table of an answer."""
+
+DRAWN, LEAST = 200, 0.05
+"""Most peaks in pictures, and the least value of a peak over the largest."""
 
 
 class Reader(MapJob):
@@ -184,16 +188,24 @@ def summary_of(found: Answer | Sample) -> dict[str, Any]:
 
 def drawn_of(name: str, answer: AnswerData) -> dict[str, Any]:
     """Contact and peaks of the answer of one map, and everything that can be chosen for its planes."""
-    contact = {"pressure": answer.contact.pressure, "gap": answer.contact.gap}
-    peaks, grid = answer.tables["peaks"], answer.contact.grid
+    contact, grid = {"pressure": answer.contact.pressure, "gap": answer.contact.gap}, answer.contact.grid
     return {name: picture(values, grid, np.fmax.reduce) for name, values in contact.items()} | {
         "name": name,
         "bodies": [*answer.stress],
         "fields": [*answer.case.fields],
         "depths": {body: _depths(answer, body) for body in answer.stress},
         "yield": {name: body.yield_stress for name, body in answer.case.bodies.items()},
-        "peaks": {column: peaks[column].to_numpy() for column in ("body", "quantity", *PEAKS)},
+        "peaks": {
+            key: _largest(peaks) for key, peaks in answer.tables["peaks"].groupby(["body", "quantity"])
+        },
     }
+
+
+def _largest(peaks: pd.DataFrame) -> dict[str, Array]:
+    """Numbers of the largest peaks of one field in a body; the table begins with the largest."""
+    size = peaks["value_Pa"].abs()
+    shown = peaks[size >= LEAST * size.max()][:DRAWN]
+    return {name: shown[column].to_numpy() for name, column in PEAKS.items()}
 
 
 def _answers_in(found: Answer | Sample) -> Mapping[str, AnswerData]:

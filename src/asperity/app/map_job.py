@@ -27,7 +27,7 @@ from asperity.surface.description import describe_map
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
 from asperity.surface.treatment.treatment import Doubt
-from asperity.views.maps import blocks
+from asperity.views.scales import blocks
 
 PIXELS = 1024
 """Most values along an edge of a picture; of a finer grid a value stands for a block of nodes."""
@@ -103,7 +103,7 @@ class MapJob:
         if not self._is_warm:
             self._is_warm = True
             with suppress(Exception):  # the first map says what is wrong
-                MapJob(lambda *_: None).check({"map": {"file": EXAMPLE}}, "", 0)
+                MapJob(lambda *_: None).check(STAND_INS | {"map": {"file": EXAMPLE}}, "", 0)
         return False
 
     def check(self, content: Mapping[str, Any], out: str, number: int) -> dict[str, Any]:

@@ -31,8 +31,8 @@ from asperity.surface.reading.container import maps_in
 LONGEST_TEXT = 100_000
 """Characters of a field of the form; a longer text is refused."""
 
-DRAWN, LISTED, LEAST = 200, 12, 0.05
-"""Most peaks in pictures and in the table, and the least value of a peak over the largest."""
+LISTED = 12
+"""Most peaks in the table."""
 
 FRAME = ("x", "y", "dw", "dh")
 """Corner and edges of a picture."""
@@ -589,12 +589,9 @@ class Session:
 
     def _peaks(self, slot: Slot) -> dict[str, Any]:
         """Peaks of the field and body that are looked at, the largest first; in m and Pa."""
-        known, (body, name) = slot.drawn["peaks"], self._looked_at(slot)
-        size = np.abs(known["value_Pa"])
-        own = np.flatnonzero((known["body"] == body) & (known["quantity"] == name))
-        own = own[size[own] >= LEAST * size[own].max(initial=0.0)][:DRAWN]
-        columns = {"x": "x_m", "y": "y_m", "depth": "depth_m", "value": "value_Pa"}
-        return {short: known[column][own] for short, column in columns.items()}
+        return slot.drawn["peaks"].get(
+            self._looked_at(slot), dict.fromkeys(("x", "y", "depth", "value"), np.empty(0))
+        )
 
     def _depths(self) -> list[float]:
         return [] if self.shown[0] is None else self.shown[0].drawn["depths"][self.view["body"]]

@@ -117,8 +117,7 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
     plain, folder = plain_data(folder), folder.absolute()  # also after a change of the working folder
 
     def read(name: str, names: Sequence[str] | None = None) -> xr.Dataset:
-        found = dataset.read(unchanged(folder, name))
-        return found if names is None else found[list(names)]
+        return dataset.read_checked(unchanged(folder, name), names, is_known=name in checksums_in(folder))
 
     found = kind.__new__(kind)
     later: dict[str, Callable[[], Any]] = {

@@ -69,25 +69,19 @@ def read_table(table: str, path: FilePath) -> "pd.DataFrame":
     import pandas as pd
 
     try:
-        found = pd.read_csv(path, dtype=str, keep_default_na=False)
-        numbers = units(table, found)
-        for name in found.columns:
-            found[name] = _typed(found[name].tolist(), name in numbers)
+        header = pd.read_csv(path, nrows=0)
+        numbers = units(table, header)
+        texts = dict.fromkeys((str(name) for name in header if name not in numbers), str)
+        empty: Any = {name: [""] for name in numbers}
+        precise: Any = {"keep_default_na": False, "float_precision": "round_trip"}
+        found = pd.read_csv(path, dtype=texts, na_values=empty, **precise)
+        found[[*numbers]].astype(float)  # a ValueError where one is no number
     except (OSError, ValueError, KeyError) as error:
         raise DatasetError(f"{path}: a table of this version is needed ({error})") from error
+    for name in texts:
+        if len(found) and {*found[name].unique()} <= {"True", "False"}:
+            found[name] = found[name] == "True"
     return found
-
-
-def _typed(texts: list[str], is_number: bool) -> "list[Any]":
-    """Values of a column from their texts: truth values, whole numbers, numbers or texts."""
-    if texts and {*texts} <= {"True", "False"}:
-        return [text == "True" for text in texts]
-    if not is_number:
-        return texts
-    try:
-        return [int(text) for text in texts]
-    except ValueError:
-        return [float(text or "nan") for text in texts]
 
 
 def check_columns(frame: "pd.DataFrame", table: str) -> None:

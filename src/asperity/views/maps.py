@@ -1,6 +1,6 @@
 """Height, contact pressure and gap over the cell, with the outlines of the contacts."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from asperity.core.types import Array
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.scales import FALLING, SEQUENTIAL, Look, Scale, measure
+from asperity.views.scales import FALLING, SEQUENTIAL, Look, Scale, blocks, measure
 from asperity.views.source import Part, Source, Span, sources
 
 CONTOUR_COLOUR = "C4"
@@ -209,17 +209,3 @@ def draw_contour(
         crossings = np.count_nonzero(np.diff(values > level, axis=1)) / values.shape[0]
         width *= min(1.0, max(THINNEST, DENSE / max(crossings, 1.0)))
         axis.contour(*nodes, values, levels=[level], colors=colour, linewidths=width, **place)
-
-
-def blocks(values: Array, size: Sequence[int], reduce: Callable[..., Array]) -> Array:
-    """Values [y, x] of blocks of nodes, each of `size` nodes along y and x; the last ones may be smaller."""
-    missing = [(0, -nodes % block) for nodes, block in zip(values.shape, size, strict=True)]
-    padded = np.pad(values, missing, mode="edge")
-    rows, columns = (nodes // block for nodes, block in zip(padded.shape, size, strict=True))
-    return reduce(padded.reshape(rows, size[0], columns, size[1]), axis=(1, 3))
-
-
-def largest_magnitude(values: Array, axis: tuple[int, ...]) -> Array:
-    """The value of largest magnitude along some axes, with its sign."""
-    high, low = values.max(axis=axis), values.min(axis=axis)
-    return np.where(high >= -low, high, low)

@@ -5,7 +5,7 @@ Units have sensible prefixes in SI; dimensionless results are drawn in cell leng
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -249,3 +249,17 @@ class Scale(NamedTuple):
     unit: Measure
     length: Measure
     level: float | None = None
+
+
+def blocks(values: Array, size: Sequence[int], reduce: Callable[..., Array]) -> Array:
+    """Values [y, x] of blocks of nodes, each of `size` nodes along y and x; the last ones may be smaller."""
+    missing = [(0, -nodes % block) for nodes, block in zip(values.shape, size, strict=True)]
+    padded = np.pad(values, missing, mode="edge")
+    rows, columns = (nodes // block for nodes, block in zip(padded.shape, size, strict=True))
+    return reduce(padded.reshape(rows, size[0], columns, size[1]), axis=(1, 3))
+
+
+def largest_magnitude(values: Array, axis: tuple[int, ...]) -> Array:
+    """The value of largest magnitude along some axes, with its sign."""
+    high, low = values.max(axis=axis), values.min(axis=axis)
+    return np.where(high >= -low, high, low)

@@ -13,9 +13,9 @@ from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.stress.planes.planes import default_depths, depth_grid, stress_planes
 from asperity.stress.section import stress_section
-from asperity.views.maps import CONTOUR_COLOUR, Map, blocks, draw_contour, draw_maps, largest_magnitude
+from asperity.views.maps import CONTOUR_COLOUR, Map, draw_contour, draw_maps
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.scales import SIGNED, STRESS, Look, Scale, measure
+from asperity.views.scales import SIGNED, STRESS, Look, Scale, blocks, largest_magnitude, measure
 from asperity.views.source import Source, Span, sources
 
 POSITIVE = ("von_mises", "maximum_shear")

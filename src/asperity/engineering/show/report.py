@@ -1,4 +1,7 @@
-"""The report of an answer as one page, its first screen in a notebook, and its pictures as files."""
+"""The report of an answer as one page, its first screen in a notebook, and its pictures as files.
+
+The drawing is imported where a page is made: that of matplotlib takes half a second.
+"""
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
@@ -16,7 +19,6 @@ from asperity.engineering.contact_numbers import certificate_in_words
 from asperity.engineering.question import Picture
 from asperity.engineering.sample import warnings_by_kind
 from asperity.engineering.scene import Scene
-from asperity.engineering.show.pictures import compared_pictures, lead_of, pictures, png_of
 from asperity.engineering.show.tables import for_reader, tiles_of, unknown_of
 from asperity.results.atomic import write_text
 
@@ -38,6 +40,8 @@ def write_report(answer: AnswerData, folder: Path) -> None:
 
     The folder is within the folder of the answer.
     """
+    from asperity.engineering.show.pictures import pictures, png_of
+
     drawn = []
     for picture in pictures(answer):
         drawn.append(Drawn(picture, png_of(picture.figure)))
@@ -56,6 +60,8 @@ def report(answer: AnswerData, drawn: Sequence[Drawn] | None = None, folder: Pat
     folder : Path, optional
         To which names of files in the case file are relative, by default the working folder.
     """
+    from asperity.engineering.show.pictures import lead_of, pictures, png_of
+
     if drawn is None:
         drawn = [Drawn(picture, png_of(picture.figure)) for picture in pictures(answer)]
     lead = lead_of(answer, [each.picture for each in drawn])
@@ -104,6 +110,8 @@ def page_of(
     **words
         Heading, case, tiles, notes, names of the folders of reports, and the case file.
     """
+    from asperity.engineering.show.pictures import compared_pictures, png_of
+
     return rendered(
         "asperity.engineering.show",
         "several.html.j2",
@@ -117,14 +125,19 @@ def page_of(
 
 def preview(answer: AnswerData) -> str:
     """The first screen of the report, as a notebook shows it."""
-    lead = lead_of(answer) if find_spec("matplotlib") else None
+    lead = None
+    if find_spec("matplotlib"):
+        from asperity.engineering.show.pictures import lead_of, png_of
+
+        picture = lead_of(answer)
+        lead = None if picture is None else Drawn(picture, png_of(picture.figure))
     return rendered(
         "asperity.engineering.show",
         "preview.html.j2",
         title=answer.title,
         verdict=answer.verdict,
         tiles=tiles_of(answer.tiles),
-        lead=None if lead is None else Drawn(lead, png_of(lead.figure)),
+        lead=lead,
     )
 
 

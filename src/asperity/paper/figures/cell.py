@@ -11,7 +11,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from asperity.core.types import Array, ArrayLike
 from asperity.paper.figures.cases import Datasets, contact_area, name
 from asperity.results.dataset import grid_of
-from asperity.views.maps import blocks
+from asperity.views.scales import blocks
 from asperity.views.style import MILLIMETRE, label
 
 SOLID, FRONT, RIGHT, CONTACT = "#c9d6df", "#9fb3c1", "#8aa0b0", "#D55E00"

@@ -18,7 +18,7 @@ from asperity.paper.figures.cases import (
     with_band,
 )
 from asperity.results.dataset import grid_of
-from asperity.views.maps import blocks
+from asperity.views.scales import blocks
 from asperity.views.style import COLUMN, PAGE, label, panels
 
 SMALLEST_POWER = 1e-8
