@@ -188,8 +188,9 @@ def summary_of(found: Answer | Sample) -> dict[str, Any]:
 
 def drawn_of(name: str, answer: AnswerData) -> dict[str, Any]:
     """Contact and peaks of the answer of one map, and everything that can be chosen for its planes."""
-    contact, grid = {"pressure": answer.contact.pressure, "gap": answer.contact.gap}, answer.contact.grid
-    return {name: picture(values, grid, np.fmax.reduce) for name, values in contact.items()} | {
+    contact = answer.contact
+    fields = {"pressure": np.where(contact.pressure > 0, contact.pressure, np.nan), "gap": contact.gap}
+    return {name: picture(values, contact.grid, np.fmax.reduce) for name, values in fields.items()} | {
         "name": name,
         "bodies": [*answer.stress],
         "fields": [*answer.case.fields],

@@ -103,7 +103,7 @@ class MapJob:
         if not self._is_warm:
             self._is_warm = True
             with suppress(Exception):  # the first map says what is wrong
-                MapJob(lambda *_: None).check(STAND_INS | {"map": {"file": EXAMPLE}}, "", 0)
+                MapJob(lambda *_: None).check({"map": {"file": EXAMPLE}}, "", 0)
         return False
 
     def check(self, content: Mapping[str, Any], out: str, number: int) -> dict[str, Any]:

@@ -102,6 +102,7 @@ class MapFigure:
         self.outline = ColumnDataSource({"xs": [], "ys": []})
         self.mapper = LinearColorMapper(palette=palette, nan_color="rgba(0,0,0,0)")
         self._is_section, self._shown = is_section, (0.0, 0.0, 0.0, 0.0)
+        self._values, self._drawn = np.empty((0, 0)), dict[str, Any]()
         mode: dict[str, Any] = {} if is_section else {"sizing_mode": "scale_width"}
         self.figure = _figure(
             title,
@@ -171,7 +172,6 @@ class MapFigure:
         self.mapper.update(low=low / factor, high=max(high, low + 1e-30) / factor)
         self.bar.title = symbol
         frame = {name: [shown[name] / self._factor] for name in ("x", "y", "dw", "dh")}
-        self.image.data = {"image": [values / np.float32(factor)], **frame}
         self.figure.xaxis.axis_label = f"{'along the line' if self._is_section else 'x'} ({length})"
         self.figure.yaxis.axis_label = f"{'depth' if self._is_section else 'y'} ({length})"
         self.hover.tooltips = [
@@ -188,6 +188,11 @@ class MapFigure:
             self._shown = x, y, width, height
             for axis, start, size in ((self.figure.x_range, x, width), (self.figure.y_range, y, height)):
                 axis.update(start=start, end=start + size, reset_start=start, reset_end=start + size)
+        drawn = frame | {"factor": factor, "level": level}
+        if values is self._values and drawn == self._drawn:  # megabytes, which the browser has
+            return
+        self._values, self._drawn = values, drawn
+        self.image.data = {"image": [values / np.float32(factor)], **frame}
         outline = np.nan_to_num(values)
         lines: Any = []
         if level is not None and min(values.shape) >= 2 and outline.min() < level < outline.max():
@@ -298,9 +303,8 @@ class AnswerPictures:
     def show_contact(self, shown: Mapping[str, Any], which: str, units: Units, limits: Limits) -> None:
         """Draw the contact: its pressure, or the gap."""
         self.contact.unit, self.contact.quantity = ("m", "gap") if which == "gap" else ("Pa", "pressure")
-        values = shown["values"] if which == "gap" else np.where(shown["values"] > 0, shown["values"], np.nan)
         title = "Gap" if which == "gap" else "Contact pressure"
-        self.contact.show({**shown, "values": values}, units, self.prefix + title, limits=limits)
+        self.contact.show(shown, units, self.prefix + title, limits=limits)
 
     def show_peaks(
         self, peaks: Mapping[str, Array], units: Units, frame: Mapping[str, Any], limits: Limits

@@ -356,8 +356,12 @@ class Session:
                 self.set({})
         self.tell({"progress": self._progress()})
 
-    def _of_answer(self, slot: Slot, worker: Worker, name: str, found: Any) -> None:
+    def _of_answer(self, worker: Worker, name: str, found: Any) -> None:
         """Take progress, an answer, or a picture of it."""
+        slot = next((each for each in self.slots if each.worker is worker), None)
+        worker.looks -= (found[0] if name == "refused" else name) == "look"
+        if slot is None or (worker.looks and name != "ended"):  # about an answer that was given up
+            return
         if name == "folder":
             slot.folder = found
         elif name == "progress":
@@ -454,25 +458,35 @@ class Session:
         return slot
 
     def _worker_of(self, slot: Slot) -> Worker:
-        """The process of an answer, which is started when something is first asked of it."""
-        if slot.worker is None or slot.worker.stopped or not slot.worker.process.is_alive():
-            slot.worker = worker = Worker("answer")
-            self._listen(worker, partial(self._of_answer, slot, worker))
+        """The process of an answer: one of an answer that is not shown any more, or a new one."""
+        worker = slot.worker
+        if worker is None or worker.stopped or not worker.process.is_alive():
+            worker = self._given_up() if slot.state == "shown" else None
+            if worker is None:
+                worker = Worker("answer")
+                self._listen(worker, partial(self._of_answer, worker))
+            slot.worker = worker
             if slot.state == "shown":
-                slot.worker.send("look", folder=str(slot.folder), name=slot.drawn["name"])
-        return slot.worker
+                worker.looks += 1
+                worker.send("look", folder=str(slot.folder), name=slot.drawn["name"])
+        return worker
+
+    def _given_up(self) -> Worker | None:
+        """The process of an answer that is not shown any more, which loses it."""
+        for slot in self.slots:
+            if slot.worker is not None and slot.state == "shown" and slot not in self.shown:
+                worker, slot.worker = slot.worker, None
+                if worker.process.is_alive() and not worker.stopped:
+                    return worker
+        return None
 
     def _running(self) -> Slot | None:
         return next((slot for slot in self.slots if slot.state in ("running", "opening")), None)
 
     def _chosen(self, number: str) -> Slot | None:
-        """An answer that is to be shown. Processes of answers that are not shown are ended."""
+        """An answer that is to be shown."""
         known = {str(index): slot for index, slot in enumerate(self.slots) if slot.state == "shown"}
-        chosen = known.get(number)
-        for slot in known.values():
-            if slot.worker is not None and slot not in (chosen, *self.shown):
-                slot.worker.stop()
-        return chosen
+        return known.get(number)
 
     def _problems(self) -> list[tuple[str, str]]:
         """Keys and texts of everything that is missing or wrong."""
@@ -579,6 +593,8 @@ class Session:
             worker.send("plane", body=body, field=name, depth=min(self.depth, deepest))
             if with_section and "section" in self._lines:
                 worker.send("section", body=body, field=name, ends=self._lines["section"])
+        while (given_up := self._given_up()) is not None:
+            given_up.stop()
         self._draw("mark")
         if with_section:
             self._tell_answer()
@@ -640,7 +656,10 @@ class Session:
                 tab.map.show_profile(distance, height, self._lines["profile"], self.units)
         if "contact" in parts:
             which = self.view["contact"]
-            highest = max((float(slot.drawn[which]["values"].max()) for slot, _ in answers), default=0.0)
+            highest = max(
+                (float(np.nanmax(slot.drawn[which]["values"], initial=0.0)) for slot, _ in answers),
+                default=0.0,
+            )
             peaks = [self._peaks(slot) for slot, _ in answers]
             deepest, largest = (
                 max((float(np.abs(each[name]).max(initial=0)) for each in peaks), default=0.0)

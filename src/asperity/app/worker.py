@@ -4,6 +4,7 @@ A worker is spawned, never forked, and is spoken to over a pipe. It leads a grou
 compute beside it, and ends with all of them when the pipe closes, as it does when the server ends.
 """
 
+import gc
 import os
 import signal
 import threading
@@ -15,7 +16,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 REPLACED = ("check", "plane", "section", "profile")
-"""Requests of which only the newest is answered."""
+"""Requests of which only the newest is answered, and none about an answer that is given up."""
 
 Reply = Callable[[str, Any], None]
 """Receives the name of a reply and its content, in the thread of the server."""
@@ -28,12 +29,18 @@ class Worker:
     ----------
     kind : str
         ``"reader"`` reads maps, cases and answers, ``"answer"`` computes an answer, and its planes.
+
+    Attributes
+    ----------
+    stopped : bool
+    looks : int
+        Requests to take another answer that it has not followed yet: until then it replies about the last.
     """
 
     def __init__(self, kind: str) -> None:
         context = get_context("spawn")
         self._pipe, theirs = context.Pipe()
-        self.stopped = False
+        self.stopped, self.looks = False, 0
         self.process = context.Process(target=_work, args=(theirs, kind), daemon=kind == "reader")
         self.process.start()
         theirs.close()
@@ -95,9 +102,12 @@ def _work(pipe: Connection, kind: str) -> None:
         with lock:
             pipe.send((name, content))
 
+    gc.disable()  # an import makes no garbage, and the search for it takes a tenth of the time
     from asperity.app.answer_job import AnswerJob, Reader
     from asperity.core.errors import InputError
 
+    gc.freeze()
+    gc.enable()
     job: Any = (Reader if kind == "reader" else AnswerJob)(reply)
     waiting: list[tuple[str, dict[str, Any]]] = []
     is_idle = False
@@ -112,7 +122,7 @@ def _work(pipe: Connection, kind: str) -> None:
             continue
         is_idle = False
         name, given = waiting.pop(0)
-        if name in REPLACED and any(name == later for later, _ in waiting):
+        if name in REPLACED and any(later in (name, "look") for later, _ in waiting):
             continue
         if name == "section" and job.work_ahead():  # a section needs all planes: answer other requests first
             waiting.append((name, given))

@@ -68,13 +68,15 @@ def read_table(table: str, path: FilePath) -> "pd.DataFrame":
     """
     import pandas as pd
 
+    options: Any = {"keep_default_na": False}
+    if tuple(map(int, pd.__version__.split(".")[:2])) < (3, 1):  # later ones always read the exact number
+        options["float_precision"] = "round_trip"
     try:
         header = pd.read_csv(path, nrows=0)
         numbers = units(table, header)
-        texts = dict.fromkeys((str(name) for name in header if name not in numbers), str)
-        empty: Any = {name: [""] for name in numbers}
-        precise: Any = {"keep_default_na": False, "float_precision": "round_trip"}
-        found = pd.read_csv(path, dtype=texts, na_values=empty, **precise)
+        texts: Any = {name: str for name in header if name not in numbers}
+        options["na_values"] = {name: [""] for name in numbers}
+        found = pd.read_csv(path, dtype=texts, **options)
         found[[*numbers]].astype(float)  # a ValueError where one is no number
     except (OSError, ValueError, KeyError) as error:
         raise DatasetError(f"{path}: a table of this version is needed ({error})") from error

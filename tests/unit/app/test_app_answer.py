@@ -1,11 +1,14 @@
 """Pictures of the page: lines over a map, and sections of an answer that was opened."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import asperity as asp
 from asperity.app.answer_job import AnswerJob, Reader
 from asperity.app.map_job import MapJob, along
+from asperity.app.session import Session
 from asperity.core.errors import InputError
 
 EDGE = 2e-4
@@ -58,6 +61,50 @@ def test_planes_and_sections_are_those_of_the_answer(answer):
     values = np.interp(section["dw"] / 2, expected["x"], expected.sel(depth=depth))
     number = int(np.argmin(abs(np.linspace(0, section["dh"], 160) - depth)))
     assert section["values"][number, 200] == pytest.approx(values, rel=0.05)
+
+
+class Process:
+    """A `Worker` without a process: it keeps the requests, and replies when a test says so."""
+
+    made: list
+
+    def __init__(self, kind):
+        self.kind, self.sent, self.stopped, self.looks = kind, [], False, 0
+        self.process = SimpleNamespace(is_alive=lambda: True)
+        self.made.append(self)
+
+    def listen(self, reply):
+        self.reply = reply
+
+    def send(self, request, **given):
+        self.sent.append(request)
+
+    def stop(self):
+        self.stopped = True
+
+
+def test_the_process_of_an_answer_that_is_given_up_shows_the_next(answer, monkeypatch, tmp_path):
+    """Until it has followed, its replies are about the answer that it had before."""
+    monkeypatch.setattr("asperity.app.session.Worker", Process)
+    monkeypatch.setattr(Process, "made", made := [], raising=False)
+    loop = SimpleNamespace(add_callback=lambda function, *given: function(*given))
+    session = Session(loop, Process("reader"), {}, tmp_path, 1e9)
+    summary = Reader(lambda *_: None).open(str(answer[1]), 0)
+    for number in (0, 1):
+        session.do_open(str(answer[1]))
+        made[0].reply("open", summary | {"number": number})
+        (worker,) = made[1:]
+        assert (session.slots[number].worker, worker.looks) == (worker, 1)
+        worker.reply("plane", "of the answer before")
+        worker.reply("look", None)
+        worker.reply("plane", number)
+        assert session.slots[number].plane == number
+    assert worker.sent == ["look", "plane", "section"] * 2
+    assert (session.slots[0].worker, session.slots[0].plane) == (None, 0)
+    session.do_beside("0")
+    assert [each.kind for each in made] == ["reader", "answer", "answer"]
+    session.do_beside("")
+    assert [each.stopped for each in made] == [False, False, True]
 
 
 def test_a_section_needs_all_planes_however_many_are_kept(answer, monkeypatch):

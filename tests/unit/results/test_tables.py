@@ -6,7 +6,8 @@ import pytest
 
 import asperity as asp
 from asperity import Body, run
-from asperity.results.tables import check_columns, units, write_table, write_workbook
+from asperity.core.errors import DatasetError
+from asperity.results.tables import check_columns, read_table, units, write_table, write_workbook
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.views.export import peak_table
 
@@ -30,7 +31,12 @@ def test_tables_of_an_answer_are_described(tmp_path):
     for table, frame in (("answer", answer.frame()), ("answer_peaks", answer.tables["peaks"])):
         path = tmp_path / f"{table}.csv"
         write_table(frame, table, path)
-        pd.testing.assert_frame_equal(pd.read_csv(path), frame.replace("", np.nan), check_dtype=False)
+        pd.testing.assert_frame_equal(read_table(table, path), frame, check_exact=True)
+        write_table(frame[:0], table, path)
+        assert [*read_table(table, path)] == [*frame]
+        path.write_text(path.read_text() + ",".join("x" * len(frame.columns)), encoding="utf-8")
+        with pytest.raises(DatasetError, match="could not convert string to float"):
+            read_table(table, path)
     for system, unit in (("SI", "depth_um"), ("study", "depth_cell_length")):
         frame = peak_table(answer.stress["lower"].assign_attrs(unit_system=system))
         check_columns(frame, "export_peaks")
