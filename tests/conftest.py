@@ -94,7 +94,7 @@ def checked_answers():
 @pytest.fixture
 def without_pictures(monkeypatch):
     """Answers are written without pictures, which take most of the time."""
-    monkeypatch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
+    monkeypatch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
 
 
 @pytest.hookimpl(tryfirst=True)

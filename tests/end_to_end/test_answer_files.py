@@ -30,7 +30,7 @@ def kept(tmp_path_factory):
     """Two maps and the folder of their pooled answers."""
     folder = tmp_path_factory.mktemp("kept")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
+        patch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
         maps = [made_map(folder / f"{name}.txt", seed) for seed, name in enumerate(NAMES)]
         assert status("run", *maps, *STEEL, "--pooled", "--out", folder / "pool") == 0
     return folder

@@ -27,8 +27,8 @@ COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--mean-pressure", "400 MPa", "-
 def without_pictures():
     """They take most of the time, and `test_run_command` draws them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.show.report.pictures", lambda _: [])
-        patch.setattr("asperity.engineering.show.report.compared_pictures", lambda _: [])
+        patch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
+        patch.setattr("asperity.engineering.show.pictures.compared_pictures", lambda _: [])
         yield
 
 

@@ -20,7 +20,7 @@ from asperity.cli import main as cli
 from asperity.results import dataset
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-answers-"))
-NO_PICTURES = mock.patch("asperity.engineering.show.report.pictures", return_value=[])
+NO_PICTURES = mock.patch("asperity.engineering.show.pictures.pictures", return_value=[])
 TABLES = {"answer.csv", "peaks.csv", "contact_spots.csv", "gaps.csv", "warnings.csv"}
 WHOLE = {"answer.json", "case.yaml", "surface.nc", "contact.nc", *TABLES, "report.html"}
 POINTS, EDGE = 16, 16e-6

@@ -193,15 +193,14 @@ class MapFigure:
             return
         self._values, self._drawn = values, drawn
         self.image.data = {"image": [values / np.float32(factor)], **frame}
-        outline = np.nan_to_num(values)
         lines: Any = []
-        if level is not None and min(values.shape) >= 2 and outline.min() < level < outline.max():
+        if level is not None and min(values.shape) >= 2 and values.min() < level < values.max():
             from contourpy import contour_generator
 
             rows, columns = values.shape
             along_x = (shown["x"] + (np.arange(columns) + 0.5) * shown["dw"] / columns) / self._factor
             along_y = (shown["y"] + (np.arange(rows) + 0.5) * shown["dh"] / rows) / self._factor
-            lines = contour_generator(along_x, along_y, outline).lines(level)
+            lines = contour_generator(along_x, along_y, values).lines(level)
         self.outline.data = {"xs": [line[:, 0] for line in lines], "ys": [line[:, 1] for line in lines]}
 
 

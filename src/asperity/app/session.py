@@ -246,9 +246,10 @@ class Session:
         """Show an answer beside the other, and their differences; none for an empty number."""
         slot = self._chosen(number)
         self.shown[1] = None if slot is self.shown[0] else slot
-        self._compare()
+        is_compared = self._compare()
         self._ask(True)
-        self._draw("contact", "planes")
+        if not is_compared:
+            self._draw("contact", "planes")
 
     def do_view(self, value: str) -> None:
         """Show another field, body, or picture of the contact, or other units: ``name=value``."""
@@ -354,6 +355,8 @@ class Session:
             self._say(killed)
             if not killed:
                 self.set({})
+        if name in ("compare", "refused", "ended"):  # pictures that waited for a comparison
+            self._draw("contact", "planes")
         self.tell({"progress": self._progress()})
 
     def _of_answer(self, worker: Worker, name: str, found: Any) -> None:
@@ -558,13 +561,15 @@ class Session:
         self._look_at(slot, 0)
         self._draw("contact", "planes")
 
-    def _compare(self) -> None:
-        """Ask for the differences of the two answers that are shown."""
+    def _compare(self) -> bool:
+        """Ask for the differences of the two answers that are shown; they come before the pictures."""
         first, second = self.shown
         self.compared = {}
-        if first is not None and second is not None:
-            folders = [str(first.folder), str(second.folder)]
-            self._reader.send("compare", names=self._names(), folders=folders)
+        if first is None or second is None:
+            return False
+        folders = [str(first.folder), str(second.folder)]
+        self._reader.send("compare", names=self._names(), folders=folders)
+        return True
 
     def _names(self) -> list[str]:
         """Numbers and maps of the answers that are shown, with their loads if these differ."""
@@ -586,6 +591,9 @@ class Session:
 
     def _ask(self, with_section: bool) -> None:
         """Ask for the plane, and the section, of the answers that are shown."""
+        if with_section:
+            self._tell_answer()
+        self.tell({"plane": self._slider()})
         for slot in filter(None, self.shown):
             body, name = self._looked_at(slot)
             deepest = slot.drawn["depths"][body][-1]
@@ -596,9 +604,6 @@ class Session:
         while (given_up := self._given_up()) is not None:
             given_up.stop()
         self._draw("mark")
-        if with_section:
-            self._tell_answer()
-        self.tell({"plane": self._slider()})
 
     def _tell_answer(self) -> None:
         self.tell({"html": self._parts_of_answer(), "beside": self.shown[1] is not None})
