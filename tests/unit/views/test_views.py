@@ -12,8 +12,8 @@ import asperity as asp
 from asperity.cli.main import main
 from asperity.results import dataset
 from asperity.results.variables import SI_UNITS
-from asperity.views.maps import PIXELS, blocks, largest_magnitude
-from asperity.views.scales import robust_limits
+from asperity.views.maps import PIXELS
+from asperity.views.scales import blocks, largest_magnitude, robust_limits
 
 EDGE, PRESSURE = 512e-6, 50e6
 GRID = asp.Grid((64, 64), EDGE)
