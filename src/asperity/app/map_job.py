@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from scipy.ndimage import map_coordinates
 
 from asperity.app.form import EXAMPLE, MISSING, contents_of
@@ -102,6 +103,7 @@ class MapJob:
         """Check a small case before anything is asked for: what that imports takes half a second."""
         if not self._is_warm:
             self._is_warm = True
+            xr.Dataset(coords={"x": [0.0]})  # an index of xarray imports pint
             with suppress(Exception):  # the first map says what is wrong
                 MapJob(lambda *_: None).check({"map": {"file": EXAMPLE}}, "", 0)
         return False

@@ -112,7 +112,7 @@ class AnswerData:
         later = self.__dict__.get("_later", {})
         if name not in later:
             raise AttributeError(f"{type(self).__name__} has no attribute {name}")
-        object.__setattr__(self, name, later[name]())
+        object.__setattr__(self, name, later[name](self))
         return self.__dict__[name]
 
     def __getstate__(self) -> dict[str, Any]:

@@ -120,10 +120,10 @@ def read_data(folder: Path, kind: type[Kind]) -> Kind:
         return dataset.read_checked(unchanged(folder, name), names, is_known=name in checksums_in(folder))
 
     found = kind.__new__(kind)
-    later: dict[str, Callable[[], Any]] = {
-        "case": lambda: Case.read(case_of_answer(folder)),
-        "face": lambda: _face_from(plain["face"], read("surface.nc")),
-        "contact": lambda: _contact_from(read("contact.nc"), found, plain["contact"]),
+    later: dict[str, Callable[[AnswerData], Any]] = {  # no cycle: an answer goes with its last reference
+        "case": lambda _: Case.read(case_of_answer(folder)),
+        "face": lambda _: _face_from(plain["face"], read("surface.nc")),
+        "contact": lambda answer: _contact_from(read("contact.nc"), answer, plain["contact"]),
     }
     try:
         date, versions, files = plain["origin"]

@@ -1,5 +1,7 @@
 """Pictures of the page: lines over a map, and sections of an answer that was opened."""
 
+import gc
+import weakref
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +12,7 @@ from asperity.app.answer_job import AnswerJob, Reader
 from asperity.app.map_job import MapJob, along
 from asperity.app.session import Session
 from asperity.core.errors import InputError
+from asperity.engineering.answer import opened
 
 EDGE = 2e-4
 
@@ -61,6 +64,18 @@ def test_planes_and_sections_are_those_of_the_answer(answer):
     values = np.interp(section["dw"] / 2, expected["x"], expected.sel(depth=depth))
     number = int(np.argmin(abs(np.linspace(0, section["dh"], 160) - depth)))
     assert section["values"][number, 200] == pytest.approx(values, rel=0.05)
+
+
+def test_an_opened_answer_goes_with_its_last_reference(answer):
+    """Else a process that opens many large ones keeps them until it searches for garbage."""
+    gc.disable()
+    found = opened(answer[1])
+    assert found.contact.height.shape == (32, 32)
+    known = weakref.ref(found.contact), weakref.ref(found)
+    del found
+    left = [each() for each in known]
+    gc.enable()
+    assert left == [None, None]
 
 
 class Process:
