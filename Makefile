@@ -15,6 +15,8 @@ VENV := .venv
 LOCK := requirements.lock
 COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
 	--extra study --extra maps --extra app --extra flow --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
+LINT = ruff check . && ruff format --check . && snakefmt --check Snakefile workflow studies && snakemake --lint && mypy \
+	&& lint-imports --no-logo --no-cache
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
 .PHONY: help study quick metadata address theories pages verify test lint check fuzz wheel-test test-oldest test-python unit-tests test-slurm peers peers-tests report crate docs replication bench tradeoff lock clean
@@ -48,16 +50,12 @@ pages: study theories ## Write the numbers of README, docs, supplement and studi
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	cd "$(FOLDER)" && sha256sum --quiet --check SHA256SUMS
 
-test: lint ## Run lint and all tests, among them the quick study from nothing (seven minutes on two cores)
-	pytest --numprocesses logical
+test: $(VENV)/ready ## Run lint and beside it all tests, among them the quick study from nothing (five minutes on two cores)
+	@found=$$(mktemp); ($(LINT)) > "$$found" 2>&1 & pytest --numprocesses logical; tests=$$?; \
+		wait $$!; lint=$$?; cat "$$found"; rm "$$found"; exit $$((tests + lint))
 
 lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go downwards only
-	ruff check .
-	ruff format --check .
-	snakefmt --check Snakefile workflow studies
-	snakemake --lint
-	mypy
-	lint-imports --no-logo --no-cache
+	$(LINT)
 
 check: $(VENV)/ready ## Compare the numbers of the quick study with tests/reference; UPDATE=1 replaces the reference
 	python workflow/check.py --cores $(CORES) $(if $(UPDATE),--update)

@@ -51,6 +51,11 @@ def pytest_configure(config):
         os.environ[VARIABLE] = engine
 
 
+def pytest_xdist_auto_num_workers():
+    """One more than processors: tests of the study and of the page wait for processes of their own."""
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_sessionstart(session):
     has_workers = getattr(session.config.option, "numprocesses", None)
     if has_workers and not hasattr(session.config, "workerinput") and not is_compiled():

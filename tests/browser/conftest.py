@@ -32,9 +32,13 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def app(tmp_path_factory):
-    found = App(tmp_path_factory.mktemp("app"), "--out", "answers")
+    """Started with variables of Bokeh, none of which may reach the page; nothing temporary is left."""
+    folder = tmp_path_factory.mktemp("app")
+    given = {"BOKEH_SIGN_SESSIONS": "yes", "BOKEH_LOG_LEVEL": "nonsense", "BOKEH_RESOURCES": "cdn"}
+    found = App(folder, "--out", "answers", "--host-header", "localhost:9999", TMPDIR=str(folder), **given)
     yield found
     found.close()
+    assert not [*folder.glob("asperity-app-*")]
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,8 @@ class App:
 
     def __init__(self, folder, *arguments, **environment):
         self.folder = folder
-        command = [sys.executable, "-m", "asperity", "app", "--no-browser", *map(str, arguments)]
+        shown = () if "BROWSER" in environment else ("--no-browser",)
+        command = [sys.executable, "-m", "asperity", "app", *shown, *map(str, arguments)]
         self.process = subprocess.Popen(
             command, cwd=folder, stdout=subprocess.PIPE, text=True, env=os.environ | environment
         )

@@ -55,6 +55,22 @@ return [edge.left + x[number], edge.top + y[number], near];
 """
 """Place of a peak in the window, and the distance of the nearest other one, in pixels."""
 
+UNTIL = """
+const [seconds, done] = arguments;
+const end = Date.now() + 1000 * seconds;
+const look = () => {
+  try {
+    const found = CONDITION;
+    if (found || Date.now() > end) done([found, ""]);
+    else setTimeout(look, 20);
+  } catch (error) {
+    done([null, String(error)]);
+  }
+};
+look();
+"""
+"""Waits in the page itself: to ask it again and again takes more time than to answer."""
+
 TALLEST = 1500
 
 TITLE = "Bokeh.documents[0].roots().find((each) => each.name === 'plane').title.text"
@@ -75,12 +91,10 @@ class Page:
         return self.chromium.execute_script(script, *arguments)
 
     def until(self, condition, seconds=60):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            if found := self.run(f"return {condition}"):
-                return found
-            time.sleep(0.05)
-        raise AssertionError(f"{condition}: not within {seconds} s; {self.text('notice')}")
+        self.chromium.set_script_timeout(seconds + 60)
+        found, error = self.chromium.execute_async_script(UNTIL.replace("CONDITION", condition), seconds)
+        assert not error, f"{condition}: {error}"
+        assert found, f"{condition}: not within {seconds} s; {self.text('notice')}"
 
     def text(self, name):
         return self.run("return document.getElementById(arguments[0]).textContent.trim()", name)

@@ -3,7 +3,6 @@
 import http.client
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -145,43 +144,30 @@ def test_an_address_is_opened_once(app):
     app.next_address()
 
 
-def test_the_browser_gets_no_secret_as_an_argument(tmp_path):
-    """The browser is started with a file that the user alone can read, and which holds the address."""
+def test_a_further_host_is_answered_if_it_is_named(app):
+    status, _, content = ask(app, Host="localhost:9999", Origin="https://localhost:9999")
+    assert (status, b"cdn.bokeh.org" in content) == (200, False)
+    assert ask(app, "events", Host="localhost:9999", Origin="http://localhost:9999", **UPGRADE)[0] == 101
+    assert ask(app, Host="localhost:9998")[0] == 403
+
+
+def test_what_a_killed_server_left_is_removed_at_the_next_start(tmp_path):
+    """No process is left; the next server ends by itself without a connection.
+
+    The browser is started with a file that the user alone can read, and which holds the address.
+    """
     (tmp_path / "browser").write_text(f'#!/bin/sh\nprintf "%s" "$*" > {tmp_path}/arguments\n')
     (tmp_path / "browser").chmod(0o755)
-    command = [sys.executable, "-m", "asperity", "app"]
-    given = os.environ | {"BROWSER": f"{tmp_path}/browser %s"}
-    process = subprocess.Popen(command, env=given, stdout=subprocess.PIPE, text=True)
-    address = process.stdout.readline()
+    app = App(tmp_path, MAP, TMPDIR=str(tmp_path), BROWSER=f"{tmp_path}/browser %s")
     end = time.monotonic() + 20
     while not ((tmp_path / "arguments").exists() and (tmp_path / "arguments").read_text()):
         assert time.monotonic() < end
         time.sleep(0.05)
     argument = (tmp_path / "arguments").read_text()
     file = Path(argument.removeprefix("file://"))
-    assert address.split("/")[3] not in argument
+    assert app.address.split("/")[3] not in argument
     assert file.stat().st_mode & 0o777 == 0o600
-    assert address.rpartition("once-")[0] in file.read_text()
-    process.send_signal(signal.SIGINT)
-    process.wait(20)
-    process.stdout.close()
-    assert not file.parent.exists()
-
-
-def test_a_further_host_is_answered_if_it_is_named(tmp_path):
-    """And no variable of Bokeh reaches the page."""
-    given = {"BOKEH_SIGN_SESSIONS": "yes", "BOKEH_LOG_LEVEL": "nonsense", "BOKEH_RESOURCES": "cdn"}
-    app = App(tmp_path, "--host-header", "localhost:9999", **given)
-    status, _, content = ask(app, Host="localhost:9999", Origin="https://localhost:9999")
-    assert (status, b"cdn.bokeh.org" in content) == (200, False)
-    assert ask(app, "events", Host="localhost:9999", Origin="http://localhost:9999", **UPGRADE)[0] == 101
-    assert ask(app, Host="localhost:9998")[0] == 403
-    app.close()
-
-
-def test_what_a_killed_server_left_is_removed_at_the_next_start(tmp_path):
-    """No process is left; the next server ends by itself without a connection."""
-    app = App(tmp_path, MAP, TMPDIR=str(tmp_path))
+    assert app.page in file.read_text()
     assert upload(app, "a.npy", b"1")[0] == 200
     children = psutil.Process(app.process.pid).children(recursive=True)
     assert children
@@ -194,6 +180,7 @@ def test_what_a_killed_server_left_is_removed_at_the_next_start(tmp_path):
         (tmp_path / name).mkdir(parents=True)
     (tmp_path / "answer_3/report.html").touch()
     (left,) = [path.parents[2] for path in tmp_path.rglob("a.npy")]
+    assert file.parent == left
     other = App(tmp_path, "--out", tmp_path, "--stop-after", "1 s", TMPDIR=str(tmp_path))
     assert not left.exists()
     assert other.process.wait(30) == 0
