@@ -98,8 +98,10 @@ def checked_answers():
 
 @pytest.fixture
 def without_pictures(monkeypatch):
-    """Answers are written without pictures, which take most of the time."""
-    monkeypatch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
+    """Answers and samples are written without pictures, which take most of the time."""
+    from samples import leave_pictures_out
+
+    leave_pictures_out(monkeypatch)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -87,6 +87,12 @@ def write_map(path, height, edges):
     return str(path)
 
 
+def leave_pictures_out(patch):
+    """Answers, samples and comparisons are written without pictures."""
+    for name in ("pictures", "compared_pictures"):
+        patch.setattr(f"asperity.engineering.show.pictures.{name}", lambda _: [])
+
+
 def status(*words):
     """Exit status of a command."""
     try:

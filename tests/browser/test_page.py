@@ -91,10 +91,12 @@ class Page:
         return self.chromium.execute_script(script, *arguments)
 
     def until(self, condition, seconds=60):
-        self.chromium.set_script_timeout(seconds + 60)
-        found, error = self.chromium.execute_async_script(UNTIL.replace("CONDITION", condition), seconds)
-        assert not error, f"{condition}: {error}"
-        assert found, f"{condition}: not within {seconds} s; {self.text('notice')}"
+        for _ in range(0, seconds, 20):  # the driver itself waits for half a minute
+            found, error = self.chromium.execute_async_script(UNTIL.replace("CONDITION", condition), 20)
+            assert not error, f"{condition}: {error}"
+            if found:
+                return
+        raise AssertionError(f"{condition}: not within {seconds} s; {self.text('notice')}")
 
     def text(self, name):
         return self.run("return document.getElementById(arguments[0]).textContent.trim()", name)

@@ -12,7 +12,7 @@ import signal
 import numpy as np
 import pytest
 import yaml
-from samples import status, write_map
+from samples import leave_pictures_out, status, write_map
 
 STEEL = ["--young", "210 GPa", "--poisson", "0.3", "--mean-pressure", "50 MPa"]
 NAMES = ("a", "b")
@@ -30,7 +30,7 @@ def kept(tmp_path_factory):
     """Two maps and the folder of their pooled answers."""
     folder = tmp_path_factory.mktemp("kept")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
+        leave_pictures_out(patch)
         maps = [made_map(folder / f"{name}.txt", seed) for seed, name in enumerate(NAMES)]
         assert status("run", *maps, *STEEL, "--pooled", "--out", folder / "pool") == 0
     return folder

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from samples import leave_pictures_out
 
 import asperity as asp
 from asperity.cli.main import main
@@ -27,8 +28,7 @@ COMMAND = [*STEEL, *PAIR, "--friction", "0.08", "--mean-pressure", "400 MPa", "-
 def without_pictures():
     """They take most of the time, and `test_run_command` draws them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
-        patch.setattr("asperity.engineering.show.pictures.compared_pictures", lambda _: [])
+        leave_pictures_out(patch)
         yield
 
 

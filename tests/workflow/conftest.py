@@ -34,10 +34,6 @@ class Study(NamedTuple):
     results: Path
     output: str
 
-    def snakemake(self, *arguments):
-        """Run Snakemake with the options of the study."""
-        return snakemake(self.folder, *STUDY, *arguments)
-
 
 @pytest.fixture(scope="session")
 def killed_study(tmp_path_factory):

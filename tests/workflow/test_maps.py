@@ -17,7 +17,7 @@ sys.path.append(str(Path(__file__).parents[1] / "data"))
 import bearing
 
 
-def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
+def test_maps_continue_with_the_same_bits(tmp_path, without_pictures):
     """One answer of two is there, as after a kill; it is kept, and the means are the same as of one process.
 
     The names have characters that mean something to the shell, in patterns and to the command line.
@@ -28,7 +28,6 @@ def test_maps_continue_with_the_same_bits(tmp_path, monkeypatch):
     pool = {"map": [f"{name}.x3p" for name in names], "body": {"young": "210 GPa", "poisson": 0.3}}
     pool |= {"load": {"mean_pressure": "300 MPa"}, "sample": {}}
     (tmp_path / "pool.yaml").write_text(yaml.safe_dump(pool), encoding="utf-8")
-    monkeypatch.setattr("asperity.engineering.show.pictures.pictures", lambda _: [])
     assert main(["run", str(tmp_path / "pool.yaml"), "--out", str(tmp_path / "one")]) == 0
     shutil.copytree(tmp_path / "one" / names[0], tmp_path / "study" / names[0])
     kept = tmp_path / "study" / names[0] / "contact.nc"

@@ -1,9 +1,8 @@
-"""A question that is no part of asperity, and the command line with it: ``python toy_question.py run …``.
+"""A question that is no part of asperity.
 
 Nothing but its class and its field of the case is added.
 """
 
-import sys
 from collections.abc import Iterator
 
 import xarray as xr
@@ -53,10 +52,3 @@ class Case(case.Case):
 
     toy: Toy | None = optional("not asked")
     """A toy."""
-
-
-if __name__ == "__main__":
-    case.Case = Case
-    from asperity.cli.main import main
-
-    sys.exit(main(sys.argv[1:]))
