@@ -155,7 +155,7 @@ def test_pages_show_every_case():
     assert linked == {*CASES}
 
 
-def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys):
+def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys, without_pictures):
     monkeypatch.chdir(tmp_path)
     shutil.copy(DATA / "steel.x3p", tmp_path)
     (example,) = re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)

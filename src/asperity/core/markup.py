@@ -7,7 +7,7 @@ import base64
 import html
 import re
 from collections.abc import Iterable
-from functools import partial
+from functools import cache, partial
 from importlib.util import find_spec
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from asperity.core.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd
+    from jinja2 import Environment
     from matplotlib.figure import Figure
 
 
@@ -45,18 +46,19 @@ def html_table(frame: "pd.DataFrame") -> str:
 
 def rendered(package: str, template: str, **values: Any) -> str:
     """An HTML page from a template beside the modules of a package, which may extend `base.html.j2`."""
+    return _environment(package).get_template(template).render(version=__version__, **values)
+
+
+@cache  # keeps the templates, which take longer to compile than to fill
+def _environment(package: str) -> "Environment":
+    """Templates of a package."""
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-    folders = [PackageLoader(name, "") for name in (package, "asperity.core")]
-    environment = Environment(
-        loader=ChoiceLoader(folders),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    loader = ChoiceLoader([PackageLoader(name, "") for name in (package, "asperity.core")])
+    blocks = dict.fromkeys(("autoescape", "trim_blocks", "lstrip_blocks"), True)
+    environment = Environment(loader=loader, undefined=StrictUndefined, **blocks)
     environment.filters |= {"inline": inline, "si": partial(shown_si, digits=3)}
-    return environment.get_template(template).render(version=__version__, **values)
+    return environment
 
 
 def inline(text: str) -> str:

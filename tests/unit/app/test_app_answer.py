@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from samples import leave_pictures_out
 
 import asperity as asp
 from asperity.app.answer_job import AnswerJob, Reader
@@ -26,7 +27,9 @@ def answer(tmp_path_factory):
     surface = asp.HeightMap(height, (EDGE, EDGE), periodic=True, unit="m", name="ground")
     found = asp.run(surface, STEEL, mean_pressure="50 MPa", sliding={"friction": 0.2})
     folder = tmp_path_factory.mktemp("answer")
-    found.write(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        leave_pictures_out(patch)
+        found.write(folder)
     return found, folder
 
 

@@ -33,7 +33,7 @@ def signalling(number, genuine):
 @pytest.mark.parametrize(
     ("command", "number"), [*((command, signal.SIGINT) for command in COMMANDS), ("export", signal.SIGTERM)]
 )
-def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypatch):
+def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypatch, without_pictures):
     """After the computation, before a file gets its name or the answer is printed."""
     np.savetxt(tmp_path / "map.txt", np.random.default_rng(1).normal(size=(16, 16)))
     files, out = {**chain, "map": tmp_path / "map.txt"}, tmp_path / "out"

@@ -186,7 +186,7 @@ with locked(Path(sys.argv[1])):
 """
 
 
-def test_second_process_does_not_write(folder, answer, capsys):
+def test_second_process_does_not_write(folder, answer, capsys, without_pictures):
     command = [sys.executable, "-c", HOLD, "out"]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as first:
         assert first.stdout.readline() == "held\n"

@@ -23,6 +23,7 @@ from asperity.core.packages import absent
 from asperity.core.system import sha256_of
 from asperity.engineering.case_file import CHECKSUMS, MAP_FILES, OUT, at, case_of_map, load_case, put
 from asperity.engineering.folder import CASE_FILE, DATA, MANIFEST
+from asperity.engineering.show.report import report
 from asperity.engineering.templates import template, templates
 
 PIXELS, EDGE = 32, 62e-6
@@ -248,7 +249,7 @@ def test_every_question_that_changes_inputs_has_a_report():
     height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, 1e-7, seed=1, length=2e-4)
     surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
     answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=3e8, sensitivity={})
-    assert "one per cent" in answer.report()
+    assert "one per cent" in report(answer, drawn=[])
     for answers, message in (([answer, answer], "given twice"), (answer, "a list or a mapping")):
         with pytest.raises((ValueError, TypeError), match=message):
             asp.pool(answers)

@@ -14,6 +14,7 @@ from asperity import Body, run
 from asperity.core.errors import InputError
 from asperity.engineering.drawing import yield_at
 from asperity.engineering.scene import solid_of
+from asperity.engineering.show.pictures import pictures
 from asperity.settings.check import check
 from asperity.study.stages.contact import solid
 from asperity.views.source import sources
@@ -56,7 +57,7 @@ def test_results_describe_the_coatings(answer, tmp_path, without_pictures):
     assert asp.Case.read(answer.case.written() | {"map": "a.x3p"}).bodies == answer.case.bodies
 
 
-def test_residual_stress_of_the_coating_is_added(tmp_path):
+def test_residual_stress_of_the_coating_is_added():
     """It adds to σ_xx in the coating alone; the interface has a place and its picture."""
     body = COATED.replaced(fatigue_torsion=None, fatigue_bending=None)
     stressed = body.replaced(layers=[{**COATING, "yield_stress": 4e9, "residual_stress": -1e9}])
@@ -75,8 +76,7 @@ def test_residual_stress_of_the_coating_is_added(tmp_path):
     assert np.isfinite(found[1]["maximum shear stress on the interface"].position).all()
     assert any("The interface of the coating" in text for text in found[1].verdict)
     np.testing.assert_array_equal(yield_at(stressed, np.array([1e-6, 3e-6])), [4e9, 1e9])
-    found[1].write(tmp_path / "answer")
-    assert (tmp_path / "answer/interface_shear.png").exists()
+    assert "interface_shear" in {each.name for each in pictures(found[1])}
 
 
 test_wrong_coating_is_refused = refuses(
