@@ -14,8 +14,9 @@ class App:
 
     def __init__(self, folder, *arguments, **environment):
         self.folder = folder
-        shown = () if "BROWSER" in environment else ("--no-browser",)
-        command = [sys.executable, "-m", "asperity", "app", *shown, *map(str, arguments)]
+        self.is_shown = "BROWSER" in environment
+        hidden = [] if self.is_shown else ["--no-browser"]
+        command = [sys.executable, "-m", "asperity", "app", *hidden, *map(str, arguments)]
         self.process = subprocess.Popen(
             command, cwd=folder, stdout=subprocess.PIPE, text=True, env=os.environ | environment
         )
@@ -40,7 +41,8 @@ class App:
         reply.read()
         connection.close()
         assert (reply.status, reply.headers["Location"]) == (302, "./")
-        self.next_address()
+        if not self.is_shown:  # else the address that the browser got can still be opened
+            self.next_address()
         return reply.headers["Set-Cookie"].partition(";")[0]
 
     def close(self):

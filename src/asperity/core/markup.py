@@ -55,8 +55,9 @@ def _environment(package: str) -> "Environment":
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
     loader = ChoiceLoader([PackageLoader(name, "") for name in (package, "asperity.core")])
-    blocks = dict.fromkeys(("autoescape", "trim_blocks", "lstrip_blocks"), True)
-    environment = Environment(loader=loader, undefined=StrictUndefined, **blocks)
+    environment = Environment(
+        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
     environment.filters |= {"inline": inline, "si": partial(shown_si, digits=3)}
     return environment
 
