@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Self
@@ -16,9 +16,9 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from asperity.contact import Adhesion, Contact
-from asperity.core.types import FIELDS
+from asperity.core.types import FIELDS, Array
 from asperity.core.units import shown_si
-from asperity.elasticity.loaded_solid import LARGEST, LoadedSolid, traction_direction
+from asperity.elasticity.loaded_solid import LARGEST, LoadedSolid, direction_cosines, traction_direction
 from asperity.elasticity.solid import Solid
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid
@@ -45,6 +45,9 @@ contact falls by less than a tenth from the middle of that part to the middle of
 
 LONGEST_PART = 1.0
 """Edge in m of that part along the axis of a roller, whose contact has no end; no map is longer."""
+
+WAY = np.linspace(-2, 2, 81)
+"""Places of a point on its way through a smooth Hertz contact, from the middle, in half-widths."""
 
 
 class Scene(Settings):
@@ -296,12 +299,34 @@ class Scene(Settings):
             return replace(loaded, background=lambda depth: stresses[bisect_left(depths, depth)] * equal)
         if not isinstance(load, Hertz):
             return loaded
-        pressure = contact.mean_pressure / self.carried
-        smooth = hertz_contact(load, "mean_pressure", pressure, self.solid.effective_modulus)
-        sliding = self.sliding_of(name)
-        sliding["friction"] *= self.carried
+        smooth, sliding = self._smooth_contact(load, contact, name)
         below = smooth.background(*smooth.position(load.at), loaded.layer, **sliding)
         return replace(loaded, background=below, deepest=smooth.deepest(body.yield_stress))
+
+    def passage(self, contact: Contact, name: str) -> Callable[[float], Array] | None:
+        """Stress (6, places) at a depth, of a point that passes through the smooth Hertz contact of a case.
+
+        It passes along the axis next to the direction of sliding, and in any case across a roller.
+        """
+        if not isinstance(load := self.load, Hertz):
+            return None
+        smooth, sliding = self._smooth_contact(load, contact, name)
+        widths = np.array([smooth.half_width_y, smooth.half_width_x])
+        moves = np.abs(direction_cosines(self.sliding_direction)[::-1]) * np.isfinite(widths)
+        places = np.repeat(np.array([smooth.position(load.at)]).T, WAY.size, axis=1)
+        axis = int(np.argmax(moves)) if moves.any() else int(np.argmin(widths))
+        places[axis] = WAY * widths[axis]
+        y, x = places
+        below = smooth.stress(y, x, solid_of(self.bodies[name]), **sliding)
+        return lambda depth: below(depth).T
+
+    def _smooth_contact(
+        self, load: Hertz, contact: Contact, name: str
+    ) -> tuple[HertzContact, dict[str, Any]]:
+        """The Hertz contact around a contact, and friction and direction of its traction on a body."""
+        sliding, pressure = self.sliding_of(name), contact.mean_pressure / self.carried
+        sliding["friction"] *= self.carried
+        return hertz_contact(load, "mean_pressure", pressure, self.solid.effective_modulus), sliding
 
     def under(self, **load: float) -> Scene:
         """The same bodies under another load, without questions."""

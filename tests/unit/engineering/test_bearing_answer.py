@@ -132,6 +132,36 @@ def test_below_the_hardness_the_stress_leads_the_verdict():
     assert "hardness" not in verdict
 
 
+@pytest.mark.parametrize(("axis", "direction"), [("x", "x"), ("y", "y"), ("x", "y")])
+def test_cycles_in_a_hertz_contact_pass_through_it(axis, direction):
+    """Of smooth rollers: a shakedown limit of 4 k and a range of τ_xz of p₀/2 (Johnson, section 9.2)."""
+    almost = 1e-12 * np.random.default_rng(1).normal(size=(8, 8))
+    flat = asp.HeightMap(almost, (60e-6, 60e-6), periodic=True, unit="m", name="flat")
+    body = {**STEEL, "fatigue_torsion": "500 MPa", "fatigue_bending": "800 MPa"}
+    radii = {f"radius_{axis}": "4.5 mm", f"radius_{'xy'[axis == 'x']}": "inf"}
+    case = {"load": {"hertz_pressure": "1.8 GPa", **radii}, "sliding": {"direction": direction}}
+    answer = asp.run(flat, body, body, **case)
+    assert answer["shakedown factor, at most"].value == pytest.approx(4 * 2 / 3**0.5 / 1.8, rel=0.01)
+    assert "Every cycle stays below the fatigue limit on these pixels" in answer.verdict[0]
+    if axis == direction:
+        assert answer["maximum range of shear stress"].value == pytest.approx(0.9e9, rel=0.01)
+        followed = asp.run(flat, body, body, **case, cycles={"shifts": 120})
+        name = "maximum Dang Van stress over limit"
+        assert answer[name].value == pytest.approx(followed[name].value, rel=0.02)
+
+
+def test_pixels_change_only_what_the_roughness_adds_to_the_hertz_contact():
+    """Deep below fine roughness the cycle is that of the smooth contact, whose error is not of the pixels."""
+    fine = asp.self_affine((64, 64), 0.8, 1e-5, 4e-6, 2e-9, seed=1, length=6e-5)
+    surface = asp.HeightMap(fine, (6e-5, 6e-5), periodic=True, unit="m", name="fine")
+    body = {**STEEL, "fatigue_torsion": "500 MPa", "fatigue_bending": "800 MPa", "hardness": "inf"}
+    load = {"hertz_pressure": "1 GPa", "radius_x": "4.5 mm", "radius_y": "inf"}
+    answer = asp.run(surface, body, body, load=load)
+    deep = answer["maximum range of shear stress"]
+    assert deep.value == pytest.approx(0.5e9, rel=0.01)
+    assert deep.error < 0.01 * deep.value
+
+
 def test_residual_stress_over_depth_is_that_of_each_plane():
     """A table of equal stresses is their number; a table counts at the depth of the worst cycle."""
     height = asp.surface.add_cylinder(np.zeros((8, 128)), (0.0625, 1.0), 1.0, axis="y")

@@ -4,7 +4,7 @@ Fatigue after Dang Van, shakedown, and the probability that no crack starts foll
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import FADED, AnswerData
@@ -37,9 +37,9 @@ from asperity.settings.body import Body, ResidualStress
 from asperity.settings.load import Hertz
 from asperity.settings.model import Number, Whole, optional, setting
 from asperity.settings.quantities import Area, Volume
-from asperity.stress.cycles.criteria import LARGEST_FACTOR, Criteria, hydrostatic_factor
+from asperity.stress.cycles.criteria import LARGEST_FACTOR, NUMBERS, Criteria, hydrostatic_factor
+from asperity.stress.cycles.stress_cycles import TURNED, cracks_per_area, stress_cycles, weibull_exponent
 from asperity.stress.cycles.stress_cycles import Cycles as StreamedCycles
-from asperity.stress.cycles.stress_cycles import cracks_per_area, stress_cycles, weibull_exponent
 from asperity.surface.treatment.treatment import TreatedMap
 
 TOPIC = "stress cycles"
@@ -54,6 +54,8 @@ WORST: dict[str, tuple[str, str, dict[str, Any]]] = {
 
 LIMIT_FRACTIONS = (0.5, 0.75, 0.9, 1.0)
 """Fractions of the fatigue limit above which the volume is listed."""
+
+ON_THESE_PIXELS = " on these pixels (discretisation error not known)"
 
 NO_CHANGE = "unlimited, as the stress does not change"
 """Text in place of an infinite shakedown factor."""
@@ -189,7 +191,8 @@ class Cycles(Question):
         direction, layer = pressed.asked.sliding_of(body)["sliding_direction"], loaded.layer
         criteria = Criteria(**_limits(constants))
         below = max(layer.interfaces, default=-1.0)
-        return StreamedCycles(loaded, criteria, direction, layer.poisson, below=below)
+        passing = pressed.asked.passage(pressed.contact, body)
+        return StreamedCycles(loaded, criteria, direction, layer.poisson, below=below, passing=passing)
 
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """The worst cycles of each body, volumes above fractions of the limit, and cracks."""
@@ -260,7 +263,7 @@ class Cycles(Question):
         The discretisation error is that of the pixels and of the shifts.
         """
         of: dict[str, Any] = {"topic": TOPIC, "body": body}
-        few = cycles.attrs.get("few_shifts_error", 0.0)
+        few, smooth = cycles.attrs.get("few_shifts_error", 0.0), self._smooth(stages, body, cycles)
         for variable, (quantity, unit, more) in WORST.items():
             if variable not in cycles:
                 continue
@@ -271,7 +274,8 @@ class Cycles(Question):
             if variable.startswith("shakedown") and value >= LARGEST_FACTOR:
                 yield Record(quantity, value, unit, words=NO_CHANGE, **of, **more)
                 continue
-            error = float(np.hypot(stages.bodies[body].cycle_error(variable), few)) * abs(value)
+            pixels = _pixel_error(cycles, variable, stages.bodies[body].cycle_error(variable), smooth)
+            error = float(np.hypot(pixels, few * abs(value)))
             record = Record(quantity, value, unit, position=position, varies=True, **of, **more)
             yield record.with_error(DISCRETISATION, error)
         if "fatigue_volume" not in cycles:
@@ -284,7 +288,8 @@ class Cycles(Question):
         if self.fatigue_scatter is not None and self.fatigue_volume is not None:
             cracks = cracks_per_area(cycles, self.fatigue_scatter, self.fatigue_volume)
             exponent = weibull_exponent(self.fatigue_scatter)
-            error = float(np.hypot(stages.bodies[body].cycle_error("dang_van"), few))
+            pixels = _pixel_error(cycles, "dang_van", stages.bodies[body].cycle_error("dang_van"), smooth)
+            error = float(np.hypot(pixels / abs(cycles.attrs["worst_dang_van"][0]), few))
             factors = np.maximum(1 + error * np.array([-1, 1]), 0) ** exponent  # of d^m
             note = f"Weibull exponent {exponent:.3g}; {self.lower_limits}"
             low, high = (cracks * factors).tolist()
@@ -292,6 +297,18 @@ class Cycles(Question):
             nominal = stages.numbers.nominal_area
             yield known_to_a_factor(found)
             yield from (no_crack(found, where, area, nominal) for where, area in self.areas(nominal).items())
+
+    def _smooth(self, stages: Stages, body: str, cycles: xr.Dataset) -> dict[str, Array]:
+        """Variable → its number at each depth in the cycle of the smooth Hertz contact; empty without one."""
+        case = stages.asked
+        if (passing := case.passage(stages.contact, body)) is None:
+            return {}
+        criteria, found = Criteria(**_limits(case.bodies[body])), []
+        order = TURNED if axis_of(cycles) == "x" else [*range(len(TURNED))]
+        for depth in cycles["cycle_depth"].values:
+            reduced = criteria.reduced(passing(depth)[order, None], True)
+            found.append(criteria.at(depth).numbers(reduced)[:, 0])
+        return dict(zip(NUMBERS, np.transpose(found), strict=True))
 
     def _warnings(self, case: Scene, found: dict[str, xr.Dataset]) -> Iterator[Advice]:
         """Error by few shifts, and the stress with which the limits are compared."""
@@ -327,22 +344,30 @@ class Cycles(Question):
         if self.shifts is not None:
             return f"the faces move along {case.along}, {self.shifts} shifts"
         below = ", below its layers" if any(body.interfaces for body in case.bodies.values()) else ""
-        return (
+        moves = (
             f"the rough body moves along {case.along}, over each body as if that were the smooth one{below}"
+        )
+        if case.hertz_contact is None:
+            return moves
+        return (
+            f"{moves}; besides, each point is unloaded and passes through the Hertz contact of the smooth "
+            "bodies: roughness counts at the position of the map alone, and on the whole way with "
+            "cycles.shifts"
         )
 
     def _verdict(self, records: list[Record], area: float) -> str:
-        """Fatigue on an area, and shakedown, of the body with the worst cycles."""
-        worst = {
-            variable: [each.value for each in records if each.quantity == quantity]
-            for variable, (quantity, *_) in WORST.items()
-        }
+        """Fatigue on an area, and shakedown, of the body with the worst cycles, from their intervals."""
+        worst = {variable: [*find(records, quantity)] for variable, (quantity, *_) in WORST.items()}
         found = []
         if worst["dang_van"]:
-            ratio = max(worst["dang_van"])
-            text = f"every cycle stays below the fatigue limit, at most {ratio:.3g} times it"
-            if ratio > 1:
-                text = f"the worst cycle reaches {ratio:.3g} times the fatigue limit: cracks can start"
+            largest = max(worst["dang_van"], key=lambda each: each.value)
+            ratio, (low, high) = largest.value, _ends(largest)
+            shown = f"{largest.best_text(whole=False)} times"
+            pixels = ON_THESE_PIXELS * bool(largest.lacking)
+            text = f"every cycle stays below the fatigue limit{pixels}, at most {shown} it"
+            if high > 1:
+                text = f"the worst cycle reaches {shown} the fatigue limit: "
+                text += "cracks can start" if low > 1 else "it is not decided whether cracks can start"
             if cracks := [each for each in records if each.quantity == CRACKS]:
                 most = max(cracks, key=lambda each: each.value)
                 stressed = area * next(find(records, ABOVE_LIMIT, most.body)).value
@@ -356,13 +381,17 @@ class Cycles(Question):
                 text += f"; the probability that a crack starts on {where} is {chance(most, area)}"
             found.append(text)
         if worst["shakedown_lower"] and worst["shakedown_upper"]:
-            low, high = min(worst["shakedown_lower"]), min(worst["shakedown_upper"])
-            between = f"between {low:.2g} and {high:.2g}"
-            if high >= LARGEST_FACTOR:
-                between = f"at least {low:.2g}"
+            lower, upper = (
+                min(worst[name], key=lambda each: each.value)
+                for name in ("shakedown_lower", "shakedown_upper")
+            )
+            between = f"between {lower.value:.2g} and {upper.value:.2g}"
+            if upper.value >= LARGEST_FACTOR:
+                between = f"at least {lower.value:.2g}"
             returns = "it is not decided whether plastic strain returns in each pass"
-            if low >= 1 or high < 1:
-                returns = f"{'no ' * (low >= 1)}plastic strain returns in each pass"
+            if (stays := _ends(lower)[0] >= 1) or _ends(upper)[1] < 1:
+                returns = f"{'no ' * stays}plastic strain returns in each pass"
+                returns += ON_THESE_PIXELS * bool((lower if stays else upper).lacking)
             shakes = f"the shakedown limit is {between} times this load: {returns}"
             found.append(shakes)
         return "; ".join(found)
@@ -379,6 +408,20 @@ class Cycles(Question):
                     f"{shown_si(limit, 'Pa')}."
                 )
                 yield Picture(name, caption, _section(answer, cycles, limit), body)
+
+
+def _ends(record: Record) -> tuple[float, float]:
+    """Ends of the interval of a number; twice the number if its error is not known."""
+    return (record.value,) * 2 if math.isnan(record.error) else record.interval
+
+
+def _pixel_error(cycles: xr.Dataset, variable: str, relative: float, smooth: Mapping[str, Array]) -> float:
+    """Error of the worst value of a variable, if at each depth what the roughness adds has a relative one."""
+    power = -1 if variable.startswith("shakedown") else 1  # a factor of the load falls as the stress rises
+    worst = (cycles[variable] ** power).max(f"cycle_{axis_of(cycles)}").values
+    part = relative * np.abs(worst - (smooth[variable] ** power if smooth else 0.0))
+    error = float(np.maximum((worst + part).max() - worst.max(), worst.max() - (worst - part).max()))
+    return error if power > 0 else error / float(worst.max()) ** 2
 
 
 def known_to_a_factor(cracks: Record) -> Record:

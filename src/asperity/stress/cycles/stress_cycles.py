@@ -22,7 +22,7 @@ integral is that of the trapezoidal rule over the planes, of means over all poin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -74,6 +74,9 @@ class Cycles(CycleMaps):
     threads : int
     below : float
         Planes that are not deeper are left out, such as those of a coating.
+    passing : callable, optional
+        Depth → stress (6, places) of further states of every point, which is also unloaded, such as those on
+        its way through a smooth Hertz contact.
     """
 
     def __init__(
@@ -84,12 +87,13 @@ class Cycles(CycleMaps):
         poisson: float,
         threads: int = 1,
         below: float = -1.0,
+        passing: Callable[[float], Array] | None = None,
     ) -> None:
         self._turned = axis_of_motion(sliding_direction) == "y"
         super().__init__(solid.grid, criteria, "x" if self._turned else "y")
         self._poisson, self._threads, self._below = poisson, threads, below
         across, along = (1, 0) if self._turned else (0, 1)
-        self._is_unloaded = BOUNDARIES[solid.boundary][along]
+        self._is_unloaded, self._passing = BOUNDARIES[solid.boundary][along] or passing is not None, passing
         self._images = solid.grid.images[across]
 
     def add(self, plane: LinearPlane) -> None:
@@ -103,6 +107,9 @@ class Cycles(CycleMaps):
         if turned is not None:
             ny, nx = nx, ny
         rows = max(1, 2**13 // nx)
+        passing = np.zeros((count, 0)) if self._passing is None else self._passing(plane.depth)
+        if self._turned:
+            passing = passing[TURNED]
 
         def reduced(first: int) -> Array:
             last = min(first + rows, ny)
@@ -113,6 +120,8 @@ class Cycles(CycleMaps):
             if plane.grid.mirrored:  # then the images pass, in which σ_xz and σ_xy have the other sign
                 images = states * np.array([1, 1, 1, 1, -1, -1], states.dtype)[:, None, None]
                 states = np.concatenate([states, images], axis=2)
+            others = np.broadcast_to(passing[:, None], (count, states.shape[1], passing.shape[1]))
+            states = np.concatenate([states, others], axis=2)
             return self.criteria.reduced(states, self._is_unloaded)
 
         if not plane.grid.mirrored:  # perhaps a plane of the whole cell
