@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy import stats
 
 import asperity as asp
 from asperity.engineering.places import Blocks
+from asperity.engineering.questions.cycles import _pixel_error
 from asperity.engineering.records import POSITIONS
 from asperity.settings.model import SettingsError
 
@@ -151,15 +153,14 @@ def test_cycles_in_a_hertz_contact_pass_through_it(axis, direction):
 
 
 def test_pixels_change_only_what_the_roughness_adds_to_the_hertz_contact():
-    """Deep below fine roughness the cycle is that of the smooth contact, whose error is not of the pixels."""
-    fine = asp.self_affine((64, 64), 0.8, 1e-5, 4e-6, 2e-9, seed=1, length=6e-5)
-    surface = asp.HeightMap(fine, (6e-5, 6e-5), periodic=True, unit="m", name="fine")
-    body = {**STEEL, "fatigue_torsion": "500 MPa", "fatigue_bending": "800 MPa", "hardness": "inf"}
-    load = {"hertz_pressure": "1 GPa", "radius_x": "4.5 mm", "radius_y": "inf"}
-    answer = asp.run(surface, body, body, load=load)
-    deep = answer["maximum range of shear stress"]
-    assert deep.value == pytest.approx(0.5e9, rel=0.01)
-    assert deep.error < 0.01 * deep.value
+    """Deep below the roughness the cycle is that of the smooth contact, whose error is not of the pixels."""
+    stress = np.array([[0.3, 0.1], [0.5, 0.4]])  # over (depth, y), at the first depth mostly by roughness
+    dims, smooth = ("cycle_depth", "cycle_y"), np.array([0.1, 0.5])
+    cycles = xr.Dataset({"dang_van": (dims, stress), "shakedown_upper": (dims, 1 / stress)})
+    for name, of_smooth, scale in (("dang_van", smooth, 1.0), ("shakedown_upper", 1 / smooth, 4.0)):
+        assert _pixel_error(cycles, name, 0.2, {name: of_smooth}) == 0
+        assert _pixel_error(cycles, name, 1.5, {name: of_smooth}) == pytest.approx(scale * 0.1)
+        assert _pixel_error(cycles, name, 0.2, {}) == pytest.approx(scale * 0.1)
 
 
 def test_residual_stress_over_depth_is_that_of_each_plane():
