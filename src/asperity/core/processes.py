@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+import sys
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
@@ -10,11 +13,13 @@ from functools import partial
 from multiprocessing import get_context
 from queue import Empty
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
 POLL = 0.2
 """Seconds between two looks for the progress of other processes."""
 
 _queue: Any = None
+_calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]]] | None = None
 
 
 def side_by_side(
@@ -22,8 +27,12 @@ def side_by_side(
     arguments: Sequence[tuple[Any, ...]],
     processes: int,
     progress: Callable[[list[float]], None],
+    after: Sequence[int | None] = (),
 ) -> Iterator[Any]:
     """Results of a function for each of its arguments, in their order.
+
+    On Linux the other processes are forks of this one if Python runs a single thread: they need neither
+    import modules nor read arguments.
 
     Parameters
     ----------
@@ -35,9 +44,13 @@ def side_by_side(
         This one, which calls the function too, and those that are started beside it.
     progress : callable
         Called with the parts of all calls that are done, from 0 to 1.
+    after : sequence of int or None, optional
+        Number of the earlier call that has to end before each one begins.
     """
     parts = [0.0] * len(arguments)
-    left, found = iter(range(len(arguments))), dict[int, Future[Any]]()  # each process takes the next one
+    found = [Future[Any]() for _ in arguments]
+    needed = [[] if each is None else [found[each]] for each in after or [None] * len(arguments)]
+    left = iter(range(len(arguments)))  # each process takes the next one
 
     def report(number: Any, done: float, total: float) -> None:
         parts[number] = max(parts[number], done / total if total else 1.0)  # others tell with a delay
@@ -53,44 +66,60 @@ def side_by_side(
                 seconds = 0.0
 
     def here(number: int) -> None:
-        found[number] = Future()
+        while not all(each.done() for each in needed[number]):
+            hear(POLL)
         try:
             found[number].set_result(function(*arguments[number], partial(hear, 0.0, number)))
-        except Exception as error:
+        except BaseException as error:
             found[number].set_exception(error)
+            if not isinstance(error, Exception):
+                raise
 
-    def beside(pool: ProcessPoolExecutor) -> None:
+    def beside(pool: ProcessPoolExecutor, is_forked: bool) -> None:
         for number in left:
-            found[number] = future = pool.submit(_told, function, arguments[number], number)
-            wait([future])
+            wait(needed[number])
+            given = () if is_forked else (function, arguments[number])
+            try:
+                found[number].set_result(pool.submit(_told, number, *given).result())
+            except Exception as error:
+                found[number].set_exception(error)
+            told.put((number, 1.0, 1.0))  # `hear` may wait for it
 
     with ExitStack() as stack:
         if processes > 1:
-            context = get_context("spawn")
+            is_forked = sys.platform == "linux" and threading.active_count() == 1
+            context = get_context("fork" if is_forked else "spawn")
             told: Any = context.Queue()
             threads = stack.enter_context(ThreadPoolExecutor(processes - 1))
-            others = ProcessPoolExecutor(processes - 1, context, _tell_to, (told,))
-            pool = stack.enter_context(others)
+            given = told, (function, arguments) if is_forked else None
+            pool = stack.enter_context(ProcessPoolExecutor(processes - 1, context, _begin, given))
+            with catch_warnings():  # threads of libraries, which are prepared for it
+                simplefilter("ignore", DeprecationWarning)
+                pool.submit(int)  # forks all processes, before there are threads
             for _ in range(processes - 1):
-                threads.submit(beside, pool)
+                threads.submit(beside, pool, is_forked)
         stack.callback(deque, left, 0)  # after an error no further call starts
         for number in range(len(arguments)):
-            while number not in found or not found[number].done():
+            while not found[number].done():
                 if (own := next(left, None)) is None:
                     hear(POLL)
                 else:
                     here(own)
-            yield found.pop(number).result()
+            yield found[number].result()
             report(number, 1.0, 1.0)
 
 
-def _tell_to(queue: Any) -> None:
+def _begin(queue: Any, calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]]] | None) -> None:
     """Take the queue for the progress of this process, which does not wait at its end until it is read."""
-    global _queue
-    _queue = queue
+    global _queue, _calls
+    _queue, _calls = queue, calls
     queue.cancel_join_thread()
+    for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
+        signal.signal(number, handler)  # those of the command that was forked end it
 
 
-def _told(function: Callable[..., Any], arguments: tuple[Any, ...], number: int) -> Any:
-    """Call a function in a process of its own, whose progress goes to a queue."""
+def _told(number: int, function: Any = None, arguments: Any = None) -> Any:
+    """Make a call in a process of its own, whose progress goes to a queue."""
+    if _calls is not None:
+        function, arguments = _calls[0], _calls[1][number]
     return function(*arguments, lambda done, total: _queue.put((number, done, total)))

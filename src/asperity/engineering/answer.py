@@ -82,21 +82,7 @@ class Answer(AnswerData):
             If it cannot be written, or another process writes into it; the earlier answer is still there
             then, or the results of the new one without pictures and report.
         """
-        folder = Path(folder)
-        try:
-            with locked(folder):
-                with replacing(folder, kept=set()) as unfinished:
-                    write_data(self, unfinished, folder)
-                try:
-                    with replacing(folder, kept=names_in(folder)) as unfinished:
-                        write_report(self, unfinished)
-                except Exception as error:  # drawing may raise errors of any type
-                    message = f"{folder}: results are written, pictures and report not ({error})"
-                    raise DatasetError(message) from error
-                self.__dict__["folder"] = folder.absolute()
-                return [folder / name for name in sorted(names_in(folder))]
-        except OSError as error:
-            raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
+        return write_answer(self, Path(folder))
 
     def report(self) -> str:
         """The answer as a page that needs no other file."""
@@ -105,6 +91,26 @@ class Answer(AnswerData):
     def compare(self, *others: Answer | Sample) -> Comparison:
         """Compare the answer with others and with samples, in their order."""
         return compared([self, *others])
+
+
+def write_answer(answer: AnswerData, folder: Path, data: bool = True, pictures: bool = True) -> list[Path]:
+    """As `Answer.write`, or the results alone, or the pictures and the report of results that are written."""
+    try:
+        with locked(folder):
+            if data:
+                with replacing(folder, kept=set()) as unfinished:
+                    write_data(answer, unfinished, folder)
+            if pictures:
+                try:
+                    with replacing(folder, kept=names_in(folder)) as unfinished:
+                        write_report(answer, unfinished)
+                except Exception as error:  # drawing may raise errors of any type
+                    message = f"{folder}: results are written, pictures and report not ({error})"
+                    raise DatasetError(message) from error
+            answer.__dict__["folder"] = folder.absolute()
+            return [folder / name for name in sorted(names_in(folder))]
+    except OSError as error:
+        raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
 class Sample(SampleData):

@@ -6,6 +6,7 @@ are computed from the contact pressure that it holds.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -260,6 +261,11 @@ class AnswerData:
         )
         found = box.dataset()[field].isel({"poisson": 0, "y" if along == "x" else "x": 0})
         return found.drop_vars("poisson")
+
+    @cached_property
+    def framed_sections(self) -> dict[tuple[str, str], xr.DataArray]:
+        """Field and body → the section that pictures show, when one of them has been drawn."""
+        return {}
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__.removesuffix('Data')} of {self.title}>"

@@ -23,7 +23,7 @@ from asperity.core.system import sha256_of
 from asperity.core.version import __version__
 from asperity.engineering.case import Case
 from asperity.engineering.face import ReadFile
-from asperity.engineering.folder import CASE_FILE, checksums_in
+from asperity.engineering.folder import CASE_FILE, DATA, checksums_in
 from asperity.engineering.scene import MATERIALS, Scene
 from asperity.results.atomic import write_text
 from asperity.settings.map import file_name, with_file
@@ -280,9 +280,9 @@ def same_case(text: str, case: Scene, files: Sequence[ReadFile]) -> bool:
 
 
 def holds_answer(folder: Path, case: Scene, files: Sequence[ReadFile]) -> bool:
-    """True if a folder has the complete answer of a case, of this version, with all files unchanged."""
+    """True if a folder has the results of a case, of this version, with all files unchanged."""
     checksums = checksums_in(folder)
-    if not {"report.html", "contact.nc", CASE_FILE} <= checksums.keys():
+    if not {DATA, "contact.nc", CASE_FILE} <= checksums.keys():
         return False
     for name, checksum in checksums.items():
         if not (folder / name).is_file() or sha256_of(folder / name) != checksum:

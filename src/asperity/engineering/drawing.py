@@ -108,7 +108,8 @@ def section_of(answer: AnswerData, source: Source, field: str, body: str, part: 
     """Vertical section through the extreme value of a field, along the larger gradient of the pressure.
 
     So it runs across the lay, also of several ridges. The coordinate ``contact`` says where the surface
-    touches, ``limit`` is the yield stress of the von Mises stress at each depth, if there is one.
+    touches, ``limit`` is the yield stress of the von Mises stress at each depth, if there is one. The stress
+    is computed once for all pictures.
     """
     pressure, nodes = source.field("pressure"), source.positions(part)
     spacing = source.grid.spacing
@@ -119,7 +120,9 @@ def section_of(answer: AnswerData, source: Source, field: str, body: str, part: 
     place = float(at * spacing[1 - along])
     edge = max(own.size * step for own, step in zip(nodes, spacing, strict=True))
     between = float(nodes[along][0]), float(nodes[along][-1])
-    section = answer.section(axis, place, field, body, between, SECTION_DEPTH * edge)
+    if (section := answer.framed_sections.get((field, body))) is None:
+        section = answer.section(axis, place, field, body, between, SECTION_DEPTH * edge)
+        answer.framed_sections[field, body] = section
     touching = pressure.take(at, 1 - along)[part[along]] > 0
     where = measure(max(source.grid.length), "length", source.system).text(place)
     section = section.assign_coords(contact=(axis, touching))

@@ -49,6 +49,9 @@ CASE_FILE = "case.yaml"
 DATA = "answer.json"
 """Name of the file with the records of an answer."""
 
+REPORT = "report.html"
+"""Name of the page of an answer, which is written last."""
+
 KINDS = {DATA: "an answer", SAMPLE_DATA: "a sample", COMPARISON_DATA: "a comparison"}
 """Name of the file that only one kind of folder has → the kind."""
 

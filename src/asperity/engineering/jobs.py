@@ -12,10 +12,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from asperity.core.errors import InputError, shown
 from asperity.core.processes import side_by_side
 from asperity.core.types import Progress
-from asperity.engineering.answer import Answer, Sample, answer_to, pool
+from asperity.engineering.answer import Answer, Sample, answer_to, pool, write_answer
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data
 from asperity.engineering.case import Case
@@ -32,9 +34,11 @@ from asperity.engineering.face import RoughFace, memory_on, processes_on, read_f
 from asperity.engineering.folder import (
     COMPARISON,
     KEPT,
+    REPORT,
     SAMPLE,
     folder_problem,
     locked,
+    names_in,
     remove_unfinished,
     stems_of,
 )
@@ -276,48 +280,75 @@ def computed(
     """
     jobs, first = arrangement.jobs, arrangement.jobs[0].folder
     with locked(first if len(jobs) == 1 else arrangement.folder or first):
-        done = [
+        held = [
             bool(resume and job.rough and holds_answer(job.folder, job.case, job.rough.files)) for job in jobs
         ]
-        left = [job for job, is_done in zip(jobs, done, strict=True) if not is_done]
-        for job in left:
+        done = [is_held and REPORT in names_in(job.folder) for job, is_held in zip(jobs, held, strict=True)]
+        left = [n for n, is_done in enumerate(done) if not is_done]
+        for n in left:
             if not resume:
-                shutil.rmtree(job.folder / KEPT, ignore_errors=True)
-        processes = processes_on([job.rough.face for job in left if job.rough], len(left), cores)
+                shutil.rmtree(jobs[n].folder / KEPT, ignore_errors=True)
+        processes = processes_on([rough.face for n in left if (rough := jobs[n].rough)], len(left), cores)
         beside, state = max((cores or os.cpu_count() or 1) // processes, 1), list[Any]([0.0, ""])
+        order = [(0.0 + place, n, not held[n], processes == 1) for place, n in enumerate(left)]
+        if processes > 1:  # pictures are drawn after the next results: the last map leaves none without work
+            order += [(place + processes + 0.5, n, False, True) for place, n in enumerate(left)]
+        steps = [(n, data, pictures) for _, n, data, pictures in sorted(order) if data or pictures]
+        with_data = {n: number for number, (n, data, _) in enumerate(steps) if data}
 
         def report(parts: list[float]) -> None:
             if processes > 1:
-                state[1] = f"{sum(part >= 1 for part in parts)} of {len(parts)} maps done"
+                ended = sum(part >= 1 and step[2] for part, step in zip(parts, steps, strict=True))
+                state[1] = f"{ended} of {len(left)} maps done"
             state[0] = sum(parts) / len(parts)
             progress(*state)
 
-        def on_stage(number: int, name: str) -> None:
-            place = f"map {number} of {len(left)}, " if len(left) > 1 else ""
+        def on_stage(n: int, name: str) -> None:
+            place = f"map {left.index(n) + 1} of {len(left)}, " if len(left) > 1 else ""
             state[1] = f"{place}{name.replace('_', ' ')}"
             progress(*state)
 
-        stages = [partial(on_stage, number) if processes == 1 else None for number in range(1, len(left) + 1)]
-        given = [(job, beside, stage) for job, stage in zip(left, stages, strict=True)]
-        made = side_by_side(_written, given, processes, report)
-        for job, is_done in zip(jobs, done, strict=True):
-            if is_done:
+        given = [
+            (jobs[n], data, pictures, beside, partial(on_stage, n) if processes == 1 else None)
+            for n, data, pictures in steps
+        ]
+        after = [None if data else with_data.get(n) for n, data, _ in steps]
+        made = side_by_side(_written, given, processes, report, after)
+        for n, job in enumerate(jobs):
+            if done[n]:
                 remove_unfinished(job.folder)
-            answer = None if is_done else next(made)
-            yield replace(job, is_kept=is_done), answer or read_data(job.folder, Answer)
+            answer: Any = None if done[n] else next(each for each in made if each is not None)
+            if not isinstance(answer, Answer):
+                sections, answer = answer or {}, read_data(job.folder, Answer)
+                answer.framed_sections.update(sections)
+            yield replace(job, is_kept=done[n]), answer
 
 
 def _written(
-    job: Job, cores: int, on_stage: Callable[[str], None] | None, progress: Progress
-) -> Answer | None:
-    """Compute and write an answer, and return it if its stages are asked for, as in this process."""
-    report, kept = partial(part_of, progress, 0.0, 0.95, 1.0), job.folder / KEPT
-    answer = answer_to(job.case, job.rough, report, on_stage, cores=cores, kept=kept)
+    job: Job,
+    data: bool,
+    pictures: bool,
+    cores: int,
+    on_stage: Callable[[str], None] | None,
+    progress: Progress,
+) -> Answer | dict[tuple[str, str], xr.DataArray] | None:
+    """Compute an answer and write its results, draw the pictures and the report of results, or both.
+
+    Returns the answer if its stages are asked for, as in this process, else the sections of the pictures.
+    """
+    if data:
+        report, kept = partial(part_of, progress, 0.0, 0.95, 1.0), job.folder / KEPT
+        answer = answer_to(job.case, job.rough, report, on_stage, cores=cores, kept=kept)
+    else:
+        answer = read_data(job.folder, Answer)
+        vars(answer)["case"] = job.case  # names files as they were given
     if on_stage is not None:
         on_stage("pictures and report")
-    answer.write(job.folder)
-    shutil.rmtree(kept, ignore_errors=True)
-    return answer if on_stage is not None else None
+    write_answer(answer, job.folder, data, pictures)
+    shutil.rmtree(job.folder / KEPT, ignore_errors=True)
+    if on_stage is not None:
+        return answer
+    return answer.framed_sections if pictures else None
 
 
 def sample_of(arrangement: Arrangement, answers: Mapping[str, AnswerData]) -> Sample:

@@ -23,6 +23,12 @@ SECONDS_BETWEEN_LINES = 10.0
 """Least time between two lines in a log file."""
 
 
+class _Bar(tqdm):
+    """A bar without a thread that watches it, so that the process can be forked."""
+
+    monitor_interval = 0
+
+
 class ProgressBar:
     """A progress bar if stderr is a terminal; otherwise or in a log a line at most every ten seconds.
 
@@ -35,7 +41,7 @@ class ProgressBar:
     def __init__(self, label: str) -> None:
         self._label = label
         self._began = self._last = time.monotonic()
-        self._bar = tqdm(
+        self._bar = _Bar(
             desc=label,
             total=1.0,
             leave=False,
