@@ -228,7 +228,7 @@ def cost_of(jobs: Sequence[Job]) -> tuple[str, float]:
         ]
 
     divided = works(processes_on(faces, beside, beside))
-    rounds = math.ceil(len(jobs) / processes) * (BESIDE if processes > 1 else 1.0)
+    rounds = len(jobs) / processes * (BESIDE if processes > 1 else 1.0)
     seconds = START_SECONDS + rounds * float(np.mean([*map(answer_seconds, divided, sizes)]))
     seconds += answer_seconds(files, max(sizes)) if len(jobs) > 1 else 0.0  # the sample, or the comparison
     words = f"on {cores} processors" if processes > 1 or divided < works(1) else "of one processor"

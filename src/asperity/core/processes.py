@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -10,13 +11,13 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from contextlib import ExitStack, suppress
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from queue import Empty
 from typing import Any
 from warnings import catch_warnings, simplefilter
 
-POLL = 0.2
-"""Seconds between two looks for the progress of other processes."""
+POLL = 0.05
+"""Seconds between two looks for the progress and the results of other processes."""
 
 _queue: Any = None
 _calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]]] | None = None
@@ -83,7 +84,6 @@ def side_by_side(
                 found[number].set_result(pool.submit(_told, number, *given).result())
             except Exception as error:
                 found[number].set_exception(error)
-            told.put((number, 1.0, 1.0))  # `hear` may wait for it
 
     with ExitStack() as stack:
         if processes > 1:
@@ -116,6 +116,15 @@ def _begin(queue: Any, calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]
     queue.cancel_join_thread()
     for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
         signal.signal(number, handler)  # those of the command that was forked end it
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """End this process if the one that started it is killed."""
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 def _told(number: int, function: Any = None, arguments: Any = None) -> Any:
