@@ -1,6 +1,7 @@
 """``asperity run --pooled``: patches of two faces of a bearing to one folder; kept answers; refusals."""
 
 import copy
+import json
 import sys
 from pathlib import Path
 
@@ -116,6 +117,24 @@ def test_case_file_repeats_and_keeps_answers(folder, maps, capsys):
         main(["run", str(folder / "case.yaml"), "--out", str(folder), "--check"])
     changed.write_bytes(content)
     assert f"{changed.name} has changed since" in capsys.readouterr().err
+
+
+def test_results_without_a_report_are_kept(folder, maps, tmp_path, monkeypatch):
+    """Two processes write the same bits as one; a killed one leaves results whose pictures are drawn."""
+    monkeypatch.setattr("asperity.engineering.face.SMALLEST_PARALLEL", 0)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    command = ["run", str(folder / "case.yaml"), "--out", str(tmp_path / "again")]
+    assert main(command) == 0
+    for name in ("sample.csv", "ring_1/peaks.csv", "ring_2/answer.csv", "ring_3/answer.csv"):
+        assert (tmp_path / "again" / name).read_bytes() == (folder / name).read_bytes()
+    manifest, contact = (tmp_path / "again/ring_2" / name for name in (".asperity-run.json", "contact.nc"))
+    names, written = json.loads(manifest.read_text()), contact.stat().st_mtime_ns
+    del names["report.html"]
+    manifest.write_text(json.dumps(names))
+    (tmp_path / "again/ring_2/report.html").unlink()
+    assert main([*command, "--resume"]) == 0
+    assert (tmp_path / "again/ring_2/report.html").exists()
+    assert contact.stat().st_mtime_ns == written
 
 
 @pytest.mark.parametrize(

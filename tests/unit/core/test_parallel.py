@@ -23,8 +23,17 @@ def number_and_process(number, progress):
     return number, os.getpid()
 
 
-@pytest.mark.parametrize("processes", [1, 2])
-def test_calls_side_by_side_are_in_order_and_this_process_makes_some(processes):
+def written_or_read(path, text, progress):
+    if not text:
+        return path.read_text()
+    time.sleep(0.2)
+    path.write_text(text)
+
+
+@pytest.mark.parametrize(("processes", "platform"), [(1, "linux"), (2, "linux"), (2, "other")])
+def test_calls_side_by_side_are_in_order_and_this_process_makes_some(processes, platform, monkeypatch):
+    """The other process is a fork or, on another platform, a new one."""
+    monkeypatch.setattr(sys, "platform", platform)
     seen, given = [], [(number,) for number in (0, 1, 2, 3, -4, 5)]
     calls = side_by_side(number_and_process, given, processes, lambda parts: seen.append([*parts]))
     numbers, made_in = zip(*(next(calls) for _ in range(4)), strict=True)
@@ -33,7 +42,14 @@ def test_calls_side_by_side_are_in_order_and_this_process_makes_some(processes):
     assert len({*made_in}) == processes
     with pytest.raises(ValueError, match="-4"):
         next(calls)
-    assert seen[-1][:5] == [1, 1, 1, 1, 0.5]
+    assert seen[-1][:4] == [1, 1, 1, 1]
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_a_call_begins_after_the_one_that_it_needs(processes, tmp_path):
+    given = [(tmp_path / "a", "1"), (tmp_path / "a", ""), (tmp_path / "b", "2"), (tmp_path / "b", "")]
+    calls = side_by_side(written_or_read, given, processes, lambda parts: None, [None, 0, None, 2])
+    assert [*calls] == [None, "1", None, "2"]
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
