@@ -23,12 +23,6 @@ SECONDS_BETWEEN_LINES = 10.0
 """Least time between two lines in a log file."""
 
 
-class _Bar(tqdm):
-    """A bar without a thread that watches it, so that the process can be forked."""
-
-    monitor_interval = 0
-
-
 class ProgressBar:
     """A progress bar if stderr is a terminal; otherwise or in a log a line at most every ten seconds.
 
@@ -41,7 +35,8 @@ class ProgressBar:
     def __init__(self, label: str) -> None:
         self._label = label
         self._began = self._last = time.monotonic()
-        self._bar = _Bar(
+        tqdm.monitor_interval = 0  # no thread that watches bars: a process with threads is not forked
+        self._bar = tqdm(
             desc=label,
             total=1.0,
             leave=False,
