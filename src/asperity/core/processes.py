@@ -8,7 +8,14 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    CancelledError,
+    Future,
+    InvalidStateError,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import ExitStack, suppress
 from functools import partial
 from multiprocessing import get_context, parent_process
@@ -18,6 +25,12 @@ from warnings import catch_warnings, simplefilter
 
 POLL = 0.05
 """Seconds between two looks for the progress and the results of other processes."""
+
+HANDLERS: dict[signal.Signals, Any] = {
+    signal.SIGINT: signal.default_int_handler,
+    signal.SIGTERM: signal.SIG_DFL,
+}
+"""Signal → what ends another process."""
 
 _queue: Any = None
 _calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]]] | None = None
@@ -33,7 +46,8 @@ def side_by_side(
     """Results of a function for each of its arguments, in their order.
 
     On Linux the other processes are forks of this one if Python runs a single thread: they need neither
-    import modules nor read arguments.
+    import modules nor read arguments. Threads of ducc0, SciPy and OpenBLAS are prepared for a fork, those of
+    FFTW are not: the function uses FFTW on one thread.
 
     Parameters
     ----------
@@ -71,10 +85,8 @@ def side_by_side(
             hear(POLL)
         try:
             found[number].set_result(function(*arguments[number], partial(hear, 0.0, number)))
-        except BaseException as error:
+        except Exception as error:
             found[number].set_exception(error)
-            if not isinstance(error, Exception):
-                raise
 
     def beside(pool: ProcessPoolExecutor, is_forked: bool) -> None:
         for number in left:
@@ -85,6 +97,13 @@ def side_by_side(
             except Exception as error:
                 found[number].set_exception(error)
 
+    def abandon() -> None:
+        """Start no further call, and end those that wait for another one."""
+        deque(left, 0)
+        for each in found:
+            with suppress(InvalidStateError):
+                each.set_exception(CancelledError())
+
     with ExitStack() as stack:
         if processes > 1:
             is_forked = sys.platform == "linux" and threading.active_count() == 1
@@ -93,12 +112,11 @@ def side_by_side(
             threads = stack.enter_context(ThreadPoolExecutor(processes - 1))
             given = told, (function, arguments) if is_forked else None
             pool = stack.enter_context(ProcessPoolExecutor(processes - 1, context, _begin, given))
-            with catch_warnings():  # threads of libraries, which are prepared for it
-                simplefilter("ignore", DeprecationWarning)
-                pool.submit(int)  # forks all processes, before there are threads
+            stack.callback(abandon)
+            if is_forked:
+                _fork(pool)
             for _ in range(processes - 1):
                 threads.submit(beside, pool, is_forked)
-        stack.callback(deque, left, 0)  # after an error no further call starts
         for number in range(len(arguments)):
             while not found[number].done():
                 if (own := next(left, None)) is None:
@@ -109,13 +127,24 @@ def side_by_side(
             report(number, 1.0, 1.0)
 
 
+def _fork(pool: ProcessPoolExecutor) -> None:
+    """Fork all processes, before there are threads; a signal that ends this one waits until then."""
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, HANDLERS)
+    with catch_warnings():  # threads of libraries, which are prepared for it
+        simplefilter("ignore", DeprecationWarning)
+        pool.submit(int)
+    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
 def _begin(queue: Any, calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]]] | None) -> None:
     """Take the queue for the progress of this process, which does not wait at its end until it is read."""
     global _queue, _calls
     _queue, _calls = queue, calls
     queue.cancel_join_thread()
-    for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
-        signal.signal(number, handler)  # those of the command that was forked end it
+    for number, handler in HANDLERS.items():  # in place of those of the command
+        signal.signal(number, handler)
+    if calls is not None:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, HANDLERS)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

@@ -290,11 +290,7 @@ def computed(
                 shutil.rmtree(jobs[n].folder / KEPT, ignore_errors=True)
         processes = processes_on([rough.face for n in left if (rough := jobs[n].rough)], len(left), cores)
         beside, state = max((cores or os.cpu_count() or 1) // processes, 1), list[Any]([0.0, ""])
-        order = [(0.0 + place, n, not held[n], processes == 1) for place, n in enumerate(left)]
-        if processes > 1:  # pictures are drawn after the next results: the last map leaves none without work
-            order += [(place + processes + 0.5, n, False, True) for place, n in enumerate(left)]
-        steps = [(n, data, pictures) for _, n, data, pictures in sorted(order) if data or pictures]
-        with_data = {n: number for number, (n, data, _) in enumerate(steps) if data}
+        steps = _steps(left, [n for n in left if held[n]], processes)
 
         def report(parts: list[float]) -> None:
             if processes > 1:
@@ -312,7 +308,7 @@ def computed(
             (jobs[n], data, pictures, beside, partial(on_stage, n) if processes == 1 else None)
             for n, data, pictures in steps
         ]
-        after = [None if data else with_data.get(n) for n, data, _ in steps]
+        after = [None if data or held[n] else steps.index((n, True, False)) for n, data, _ in steps]
         made = side_by_side(_written, given, processes, report, after)
         for n, job in enumerate(jobs):
             if done[n]:
@@ -322,6 +318,18 @@ def computed(
                 sections, answer = answer or {}, read_data(job.folder, Answer)
                 answer.framed_sections.update(sections)
             yield replace(job, is_kept=done[n]), answer
+
+
+def _steps(left: Sequence[int], held: Sequence[int], processes: int) -> list[tuple[int, bool, bool]]:
+    """Number of each map, and if its results are computed and if its pictures are drawn in this step.
+
+    Several processes draw pictures after the next results, so that the last map leaves none without work.
+    """
+    if processes == 1:
+        return [(n, n not in held, True) for n in left]
+    order = [(place, False, n) for place, n in enumerate(left) if n not in held]
+    order += [(place + processes, True, n) for place, n in enumerate(left)]
+    return [(n, not pictures, pictures) for _, pictures, n in sorted(order)]
 
 
 def _written(

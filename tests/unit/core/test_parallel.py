@@ -52,6 +52,24 @@ def test_a_call_begins_after_the_one_that_it_needs(processes, tmp_path):
     assert [*calls] == [None, "1", None, "2"]
 
 
+def slow_if_second(number, progress):
+    if number == 1:
+        time.sleep(0.3)
+        progress(1, 2)
+        time.sleep(0.2)
+
+
+def test_an_interrupt_ends_calls_that_wait_for_others():
+    """Call 2 waits here for the slow one and is interrupted; call 3 waits in vain for call 2."""
+
+    def interrupt(parts):
+        if parts[1] == 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        [*side_by_side(slow_if_second, [(n,) for n in range(4)], 2, interrupt, [None, None, 1, 2])]
+
+
 @pytest.mark.parametrize("threads", [1, 2, 5])
 def test_parts_cover_all_elements_in_order(threads):
     """Another task runs beside them; strips cover all rows."""
