@@ -420,7 +420,7 @@ def try_surface(case):
 
 maps = st.fixed_dictionaries(
     {
-        "height": heights.map(made),
+        "height": among(heights.filter(lambda height: min(height.shape) > 2), heights).map(made),
         "length": st.just((1.0, 1.0)) | st.tuples(number(1e-6, 1), number(1e-6, 1)),
         "periodic": st.booleans(),
         "orientation": choice("peaks up", "lower face"),
@@ -457,11 +457,12 @@ def try_treatment(case):
 
 
 strengths = st.none() | number(1e-3, 1e12)
-more = {"hardness": strengths, "conductivity": number(1e-9, 1e5), "resistivity": number(1e-12, 1e20)}
+hardness = {"hardness": strengths}
+more = hardness | {"conductivity": number(1e-9, 1e5), "resistivity": number(1e-12, 1e20)}
 material = {"young": number(1e-3, 1e12), "poisson": number(-0.99, 0.5), "yield_stress": strengths}
 strength = st.fixed_dictionaries(
     {}, optional=dict.fromkeys(("shear", "tension", "energy", "toughness"), number(1e-3, 1e9))
-).filter(bool)
+).filter(lambda given: given and not {"energy", "toughness"} <= given.keys())
 layer = st.fixed_dictionaries(
     material | {"thickness": number(1e-6, 10)},
     optional={"residual_stress": number(-1e9, 1e9), "strength": strength},
@@ -469,8 +470,8 @@ layer = st.fixed_dictionaries(
 layered = {"layers": st.lists(layer, min_size=1, max_size=3)}
 elastic = (
     st.fixed_dictionaries(material, optional=more)
-    | st.fixed_dictionaries(material | layered, optional=more)
-    | st.fixed_dictionaries(layered | {"base": choice("bonded", "frictionless")}, optional=more)
+    | st.fixed_dictionaries(material | layered, optional=hardness)
+    | st.fixed_dictionaries(layered | {"base": choice("bonded", "frictionless")}, optional=hardness)
 )
 fatigue_limits = st.builds(
     lambda torsion, ratio: {"fatigue_torsion": torsion, "fatigue_bending": ratio * torsion},
