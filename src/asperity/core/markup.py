@@ -70,14 +70,18 @@ def inline(text: str) -> str:
 
 def with_error(value: float, error: float, signed: bool = False) -> str:
     """A number with its error to two digits: ``1.445 ± 0.012``; three digits where there is no error."""
+    return " ± ".join(filter(None, rounded(value, error, "+" if signed else "")))
+
+
+def rounded(value: float, error: float, sign: str = "") -> tuple[str, str]:
+    """The two texts of `with_error`: the number, and its error; empty where there is none."""
     if np.isnan(value):
-        return ""
-    sign = "+" if signed else ""
+        return "", ""
     if np.isnan(error) or error == 0:
-        return f"{value:{sign}.3g}"
+        return f"{value:{sign}.3g}", ""
     digits = min(1 - int(np.floor(np.log10(error))), 12)
     decimals = max(digits, 0)
-    return f"{round(value, digits):{sign}.{decimals}f} ± {round(error, digits):.{decimals}f}"
+    return f"{round(value, digits):{sign}.{decimals}f}", f"{round(error, digits):.{decimals}f}"
 
 
 def _cells(frame: "pd.DataFrame") -> list[list[str]]:

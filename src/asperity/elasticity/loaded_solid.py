@@ -217,13 +217,11 @@ def layer_of(contact: xr.Dataset) -> Solid:
     The stress depends on the pressure, and under layers on the ratios of the moduli.
     """
     poisson = float(contact.attrs["poisson_contact"])
-    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
     young = (1 - poisson) * (1 + poisson)
-    solid = str(contact.attrs["solid"])
-    if solid == "half-space":
-        return Solid(young, poisson, lateral=lateral)
     settings = json.loads(contact.attrs["settings"])["layer"]
-    height = settings["height"]
+    height, lateral = settings["height"], settings["lateral"]
+    if contact.attrs["solid"] == "half-space":
+        return Solid(young, poisson, lateral=lateral)
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
     if base := settings.get("base"):  # of a study, or of a `Solid`
@@ -232,8 +230,7 @@ def layer_of(contact: xr.Dataset) -> Solid:
         else:
             below = _stiffened(layer_from(base), young / settings["young"])
         return Solid(young, poisson, height, lateral=lateral, base=below)
-    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
-    return Solid(young, poisson, height, bottom, lateral)
+    return Solid(young, poisson, height, settings["bottom"], lateral)
 
 
 def solid_of(contact: xr.Dataset) -> Solids:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from asperity.core.errors import shown
-from asperity.core.markup import with_error
+from asperity.core.markup import rounded, with_error
 from asperity.core.units import scaled_unit, shown_si
 
 DISCRETISATION = "discretisation"
@@ -226,7 +226,7 @@ class Record:
         factor, symbol = self.scale(units)
         text = _digits(self.value / factor, min(digits, 3) if self.unknown and not self.errors else digits)
         if 1e-3 * abs(self.value) < self.error < abs(self.value):
-            text = min(_rounded(self.value, self.error, factor)[0], text, key=len)
+            text = min(rounded(self.value / factor, self.error / factor)[0], text, key=len)
         return f"{text} {symbol}".strip()
 
     def place(self, units: Any = None) -> str:
@@ -259,7 +259,8 @@ class Record:
                 ends = (_digits(end / factor, 2) for end in self._within(error))
                 found.append(f"{' to '.join(ends)} {symbol}".strip() + f" by {cause}")
             else:
-                found.append(f"± {_rounded(self.best, error, factor)[1]} {symbol}".strip() + f" by {cause}")
+                size = rounded(self.best / factor, error / factor)[1]
+                found.append(f"± {size} {symbol}".strip() + f" by {cause}")
         # The cause `POSITIONS` reads without "by".
         return [*(text.replace("by between", "between") for text in found)] + [
             f"{cause}: {NOT_KNOWN}" for cause in self.unknown
@@ -365,12 +366,6 @@ def _per_minute(rate: float) -> tuple[float, str]:
 def _digits(value: float, digits: int) -> str:
     """A number with significant digits: 40000 in place of 4e+04."""
     return f"{float(f'{value:.{digits}g}'):.7g}"
-
-
-def _rounded(value: float, error: float, factor: float) -> tuple[str, str]:
-    """Value and error as text, with the digits that the error leaves."""
-    number, _, size = with_error(value / factor, error / factor).partition(" ± ")
-    return number, size
 
 
 def fraction(quantity: str, value: float, **settings: Any) -> Record:

@@ -113,11 +113,11 @@ def test_tables_have_their_columns(coated):
     for name, table in tables(coated).items():
         check_columns(table, "answer" if name == "answer" else f"answer_{name}")
         if name in coated.tables:
-            heading, shown = for_reader(name, table)
+            heading, shown = for_reader(coated, name)
             assert heading.startswith(name.replace("_", " "))
             assert list(shown)
             assert len(shown) <= max(len(table), 1)
-    _, spots = for_reader("contact_spots", coated.tables["contact_spots"])
+    _, spots = for_reader(coated, "contact_spots")
     assert spots["load"].iloc[0].endswith("N")
 
 

@@ -68,11 +68,11 @@ class LayerStrength(Question):
             if low <= 1:
                 failures.append(f"{place} {ways[high <= 1]}: strength over stress {ratio.best_text()}")
         least = min(ratios, key=lambda ratio: ratio.best)
-        place = least.quantity.partition(", ")[2]
-        note = ", ".join(filter(None, [place, least.note]))
-        holds = f"the layers hold: {LEAST} {least.best_text()}, {place}"
+        note = ", ".join(filter(None, [least.quantity, least.note]))
+        holds = f"the layers hold: {LEAST} {least.best_text()}, {least.quantity}"
+        named = [replace(each, quantity=f"strength over stress, {each.quantity}") for each in ratios]
         return Findings(
-            records=[*ratios, replace(least, quantity=LEAST, body="", note=note)],
+            records=[*named, replace(least, quantity=LEAST, body="", note=note)],
             verdict="; ".join(failures) or holds,
             warnings=[Advice(True, TOPIC, f"{text[0].upper()}{text[1:]}.") for text in failures],
             assumption=(
@@ -84,7 +84,7 @@ class LayerStrength(Question):
 
 
 def _criteria(stages: Stages) -> Iterator[tuple[str, tuple[str, str], Record]]:
-    """Place, that it may fail and that it fails, and strength over stress, of all layers with a strength."""
+    """Place, that it may fail and that it fails, and strength over stress with the way as its name."""
     names = list(stages.asked.different_bodies)
     for body in names:
         of = f" of the {body} body" if len(names) > 1 else ""
@@ -116,7 +116,7 @@ def _criteria(stages: Stages) -> Iterator[tuple[str, tuple[str, str], Record]]:
 
 def _ratio(stress: Record, limit: float, of: str) -> Record:
     """Strength over stress, with the relative error of the stress."""
-    ratio = Record(f"strength over stress, {of}", math.inf, "1", TOPIC, stress.body, better="more")
+    ratio = Record(of, math.inf, "1", TOPIC, stress.body, better="more")
     if not stress.value > 0:
         return replace(ratio, words="unlimited, as there is no such stress")
     note = ", ".join(filter(None, [f"strength {shown_si(limit, 'Pa')}", stress.note]))

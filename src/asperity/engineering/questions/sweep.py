@@ -23,6 +23,7 @@ from asperity.core.types import Progress
 from asperity.core.units import DIMENSIONS, shown_si, to_si
 from asperity.engineering.answer_data import AnswerData, tile_names
 from asperity.engineering.face import RoughFace
+from asperity.engineering.numbers import EXTREMES
 from asperity.engineering.question import Findings, Picture, Question, Stages
 from asperity.engineering.records import FRACTION, NOT_KNOWN, SEARCH, UNBOUNDED, Advice, Record, find, frame
 from asperity.engineering.scene import Scene
@@ -148,19 +149,23 @@ class Sweep(Question):
             return [first]
         return [first, *between(first, last, int(steps))[1:-1].tolist(), last]
 
+    def points(self, case: Scene) -> Iterator[dict[str, tuple[float, str]]]:
+        """Key → value and its text, of each value or pair of values."""
+        texts = list[list[tuple[float, str]]]()
+        for key in self.values:
+            path = self.path(case, key)
+            digits = 4 if len({_shown(case, key, value) for value in path}) == len(path) else 15
+            texts.append([(value, _shown(case, key, value, digits)) for value in path])
+        yield from (dict(zip(self.values, point, strict=True)) for point in product(*texts))
+
     def other_cases(self, case: Any) -> dict[str, Any]:
         """The case at each value, or pair of values; names are keys and values in words."""
-        paths, found = {key: self.path(case, key) for key in self.values}, {}
-        digits = {
-            key: 4 if len({_shown(case, key, value) for value in path}) == len(path) else 15
-            for key, path in paths.items()
-        }
-        for point in product(*paths.values()):
-            changed, names = _alone(case), []
-            for key, value in zip(paths, point, strict=True):
+        found = {}
+        for point in self.points(case):
+            changed = _alone(case)
+            for key, (value, _) in point.items():
                 changed = with_value(changed, key, _given(case, key, value))
-                names.append(f"{key} = {_shown(case, key, value, digits[key])}")
-            found[", ".join(names)] = changed
+            found[", ".join(f"{key} = {text}" for key, (_, text) in point.items())] = changed
         return found
 
     def written_values(self, case: Scene) -> dict[str, list[str]]:
@@ -173,12 +178,12 @@ class Sweep(Question):
     def compute(self, stages: Stages, progress: Progress) -> Findings:
         """All numbers at all values as a table, and the value at which the chosen number meets its limit."""
         case, (first, *second) = stages.asked, self.values
-        cases, points = self.other_cases(case), [*product(*(self.path(case, key) for key in self.values))]
+        cases = self.other_cases(case)
         found, curves = self._chosen(stages.records), dict[tuple[float, ...], dict[float, Any]]()
         shown = {name for names in tile_names(case) for name in names} | {found.quantity if found else ""}
         tables = list[pd.DataFrame]()
-        for point, (name, records) in zip(points, stages.others.items(), strict=True):
-            at = {f"at_{key}": value for key, value in zip(self.values, point, strict=True)}
+        for point, (name, records) in zip(self.points(case), stages.others.items(), strict=True):
+            at = {f"at_{key}": value for key, (value, _) in point.items()}
             table = frame(records)[COLUMNS]
             best = [each.best_text() for each in records]
             known = pd.DataFrame(
@@ -188,7 +193,7 @@ class Sweep(Question):
             for each in find(records, found.quantity, found.body) if found else ():
                 if math.isfinite(each.best):
                     limit = self._limit(cases[name], each)
-                    curves.setdefault(point[1:], {})[point[0]] = (each, limit)
+                    curves.setdefault((*at.values(),)[1:], {})[at[f"at_{first}"]] = (each, limit)
         numbers, verdict, warnings = list[Record](), list[str](), list[Advice]()
         for other, curve in curves.items():
             where = "".join(
@@ -227,14 +232,15 @@ class Sweep(Question):
         if self.limit is not None:
             limit = _in_si(self.limit, record.unit)
             return math.nan if limit is None else limit
-        body, (quantity, _, name) = case.bodies.get(record.body or "lower"), record.quantity.partition(" in ")
-        part = body.parts.get(name) if body is not None and "von Mises" in quantity else None
-        return (part and getattr(part, "yield_stress", None)) or math.nan
+        for name, part in case.bodies[record.body or "lower"].parts.items():
+            if record.quantity == EXTREMES["von_mises"] + (f" in {name}" if name else ""):
+                return part.yield_stress or math.nan
+        return math.nan
 
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """The numbers at the top of the report against the values."""
-        table = answer.tables["sweep"]
-        keys = [column for column in table if column.startswith("at_")]
+        keys = [*self.values]
+        table = answer.tables["sweep"].rename(columns={f"at_{key}": key for key in keys})
         caption = f"Sweep: numbers of the answer against the {words_of(keys[0])}, with their errors"
         caption += f"; a line for each {words_of(keys[1])}." if len(keys) > 1 else "."
         chosen = self._chosen(answer.records)
@@ -308,7 +314,7 @@ def _shown(case: Scene, key: str, value: float, digits: int = 4) -> str:
 
 def words_of(key: str) -> str:
     """A dotted key in words: its last part."""
-    return key.removeprefix("at_").rpartition(".")[2].replace("_", " ")
+    return key.rpartition(".")[2].replace("_", " ")
 
 
 def _in_si(limit: str | float, unit: str | None = None) -> float | None:
@@ -390,7 +396,7 @@ def _drawn(case: Scene, table: pd.DataFrame, keys: list[str], chosen: Record | N
     first = [] if chosen is None else [(chosen.quantity, chosen.body)]
     varying = shown[shown["value"] != 0]  # of a number that is 0 everywhere there is nothing to draw
     names = [*dict.fromkeys([*first, *zip(varying["quantity"], varying["body"], strict=True)])][:PANELS]
-    per, symbol = Record("", table[keys[0]].max(), _unit(case, keys[0].removeprefix("at_"))).scale()
+    per, symbol = Record("", table[keys[0]].max(), _unit(case, keys[0])).scale()
     several = len(case.different_bodies) > 1
     with canvas([0.8] * len(names), None) as (figure, axes, _):
         for axis, (quantity, body) in zip(axes, names, strict=True):
@@ -400,7 +406,7 @@ def _drawn(case: Scene, table: pd.DataFrame, keys: list[str], chosen: Record | N
             for _, line in rows.groupby(keys[1:]) if len(keys) > 1 else [((), rows)]:
                 best = line["extrapolated"].fillna(line["value"])
                 ends = np.nan_to_num(np.abs(line[["low", "high"]].to_numpy().T - best.to_numpy()))
-                other = [_shown(case, key.removeprefix("at_"), line[key].iloc[0]) for key in keys[1:]]
+                other = [_shown(case, key, line[key].iloc[0]) for key in keys[1:]]
                 label = " ".join([words_of(keys[-1]), *other])
                 settings: Any = {"fmt": "-o", "ms": 3, "capsize": 2, "label": label}
                 axis.errorbar(line[keys[0]] / per, best / factor, ends / factor, **settings)

@@ -135,7 +135,7 @@ class Yielding(Question):
                     attributes[body] = {"yield_stress": constants.yield_stress, "volume_above_yield": volume}
         materials = [*_materials(stages, records)]
         if len(materials) == 2 and materials[0].equals(materials[1]):
-            materials = [materials[0]._replace(words="the material of both bodies")]
+            materials = [materials[0]._replace(of=" of both bodies")]
         return Findings(
             records=records,
             verdict="; ".join(each.verdict() for each in materials),
@@ -188,10 +188,10 @@ def _records(stages: Stages, body: str, name: str, found: Yielded) -> Iterator[R
 
 
 class _Material(NamedTuple):
-    """A material with a yield stress: its words, name, stress, and the volume above yield per area."""
+    """A material with a yield stress: its name, bodies, stress, and the volume above yield per area."""
 
-    words: str
     name: str
+    of: str
     limit: float
     stress: Record
     volume: Record | None
@@ -214,13 +214,14 @@ class _Material(NamedTuple):
         """Whether the material yields, from the stress and its interval."""
         shown, limit = self.stress.best_text(), shown_si(self.limit, "Pa", 3)
         low = self.stress.interval[0]
-        text = f"{self.words} yields"
+        material = f"{self.name or 'the material'}{self.of}"
+        text = f"{material} yields"
         if self.is_elastic:
-            text = f"{self.words} stays elastic"
+            text = f"{material} stays elastic"
             if DISCRETISATION in self.stress.lacks:
                 text += " on these pixels (discretisation error not known)"
         elif low <= self.limit:
-            text = f"{self.words} may yield"
+            text = f"{material} may yield"
         times = f"{self.stress.best / self.limit:.3g} times its yield stress, {limit}"
         if self.volume is None or not self.volume.value or self.depth is None:
             return f"{text}: maximum von Mises stress {shown}, {times}"
@@ -233,7 +234,7 @@ class _Material(NamedTuple):
 
     def warning(self, stages: Stages) -> Advice:
         """Stress that is, or may be, above the yield stress."""
-        of = self.words.removeprefix("the material") if self.name == "" else f" of {self.words}"
+        of = f" of {self.name}" * bool(self.name) + self.of
         reaches = "may exceed" if self.stress.interval[0] <= self.limit else "exceeds"
         affected = ""
         if self.depth is not None:
@@ -271,4 +272,4 @@ def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]
             )
             is_reached = stages.contact.plastic_area > 0 and name in AT_SURFACE
             hardness = stages.contact.hardness if is_reached else 0.0
-            yield _Material(f"{name or 'the material'}{of}", name, limit, stress, volume, depth, hardness)
+            yield _Material(name, of, limit, stress, volume, depth, hardness)

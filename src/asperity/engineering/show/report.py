@@ -71,7 +71,7 @@ def report(answer: AnswerData, drawn: Sequence[Drawn] | None = None, folder: Pat
             body = each.picture.body
             groups.setdefault(answer.case.stress_title(body) if body else "contact", []).append(each)
     shown = without_repeats(answer.records)
-    listed = dict(for_reader(name, table) for name, table in answer.tables.items())
+    listed = dict(for_reader(answer, name) for name in answer.tables)
     return rendered(
         "asperity.engineering.show",
         "report.html.j2",

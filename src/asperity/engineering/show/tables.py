@@ -63,11 +63,11 @@ def tables(answer: AnswerData) -> dict[str, pd.DataFrame]:
     return {"answer": answer.frame(), "warnings": answer.warnings_table(), **answer.tables}
 
 
-def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
+def for_reader(answer: AnswerData, name: str) -> tuple[str, pd.DataFrame]:
     """Heading of a table of an answer, and rows of it as texts with units."""
-    heading = name.replace("_", " ")
+    heading, table = name.replace("_", " "), answer.tables[name]
     if name == "sweep":
-        return heading, _of_sweep(table)
+        return heading, _of_sweep(answer.case, table)
     rows, unit_of = np.arange(len(table)), units(f"answer_{name}", table)
     if name in FALLING and len(table) > FIRST_ROWS:
         rows, heading = rows[:FIRST_ROWS], f"{heading}, the first {FIRST_ROWS} of {len(table)}"
@@ -84,16 +84,16 @@ def for_reader(name: str, table: pd.DataFrame) -> tuple[str, pd.DataFrame]:
     return heading, pd.DataFrame(shown)
 
 
-def _of_sweep(table: pd.DataFrame) -> pd.DataFrame:
+def _of_sweep(case: Any, table: pd.DataFrame) -> pd.DataFrame:
     """The shown numbers of a sweep: a row for each value, a column for each number."""
     found: dict[str, dict[str, str]] = {}
+    for name, point in zip(table["case"].unique(), case.sweep.points(case), strict=True):
+        found[name] = {"sweep": ", ".join(f"{words_of(key)} = {text}" for key, (_, text) in point.items())}
     shown = table[table["is_shown"]]
     several = len({*shown["body"]} - {""}) > 1
     for row in shown.to_dict("records"):
         name = f"{row['quantity']}, {row['body']} body" if several and row["body"] else row["quantity"]
-        parts = (part.partition(" = ") for part in row["case"].split(", "))
-        at = ", ".join(f"{words_of(key)} = {value}" for key, _, value in parts)
-        found.setdefault(at, {"sweep": at})[name] = row["best"]
+        found[row["case"]][name] = row["best"]
     return pd.DataFrame(found.values()).fillna("")
 
 
@@ -127,7 +127,7 @@ def text(answer: AnswerData) -> str:
     for heading, records in by_topic(answer.case, shown):
         lines += ["", heading, *(f"  {each.quantity:<{width}}  {each.text()}" for each in records)]
     if "sweep" in answer.tables:
-        _, rows = for_reader("sweep", answer.tables["sweep"])
+        _, rows = for_reader(answer, "sweep")
         lines += ["", rows.set_index("sweep").T.to_string(line_width=WIDEST)]
     lines += ["", ONE_POSITION]
     lines += ["", REPEATS] if len(shown) < len(answer.records) else []
