@@ -87,7 +87,7 @@ class AnswerJob:
             arrangement = arranged(contents_of(content), folder, pooled="sample" in content)
             problems = [*(each for job in arrangement.jobs for each in job.problems), *arrangement.problems]
             if problems:
-                raise InputError("", [str(problem) for problem in dict.fromkeys(problems)])
+                raise InputError("", dict.fromkeys(problems))
             beside = int(memory / max(job.memory for job in arrangement.jobs))
             cores = max(1, min(beside, os.cpu_count() or 1))
             made = computed(arrangement, lambda *state: self._reply("progress", state), cores=cores)

@@ -43,7 +43,7 @@ from asperity.contact import active_set
 from asperity.contact.contact_nodes import dot, norm
 from asperity.contact.problem import Control, ConvergenceProgress, Problem, State
 from asperity.core.arguments import choice, magnitude
-from asperity.core.errors import ConvergenceError, shown
+from asperity.core.errors import ConvergenceError, InputError, shown
 from asperity.core.types import Array, Progress
 from asperity.elasticity.two_bodies import Solids
 from asperity.fourier.grid import Edges, Grid
@@ -174,11 +174,12 @@ class Adhesion:
         zone = self.cohesive_zone(modulus_of_waves(solid, FITTED_PIXELS * step))
         if zone * (1 + 1e-9) < LEAST_PIXELS * step:
             fitted = self.fitted(self.work, solid, grid, self.law).range
-            raise ValueError(
-                f"adhesion.range = {shown(self.range)}: nodes at most d/2 apart are needed in the cohesive "
-                f"zone d = π E* work / (4 (work/range)²) = {zone:.4g}, and they are {step:.4g} apart; with a "
+            text = (
+                f" = {shown(self.range)}: nodes at most d/2 apart are needed in the cohesive zone "
+                f"d = π E* work / (4 (work/range)²) = {zone:.4g}, and they are {step:.4g} apart; with a "
                 f"range of {fitted:.4g} it spans {FITTED_PIXELS} nodes"
             )
+            raise InputError("", [("adhesion.range", text)])
 
 
 def modulus_of_waves(solid: Solids, wavelength: float) -> float:

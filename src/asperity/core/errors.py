@@ -6,8 +6,8 @@ The message of a refused argument or key names it, shows its value and says what
 import difflib
 import sys
 import traceback
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple, Self
 
 # Most characters of a value in a message.
 _LONGEST_VALUE = 60
@@ -69,8 +69,18 @@ class DatasetError(RuntimeError):
     """Raised for a result file that is missing, damaged, or was changed after it was written."""
 
 
+class Problem(NamedTuple):
+    """Something that is not accepted: its argument or dotted key, and the rest of the message after it."""
+
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.key}{self.text}"
+
+
 class InputError(ValueError):
-    """Raised for input with one or several problems.
+    """Raised for input with one or several problems, given as texts or as keys and texts.
 
     Attributes
     ----------
@@ -78,17 +88,26 @@ class InputError(ValueError):
         File that has the problems; may be empty.
     problems : tuple of str
         Everything that is wrong or missing, each with the argument or option that it needs.
+    found : tuple of Problem
+        The same as data.
     """
 
-    def __init__(self, source: str, problems: Sequence[str]) -> None:
+    def __init__(self, source: str, problems: Iterable[str | tuple[str, str]]) -> None:
         self.source = source
-        self.problems = tuple(problems)
+        self.found = tuple(
+            Problem("", each) if isinstance(each, str) else Problem(*each) for each in problems
+        )
+        self.problems = tuple(map(str, self.found))
         heading = f"{source}:" if source else f"{len(self.problems)} problems:"
         super().__init__(self.lines[0] if len(self.lines) == 1 else "\n  ".join([heading, *self.problems]))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The error from another process."""
-        return type(self), (self.source, getattr(self, "found", self.problems))
+        return type(self), (self.source, self.found)
+
+    def renamed(self, name_of: Callable[[str], str]) -> Self:
+        """The error with the names that its arguments have in another interface, such as flags."""
+        return type(self)(self.source, [(key and name_of(key), text) for key, text in self.found])
 
     @property
     def lines(self) -> tuple[str, ...]:

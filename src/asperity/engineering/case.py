@@ -32,7 +32,7 @@ from asperity.engineering.questions.yielding import Yielding
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.settings.materials import known_materials, own_materials, table
-from asperity.settings.model import ContradictionError, optional
+from asperity.settings.model import SettingsError, optional
 from asperity.settings.quantities import split_tolerances
 
 
@@ -113,7 +113,7 @@ class Case(Scene):
         for question in self.questions.values():
             found += question.problems(self)
         if found:
-            raise ContradictionError(*dict.fromkeys(found))
+            raise SettingsError("", dict.fromkeys(found))
         return self
 
     @classmethod

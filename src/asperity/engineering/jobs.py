@@ -208,7 +208,10 @@ def _job(
         except SettingsError as error:
             found += error.found
         except InputError as error:
-            found += map(_of_map, error.problems, error.lines)
+            found += [
+                Problem(f"map.{key}", text) if key else Problem("map", f": {line}")
+                for (key, text), line in zip(error.found, error.lines, strict=True)
+            ]
         except ValueError as error:
             found.append(Problem("", str(error)))
     if problem := folder_problem(folder, stems=() if case is None else stems_of(case)):
@@ -218,12 +221,6 @@ def _job(
     ]:
         found.append(Problem("out", f" = {folder}: holds the map; another folder is needed"))
     return Job(name, content, folder, case, rough, (*dict.fromkeys([*found, *changed, *missing]),))
-
-
-def _of_map(problem: str, line: str) -> Problem:
-    """A problem of a map with the key of the option with which it begins, or of the map."""
-    name = next((name for name in Map.model_fields if problem.startswith((f"{name}: ", f"{name} = "))), "")
-    return Problem(f"map.{name}", problem.removeprefix(name)) if name else Problem("map", f": {line}")
 
 
 def _problems_of_several(

@@ -17,7 +17,7 @@ import numpy as np
 from asperity.contact import solve_contact
 from asperity.contact.solution import Solids
 from asperity.core.arguments import choice, magnitude, number, whole_number
-from asperity.core.errors import shown
+from asperity.core.errors import InputError, shown
 from asperity.core.types import Array, ArrayLike, Progress
 from asperity.elasticity.loaded_solid import direction_cosines, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
@@ -169,15 +169,17 @@ class MovingContact:
             if longest > 0.5 * wave * (1 + 1e-9):
                 needed = math.ceil(self.shifts * 2 * longest / wave)
                 if needed > MOST_SHIFTS:
-                    raise ValueError(
+                    text = (
                         f"wavelength_short = {wave:.4g}: at least {wave * needed / MOST_SHIFTS:.4g} is needed"
                         f"{', or a smaller slide_to_roll' if self._hertz else ''}: steps of half of it take "
                         f"{needed} shifts, and {MOST_SHIFTS} are the most"
                     )
-                raise ValueError(
-                    f"shifts = {self.shifts}: at least {needed} are needed, for steps of half of the "
-                    f"shortest wave of the faces, {wave:.4g}; fewer suffice with a longer wavelength_short"
+                    raise InputError("", [text])
+                text = (
+                    f" = {self.shifts}: at least {needed} are needed, for steps of half of the shortest wave "
+                    f"of the faces, {wave:.4g}; fewer suffice with a longer wavelength_short"
                 )
+                raise InputError("", [("shifts", text)])
 
     @property
     def period(self) -> int:
@@ -205,10 +207,8 @@ class MovingContact:
         square, middle = per_width @ per_width, -(start @ per_width)
         chord = middle**2 + square * (1 - start @ start)  # (half its length · square)²
         if not (square > 0 and chord > 0):
-            raise ValueError(
-                f"sliding_direction = {shown(self._direction)}, at = {self._at[0]:g} {self._at[1]:g}: a line "
-                "across the Hertz contact is needed"
-            )
+            at = f"at = {self._at[0]:g} {self._at[1]:g}: a line across the Hertz contact is needed"
+            raise InputError("", [("sliding_direction", f" = {shown(self._direction)}, {at}")])
         reach = FARTHEST * math.sqrt(chord) * (2 * np.arange(self.shifts) + 1 - self.shifts) / self.shifts
         return (middle + reach) / square
 
@@ -295,8 +295,9 @@ def step_along(sliding_direction: str | float, grid: Grid) -> tuple[int, int]:
     nearest = min(apart, key=lambda step: (apart[step], abs(step[0]) + abs(step[1])))
     if apart[nearest] > SAME_DIRECTION:
         angle = math.degrees(math.atan2(nearest[0] * grid.spacing[0], nearest[1] * grid.spacing[1]))
-        raise ValueError(
-            f"sliding_direction = {shown(sliding_direction)}: x, y or the angle of a line through nodes is "
-            f"needed; the nearest is {angle:.6g}, by {nearest[0]} nodes along y and {nearest[1]} along x"
+        text = (
+            f" = {shown(sliding_direction)}: x, y or the angle of a line through nodes is needed; the "
+            f"nearest is {angle:.6g}, by {nearest[0]} nodes along y and {nearest[1]} along x"
         )
+        raise InputError("", [("sliding_direction", text)])
     return nearest

@@ -12,7 +12,7 @@ from asperity.core.units import shown_si
 from asperity.engineering.face import RoughFace
 from asperity.engineering.scene import Scene
 from asperity.settings.load import LARGEST_LOAD, Hertz
-from asperity.settings.model import Problem, SettingsError
+from asperity.settings.model import SettingsError
 from asperity.surface.treatment.treatment import TreatedMap
 
 SMALLEST_APPROACH = 1e-7
@@ -70,14 +70,14 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
     if load.kind == "force":
         mean_pressure = load.value / face.grid.area
         if wrong := [*case.problems_of_pressure(mean_pressure)]:
-            raise SettingsError("", [Problem(*each) for each in wrong])
+            raise SettingsError("", wrong)
         return {"mean_pressure": mean_pressure}
     if _is_full(face, case) and case.hardness and not case.hardness_is_estimated:
         full = solve_contact(face.height, case.solid, face.grid, contact_area_fraction=1.0)
         if full.maximum_pressure > case.hardness:
             taken = f"full contact takes a pressure of {shown_si(full.maximum_pressure, 'Pa')}"
             needed = f": less is needed under a hardness of {shown_si(case.hardness, 'Pa')}, {taken}"
-            raise SettingsError("", [Problem("load.contact_area_fraction", f" = {load.value:g}{needed}")])
+            raise SettingsError("", [("load.contact_area_fraction", f" = {load.value:g}{needed}")])
     if load.kind != "normal_approach":
         return {load.kind: load.value}
     least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.period)
@@ -88,7 +88,5 @@ def imposed_load(face: TreatedMap, case: Scene) -> dict[str, Any]:
     elif load.value >= (most := approach_of_full_contact(face.height, case.solid, face.boundary) - lowest):
         accepted = f"less than {shown_si(most, 'm')} is needed, {FULL_CONTACT}"
     if accepted:
-        raise SettingsError(
-            "", [Problem("load.normal_approach", f" = {shown_si(load.value, 'm')}: {accepted}")]
-        )
+        raise SettingsError("", [("load.normal_approach", f" = {shown_si(load.value, 'm')}: {accepted}")])
     return {"approach": lowest + load.value}

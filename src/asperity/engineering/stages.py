@@ -461,7 +461,7 @@ def check_edges(case: Case, edges: Sequence[float]) -> None:
     elif case.load.kind == "force":
         found += case.problems_of_pressure(case.load.value / math.prod(edges))
     if found:
-        raise SettingsError("", [Problem(*each) for each in found])
+        raise SettingsError("", found)
 
 
 def problems_on_map(case: Case, rough: RoughFace) -> list[Problem]:

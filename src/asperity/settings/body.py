@@ -20,9 +20,9 @@ from asperity.core.units import shown_si
 from asperity.settings.map import CounterMap
 from asperity.settings.materials import Constant, Material, known_materials, material
 from asperity.settings.model import (
-    ContradictionError,
     Number,
     Settings,
+    SettingsError,
     described,
     nested,
     optional,
@@ -209,10 +209,10 @@ class Body(OfMaterial):
             return made(value)._with_hardness()
         if wrong := [name for name in OF_LAYER if value.get(name) is not None]:
             text = f" = {shown(value['base'])}: {', '.join(wrong)} belong to layers.0 on a rigid base"
-            raise ContradictionError(("base", text))
+            raise SettingsError("", [("base", text)])
         given, top = {**value, **UNUSED}, layers[0]
         name = top.get("material") if isinstance(top, Mapping) else getattr(top, "material", None)
-        with suppress(ContradictionError):  # of a material that is not known, which the layer reports
+        with suppress(SettingsError):  # of a material that is not known, which the layer reports
             given["material"] = material(name).name if isinstance(name, str) and len(layers) == 1 else None
         found = made(given)
         found.__dict__.update({each: getattr(found.layers[0], each) for each in OF_LAYER})

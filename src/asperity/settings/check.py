@@ -8,7 +8,7 @@ from typing import Any
 from asperity.core.errors import shown
 from asperity.settings.accuracy import PARTS, PRESETS
 from asperity.settings.configuration import Configuration, Contact
-from asperity.settings.model import Entry, Problem, SettingsError, described, entry_of, number
+from asperity.settings.model import Entry, SettingsError, described, entry_of, number
 from asperity.settings.sections import LOAD_LABELS, without_load
 
 _FEWEST_PLANES = 4
@@ -36,7 +36,7 @@ def check(config: Mapping[str, Any]) -> dict[str, Any]:
     """
     Configuration.read(config)
     whole = complete(config)
-    if found := [Problem(*each) for each in _contradictions(whole)]:
+    if found := [*_contradictions(whole)]:
         raise SettingsError("", found)
     return whole
 

@@ -17,7 +17,7 @@ from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import InputError, did_you_mean, shown
 from asperity.core.system import sha256_of
-from asperity.settings.model import ContradictionError, NeededError, Problem, SettingsError
+from asperity.settings.model import NeededError, SettingsError
 from asperity.settings.reader import load
 
 CONSTANTS = (
@@ -106,7 +106,7 @@ def material(name: str) -> Material:
 
     Raises
     ------
-    ContradictionError
+    SettingsError
         If there is none; the message suggests the nearest name. It is a `ValueError`.
 
     Examples
@@ -125,7 +125,7 @@ def material(name: str) -> Material:
         words = f"did you mean one of {', '.join(of_group)}?"
     elif near:
         words = f"did you mean {names[near.split()[-1].rstrip('?')].name}?"
-    raise ContradictionError(("material", f" = {shown(name)}: the name of a material is needed; {words}"))
+    raise SettingsError("", [("material", f" = {shown(name)}: the name of a material is needed; {words}")])
 
 
 def own_materials(given: Any) -> dict[str, Material]:
@@ -146,9 +146,7 @@ def own_materials(given: Any) -> dict[str, Material]:
     except SettingsError:
         raise
     except InputError as error:
-        raise SettingsError(
-            "", [Problem("", f" = {shown(file)}: {each}") for each in error.problems]
-        ) from None
+        raise SettingsError("", [f" = {shown(file)}: {each}" for each in error.problems]) from None
 
 
 OwnMaterials = Annotated[
@@ -169,14 +167,14 @@ def _materials(content: Mapping[str, Any], file: str = "", sha256: str = "") -> 
     """The materials in the content of a file, with or without their sources."""
     sources, entries = content.get("sources", {}), content.get("materials", content)
     if not isinstance(sources, Mapping) or not isinstance(entries, Mapping):
-        raise SettingsError("", [Problem("", ": groups of keys `materials` and `sources` are needed")])
+        raise SettingsError("", [": groups of keys `materials` and `sources` are needed"])
     found, wrong = {}, []
     for name, entry in entries.items():
         if isinstance(entry, Material):
             found[name] = entry
             continue
         if not isinstance(entry, Mapping):
-            wrong.append(Problem(str(name), f" = {shown(entry)}: a group with young and poisson is needed"))
+            wrong.append((str(name), f" = {shown(entry)}: a group with young and poisson is needed"))
             continue
         constants, about = {}, {"group": "", "state": "", "file": file, "sha256": sha256}
         for key, given in entry.items():
@@ -190,7 +188,7 @@ def _materials(content: Mapping[str, Any], file: str = "", sha256: str = "") -> 
                     group.get("value"), tuple(span) if isinstance(span, (list, tuple)) else None, place
                 )
             elif key not in ABOUT:
-                wrong.append(Problem(f"{name}.{key}", f": unknown key{did_you_mean(str(key), CONSTANTS)}"))
+                wrong.append((f"{name}.{key}", f": unknown key{did_you_mean(str(key), CONSTANTS)}"))
             elif key != "also":
                 about[key] = str(given)
         also = entry.get("also", ())

@@ -11,13 +11,13 @@ import ast
 import copy
 import inspect
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
 from numbers import Real
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 from pydantic import (
     BaseModel,
@@ -34,7 +34,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError, core_schema
 
-from asperity.core.errors import InputError, did_you_mean, shown
+from asperity.core.errors import InputError, Problem, did_you_mean, shown
 from asperity.core.units import misread
 
 if TYPE_CHECKING:
@@ -84,22 +84,8 @@ _TYPES = {
 }
 
 
-class Problem(NamedTuple):
-    """A setting that is not accepted: its dotted key, and the rest of the message after the key."""
-
-    key: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.key}{self.text}"
-
-
 class SettingsError(InputError):
     """Raised for settings that are not accepted, with all of their problems.
-
-    Attributes
-    ----------
-    found : tuple of Problem
 
     Examples
     --------
@@ -110,31 +96,9 @@ class SettingsError(InputError):
     poisson = 0.7: a number > -1 and ≤ 0.5 is needed
     """
 
-    def __init__(self, source: str, found: Iterable[Problem]) -> None:
-        self.found = tuple(found)
-        super().__init__(source, [str(problem) for problem in self.found])
-
-    def renamed(self, name_of: Callable[[str], str]) -> "SettingsError":
-        """The error with the names that the settings have in another interface, such as flags."""
-        return SettingsError(self.source, [Problem(name_of(key), text) for key, text in self.found])
-
 
 class NeededError(ValueError):
     """Raised by a check of one value; the message says what is needed instead."""
-
-
-class ContradictionError(ValueError):
-    """Raised by a check of a group, for settings that are missing or exclude each other.
-
-    Attributes
-    ----------
-    found : tuple of Problem
-        With keys inside the group.
-    """
-
-    def __init__(self, *found: tuple[str, str]) -> None:
-        self.found = tuple(Problem(*each) for each in found)
-        super().__init__("; ".join(map(str, self.found)))
 
 
 class _ProblemsOfAll(_Metaclass):
@@ -253,7 +217,7 @@ class Settings(BaseModel, metaclass=_ProblemsOfAll):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if found := tuple(self.contradictions()):
-            raise ContradictionError(*found)
+            raise SettingsError("", found)
         return self
 
     def replaced(self, **changes: Any) -> Self:
@@ -528,7 +492,7 @@ def _problems_of(root: type[BaseModel], error: Any) -> Iterator[Problem]:
             break
         group, entry, path = entry, inner, [*path, _part(part)]
     key, cause = ".".join(path), error.get("ctx", {}).get("error")
-    if isinstance(cause, (ContradictionError, SettingsError)):
+    if isinstance(cause, SettingsError):
         yield from (Problem(".".join(filter(None, [key, inner])), text) for inner, text in cause.found)
     elif unknown:
         word = error["loc"][-1]

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import Field
 from pydantic_core import CoreSchema, core_schema
 
-from asperity.settings.model import ContradictionError, NeededError, Number, accepted
+from asperity.settings.model import NeededError, Number, SettingsError, accepted
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ def split_tolerances(case: Mapping[str, Any]) -> dict[str, Any]:
             return each
         if (found := _TOLERANCE.fullmatch(each.strip())) is None:
             text = f" = {each}: a tolerance in per cent is needed, such as 210 GPa ± 5 %"
-            raise ContradictionError((key, text))
+            raise SettingsError("", [(key, text)])
         tolerances[key] = float(found[2]) / 100
         try:
             return float(found[1])

@@ -61,7 +61,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     if "studies" not in config:
         config["studies"] = {ALL_SURFACES: [*config["surfaces"], *config["measured"]]}
     config["results"] = given.get("results", config["results"])
-    if found := [Problem(*each) for each in _problems(config, files[-1], "results" in given)]:
+    if found := [*_problems(config, files[-1], "results" in given)]:
         raise SettingsError("", found)
     if "results" in given:  # with slashes as in a Snakefile, also on Windows
         config["results"] = Path(os.path.normpath(os.path.expanduser(config["results"]))).as_posix()
@@ -176,7 +176,7 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
         if len(names) > (most := _most_surfaces(study)):
             needed = f"at most {most} are accepted; fewer loads or surfaces are needed"
             text = f" = {shown(values)}: study {study} would have {len(names)} surfaces, {needed}"
-            raise SettingsError("", [Problem(f"contact.{kind}", text)])
+            raise SettingsError("", [(f"contact.{kind}", text)])
     return config
 
 

@@ -12,6 +12,7 @@ from asperity.contact import Contact, solve_contact
 from asperity.contact.adhesion import FITTED_PIXELS, modulus_of_waves, stickiness
 from asperity.contact.adhesion import Adhesion as Law
 from asperity.contact.solve import approach_of_full_contact
+from asperity.core.errors import InputError
 from asperity.core.types import Progress
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
@@ -20,7 +21,7 @@ from asperity.engineering.question import Findings, Picture, Question, Stages, p
 from asperity.engineering.records import POSITIVE, SEARCH, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.load import FIT, Attraction, Hertz
-from asperity.settings.model import Problem, SettingsError, Whole, setting
+from asperity.settings.model import SettingsError, Whole, setting
 
 TOPIC = "adhesion"
 
@@ -66,8 +67,8 @@ class Adhesion(Attraction, Question):
                 law = case.adhesion_on(grid)
                 assert law is not None
                 law.check_resolved(case.solid, grid)
-            except ValueError as error:
-                yield "adhesion.range", str(error).removeprefix("adhesion.range")
+            except InputError as error:
+                yield from error.found
             return
         if isinstance(case.load, Hertz):
             yield "load.radius_x", ": not accepted with adhesion"
@@ -139,9 +140,7 @@ class Adhesion(Attraction, Question):
             forward[-1] -= 1e-3 * (forward[-1] - forward[-2])  # full contact has no approach of its own
         if forward[-1] >= approach_of_full_contact(contact.height, contact.solid, contact.boundary):
             found = ": the load flattens the map beyond full contact, where approaches are not computed"
-            raise SettingsError(
-                "", [Problem("adhesion", f"{found}; a lower load or a higher hardness is needed")]
-            )
+            raise SettingsError("", [("adhesion", f"{found}; a lower load or a higher hardness is needed")])
         step, most, rows = forward[1] - forward[0], MOST_STEPS * self.steps, []
         ahead = [*forward, *forward[-2::-1], *(forward[0] - step * np.arange(1, most)).tolist()]
         last, before, least = None, None, 0

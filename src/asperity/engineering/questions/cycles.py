@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from asperity.core.errors import InputError
 from asperity.core.types import Array, Progress
 from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
@@ -121,18 +122,19 @@ class Cycles(Question):
             try:
                 if self.shifts is not None:
                     self._moving(case, rough, 1.0)
-            except ValueError as error:
-                name, equals, rest = str(error).partition(" = ")
+            except InputError as error:
                 keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
-                yield (keys[name], f"{equals}{rest}") if name in keys else ("cycles", f": {error}")
+                yield from (
+                    (keys[key], text) if key else ("cycles", f": {text}") for key, text in error.found
+                )
             return
         bodies = case.groups_of_bodies
         limited = {name: body for name, body in bodies.items() if body.fatigue_torsion is not None}
         for name, body in limited.items():
             try:
                 hydrostatic_factor(body.fatigue_torsion, body.fatigue_bending)
-            except ValueError as error:
-                yield f"{name}.fatigue_torsion", str(error).removeprefix("fatigue_torsion")
+            except InputError as error:
+                yield from ((f"{name}.{key}", text) for key, text in error.found)
         if (self.fatigue_scatter is None) != (self.fatigue_volume is None):
             yield "cycles", ": both fatigue_scatter and fatigue_volume are needed, or none"
         if self.area is not None and self.fatigue_scatter is None:

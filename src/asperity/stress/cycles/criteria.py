@@ -31,6 +31,7 @@ import xarray as xr
 
 from asperity.core.arguments import finite_array, magnitude, number, require_finite
 from asperity.core.compiled import compiled, compiled_with_arrays
+from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
@@ -74,15 +75,14 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
     given = {"fatigue_torsion": fatigue_torsion, "fatigue_bending": fatigue_bending}
     for name, value in given.items():
         if value is None:
-            raise ValueError(f"{name}: missing; both fatigue limits are needed, of torsion and of bending")
+            text = ": missing; both fatigue limits are needed, of torsion and of bending"
+            raise InputError("", [(name, text)])
         magnitude(name, value)
     torsion, bending = map(float, given.values())  # type: ignore[arg-type]
     low, high = FATIGUE_RATIOS
     if not low * (1 - 1e-12) <= torsion / bending <= high * (1 + 1e-12):
-        share = torsion / bending
-        raise ValueError(
-            f"fatigue_torsion: {low:g} to {high:g} times fatigue_bending is needed, got {share:.4g} times"
-        )
+        text = f": {low:g} to {high:g} times fatigue_bending is needed, got {torsion / bending:.4g} times"
+        raise InputError("", [("fatigue_torsion", text)])
     return 3 * (torsion / bending - 0.5)
 
 

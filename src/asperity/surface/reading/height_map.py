@@ -10,7 +10,7 @@ The files of instruments are maps; results of asperity hold lower faces and say 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import shown_si, to_si
 from asperity.fourier.grid import Grid
-from asperity.settings.map import MapOptions
+from asperity.settings.map import Map, MapOptions
 
 PEAKS_UP, LOWER_FACE = "peaks up", "lower face"
 ORIENTATIONS = (PEAKS_UP, LOWER_FACE)
@@ -54,11 +54,10 @@ class MapError(InputError):
     mirrored or windowed, or press it with a free boundary
     """
 
-    def renamed(self, name_of: Callable[[str], str]) -> MapError:
-        """The error with the names that the fields of `MapOptions` have in another interface."""
-        options = "|".join(MapOptions.model_fields)
-        name = re.compile(rf"^({options})(?=: | = )")
-        return MapError(self.source, [name.sub(lambda found: name_of(found[0]), p) for p in self.problems])
+    def __init__(self, source: str, problems: Iterable[str | tuple[str, str]]) -> None:
+        name = re.compile(rf"(?:({'|'.join(Map.model_fields)})(?=: | = ))?(.*)", re.DOTALL)
+        named = (each if isinstance(each, tuple) else name.findall(each)[0] for each in problems)
+        super().__init__(source, named)
 
 
 def is_period(options: MapOptions, surface: HeightMap) -> bool:
