@@ -62,8 +62,11 @@ def describe(root: type[Settings], title: str, known: dict[str, Entry] | None = 
             parts += [f"### `{key}`", f"{entry['description']} They are {names}; {schema}"]
         elif key not in alone:
             words, rows = _group(key, entry, known)
-            parts += [f"### `{key}`", entry["description"] + words]
-            parts += [settings_table(rows)] if rows else []
+            # Loads of one surface are those of section `contact`; the page itself says what a question asks.
+            rows = [row for row in rows if ".contact." not in row[0]]
+            text = [] if key in Case.kinds() else [entry["description"] + words]
+            if rows or text:
+                parts += [f"### `{key}`", *text, *([settings_table(rows)] if rows else [])]
     explained = [f"*{name}* is {text}" for text, name in _KINDS.items() if f" | {name} | " in "".join(parts)]
     if explained:
         parts.insert(2, f"In the tables {'; '.join(explained)}.")
