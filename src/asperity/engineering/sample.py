@@ -288,10 +288,14 @@ class SampleData:
         return next(iter(self.answers.values())).case
 
     @property
+    def heading(self) -> str:
+        """Number of maps."""
+        return f"{len(self.names)} map{'s' * (len(self.names) > 1)} of one surface"
+
+    @property
     def title(self) -> str:
         """Number of maps, and the case in words."""
-        maps = "1 map" if len(self.names) == 1 else f"{len(self.names)} maps"
-        return f"{maps} of one surface: {case_in_words(self.case)}"
+        return f"{self.heading}: {case_in_words(self.case)}"
 
     @cached_property
     def _means(self) -> dict[Key, tuple[Record, Array]]:

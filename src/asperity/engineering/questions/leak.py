@@ -201,10 +201,10 @@ class Leak(Question):
     def _lifted(self, mean_pressure: float) -> Iterator[Advice]:
         """A warning if the pressure of the fluid is above that of the contact."""
         if (fluid := self.pressure_difference or 0.0) > mean_pressure > 0:
-            shown, size = shown_si(fluid, "Pa", 3), fluid / mean_pressure - 1
-            short = f"model: the fluid, at {shown}, would lift faces under {shown_si(mean_pressure, 'Pa', 3)}"
-            text = f"{short[7:]}, which the answer leaves out: a larger mean pressure is needed."
-            yield Advice(True, "pressure of the fluid", text, short, size)
+            above, below = (shown_si(pressure, "Pa", 3) for pressure in (fluid, mean_pressure))
+            lifts = f"the fluid, at {above}, would lift faces under {below}"
+            text = f"{lifts}, which the answer leaves out: a larger mean pressure is needed."
+            yield Advice(True, "pressure of the fluid", text, f"model: {lifts}", fluid / mean_pressure - 1)
 
     def _elastic(
         self, leakage: Record, stages: Stages, start: FilmFlow, warnings: list[Advice]
@@ -214,11 +214,10 @@ class Leak(Question):
             return
         for each in elastic_record(leakage.quantity, flow.flow_rate, [leakage]):
             yield each
-            short = (
-                f"model: an elastic contact, without the estimated hardness, leaks {each.number(digits=3)}"
-            )
+            leaks = f"an elastic contact, without the estimated hardness, leaks {each.number(digits=3)}"
             size = abs(each.value / leakage.value - 1) if leakage.value else math.inf
-            warnings.append(Advice(True, "hardness from the yield stress", f"{short[7:]}.", short, size))
+            subject = "hardness from the yield stress"
+            warnings.append(Advice(True, subject, f"{leaks}.", f"model: {leaks}", size))
 
     def _flow(
         self, contact: Contact, start: FilmFlow | None = None, progress: Progress | None = None
@@ -233,19 +232,16 @@ class Leak(Question):
 
     def under_load(self, contact: Contact) -> dict[str, float]:
         """Constriction and leakage of a contact of a load curve, also on half of the nodes."""
+        from asperity.contact.gap import percolation
+
         found, flow = dict[str, float](), None
         for name, each in (("_on_half", solved_on_half(contact).contact), ("", contact)):
-            numbers = {f"constriction{name}": self._constriction(each)}
+            narrowest = percolation(each).constriction["yx".index(self.direction)]  # 0 if the gap is sealed
+            numbers = {f"constriction{name}": narrowest}
             if (flow := self._flow(each, flow)) is not None:
                 numbers[f"leakage{name}"] = flow.flow_rate
             found = numbers | found
         return found
-
-    def _constriction(self, contact: Contact) -> float:
-        """Narrowest constriction along the direction of the leak; 0 if the gap is sealed."""
-        from asperity.contact.gap import percolation
-
-        return percolation(contact).constriction["yx".index(self.direction)]
 
     def _sealing(self, stages: Stages, progress: Progress) -> tuple[Record, Contact]:
         """The mean pressure that seals the gap, from any load, and the contact just below it."""

@@ -54,7 +54,7 @@ def page(sample: SampleData, folder: Path | None = None) -> str:
         sample.answers,
         shown,
         title=f"{', '.join(sample.names)}: contact and stress",
-        heading=sample.title.partition(":")[0],
+        heading=sample.heading,
         case=case_in_words(sample.case),
         tiles=tiles_of(sample.tiles),
         notes=[means, *([f"{REPEATS[0].upper()}{REPEATS[1:]}."] if repeats else [])],
