@@ -86,7 +86,11 @@ def parse(words: Sequence[str] | None) -> argparse.Namespace:
             return found
     near = did_you_mean(unknown[0], known)
     if not near and command in ("run", "app") and unknown[0].startswith("--"):
-        near = _key_of(unknown[0], known)
+        from asperity.engineering.templates import hint
+
+        key, how = hint(unknown[0])
+        name = next((name for name, given in known.items() if given.get("key") == key), "")
+        near = f"; did you mean {name}?" if name else f"; the key is {key}{how}" if key else ""
     sys.exit(fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {command} --help)", WRONG_USAGE))
 
 
@@ -94,21 +98,13 @@ def _no_command(word: str) -> str:
     """Message on a first word that is no command, but perhaps a map or a question."""
     from asperity.engineering.templates import hint, templates
 
-    means = f"; the key is {found}" if (found := hint(word)) else did_you_mean(word, COMMANDS)
+    key, how = hint(word)
+    means = f"; the key is {key}{how}" if key else did_you_mean(word, COMMANDS)
     if os.path.exists(word):
         means = f"; did you mean asperity run {word}?"
     elif word in templates():
         means = f"; asperity case {word} writes a case file for asperity run"
     return f"{shown(word)}: one of {', '.join(COMMANDS)} is needed{means}"
-
-
-def _key_of(word: str, known: Mapping[str, Mapping[str, Any]]) -> str:
-    """The flag, or the key of a case, that an unknown flag means, as the end of a message."""
-    from asperity.engineering.templates import hint
-
-    found = hint(word)
-    flag = next((flag for flag, given in known.items() if given.get("key") == found.partition(",")[0]), "")
-    return f"; did you mean {flag}?" if flag else f"; the key is {found}" if found else ""
 
 
 def with_units(words: Sequence[str]) -> list[str]:

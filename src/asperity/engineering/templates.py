@@ -148,14 +148,14 @@ def explanation(key: str) -> str:
     return "\n".join([f"{key}: {entry['description']}", *lines])
 
 
-def hint(word: str) -> str:
-    """The key of a case that a word means, such as an unknown flag; empty if there is none.
+def hint(word: str) -> tuple[str, str]:
+    """The key of a case that a word means, such as an unknown flag, and how it is given; empty without one.
 
     Examples
     --------
     >>> from asperity.engineering.templates import hint
     >>> hint("--lambda")
-    'film.lambda_ratio, given by --set or in a case file (asperity case film)'
+    ('film.lambda_ratio', ', given by --set or in a case file (asperity case film)')
     """
     word = word.lstrip("-").lower().replace("-", "_")
     known = [ALSO[word]] if word in ALSO else []
@@ -166,8 +166,8 @@ def hint(word: str) -> str:
     for name, each in templates().items():
         key = next((key for key, _ in leaves(each["case"]) if key in known), "")
         if key or (known and name == word):
-            return f"{key or known[0]}, given by --set or in a case file (asperity case {name})"
-    return f"{known[0]}, given by --set or in a case file" if known else ""
+            return key or known[0], f", given by --set or in a case file (asperity case {name})"
+    return (known[0], ", given by --set or in a case file") if known else ("", "")
 
 
 def materials_in_words() -> str:

@@ -315,16 +315,17 @@ def test_solid_of_the_library_is_a_body():
     ],
 )
 def test_hint_names_key_and_template(word, key):
-    text = hint(word)
-    assert text.startswith(f"{key}, given by --set or in a case file (asperity case ")
-    name = text.removesuffix(")").rpartition(" ")[2]
+    found, how = hint(word)
+    assert found == key
+    assert how.startswith(", given by --set or in a case file (asperity case ")
+    name = how.removesuffix(")").rpartition(" ")[2]
     assert key in dict(leaves(templates()[name]["case"]))
 
 
 def test_hint_names_a_key_before_keys_that_begin_with_the_word():
-    assert hint("--seal") == "leak.seal, given by --set or in a case file (asperity case seal)"
-    assert [hint(word).partition(",")[0] for word in ("--form", "--roller")] == ["map.form"] * 2
+    assert hint("--seal") == ("leak.seal", ", given by --set or in a case file (asperity case seal)")
+    assert [hint(word)[0] for word in ("--form", "--roller")] == ["map.form"] * 2
 
 
 def test_hint_on_other_words_is_empty():
-    assert hint("--compare") == hint("-x") == hint("--nonsense") == ""
+    assert hint("--compare") == hint("-x") == hint("--nonsense") == ("", "")
