@@ -10,12 +10,11 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import map_coordinates
 
-from asperity.app.form import EXAMPLE, MISSING, contents_of
+from asperity.app.form import EXAMPLE, contents_of
 from asperity.core.errors import InputError
 from asperity.core.types import Array
 from asperity.core.units import shown_si
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import MAP_FILES, at
 from asperity.engineering.face import RoughFace, processes_on, read_face
 from asperity.engineering.jobs import SMALL, Job, arranged
 from asperity.engineering.sample import doubt_of_one_surface
@@ -23,7 +22,6 @@ from asperity.engineering.stages import BESIDE, FILES, FREE, work_of
 from asperity.fourier.grid import Grid
 from asperity.settings.load import Hertz
 from asperity.settings.map import CounterMap, Map, MapOptions
-from asperity.settings.model import Problem, SettingsError
 from asperity.surface.description import describe_map
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum
@@ -38,14 +36,6 @@ BINS, POINTS = 60, 400
 
 TREATMENT = ("despike", "detrend", "periodic", "scan_lines", "points", "wavelength_short")
 """Settings of a map on which its description does not depend."""
-
-STAND_INS = {
-    "map": {"file": "map"},
-    "body": {"young": "200 GPa", "poisson": 0.3, "yield_stress": "1 GPa"},
-    "counter_body": {"young": "200 GPa", "poisson": 0.3},
-    "load": {"mean_pressure": "1 MPa"},
-}
-"""Groups in place of those that are missing or wrong, with which the other groups are checked."""
 
 PLAIN = ("poisson", "conductivity", "resistivity")
 """Constants of a material that are numbers without a unit in a case."""
@@ -115,16 +105,12 @@ class MapJob:
         """
         self._known, self._faces = self._faces, {}
         found: dict[str, Any] = {"number": number, "problems": [], "doubts": [], "info": {}}
-        if not at(content, MAP_FILES[0]):
-            missing = [("map.file", ": missing")]
-            return found | {"problems": [*missing, *_of_others(content, missing)]}
         for small in (SMALL, math.inf):  # problems of the settings before a large map is read
-            arrangement = arranged(
-                contents_of(content), out, pooled="sample" in content, read=self._read, small=small
-            )
+            contents = contents_of({"map": {}, **content})
+            arrangement = arranged(contents, out, pooled="sample" in content, read=self._read, small=small)
             first, jobs = arrangement.jobs[0], arrangement.jobs
             problems = [*(each for job in jobs for each in job.problems), *arrangement.problems]
-            found["problems"] = [*dict.fromkeys(map(tuple, [*problems, *_of_others(content, problems)]))]
+            found["problems"] = [*dict.fromkeys(map(tuple, problems))]
             if first.case is not None or first.rough is not None:
                 break
             self._reply("check", found)
@@ -177,19 +163,6 @@ class MapJob:
     def profile(self, ends: Ends) -> tuple[Array, Array]:
         """Distances in m and heights along a line on the map."""
         return along(self._shown, ends)
-
-
-def _of_others(content: Mapping[str, Any], problems: Sequence[tuple[str, str]]) -> list[Problem]:
-    """What groups of a case lack that are checked only when all others are right."""
-    wrong = {key.partition(".")[0] for key, _ in problems}
-    groups = {name: group for name, group in content.items() if name not in wrong}
-    try:
-        Case.read(groups | {name: group for name, group in STAND_INS.items() if name in wrong})
-    except SettingsError as error:
-        new = [each for each in error.found if each.key.partition(".")[0] not in wrong]
-        found = [each for each in new if each.text.startswith((": ", *MISSING))]  # nothing about given values
-        return [*found, *_of_others(content, [*problems, *found])] if found else []
-    return []
 
 
 def _of_case(case: Case) -> dict[str, Any]:

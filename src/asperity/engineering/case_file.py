@@ -27,7 +27,17 @@ from asperity.engineering.folder import CASE_FILE, DATA, checksums_in
 from asperity.engineering.scene import MATERIALS, Scene
 from asperity.results.atomic import write_text
 from asperity.settings.map import file_name, with_file
-from asperity.settings.model import Entry, Problem, Settings, described, inside, item_of, optional
+from asperity.settings.model import (
+    Entry,
+    Problem,
+    Settings,
+    SettingsError,
+    described,
+    entry_of,
+    inside,
+    item_of,
+    optional,
+)
 from asperity.settings.reader import load
 from asperity.surface.reading.container import maps_in
 from asperity.surface.reading.height_map import HeightMap
@@ -40,6 +50,26 @@ CHECKSUMS, OUT = "checksums", "out"
 
 MAP_FILES = (("map", "file"), ("counter_body", "map", "file"))
 """Keys of the maps."""
+
+STAND_INS: tuple[Mapping[str, Any], ...] = (
+    {
+        "map": {"file": "map"},
+        "body": {"material": "100Cr6"},
+        "load": {"mean_pressure": "1 MPa"},
+        "material": "100Cr6",
+        "young": "200 GPa",
+        "poisson": 0.3,
+    },
+    {
+        "map": {"file": "map"},
+        "body": {},
+        "load": {"hertz_pressure": "1 kPa", "radius_x": "1 m"},
+        "material": None,
+        "young": "1 MPa",
+        "poisson": 0.4,
+    },
+)
+"""Two values of each group or setting in place of those with problems, to check the others."""
 
 
 class Checksums(Settings):
@@ -86,6 +116,54 @@ def load_case(path: str | Path) -> dict[str, Any]:
         except ValueError as error:
             raise InputError(str(path), [f"{'.'.join(keys)} = {shown(given)}: {error} is needed"]) from None
     return content
+
+
+def read_case(content: Mapping[str, Any]) -> Case:
+    """The case of the content of a case file.
+
+    Raises
+    ------
+    SettingsError
+        With all problems, also those that `Case.read` finds only after others are solved.
+    """
+    try:
+        return Case.read(content)
+    except SettingsError as error:
+        first, second = (_hidden(content, error.found, number) for number in range(len(STAND_INS)))
+        hidden = [each for each in first if each in second]  # others come from the stand-ins
+        raise SettingsError("", dict.fromkeys([*error.found, *hidden])) from None
+
+
+def _hidden(content: Mapping[str, Any], found: Sequence[Problem], number: int) -> list[Problem]:
+    """Problems that show with a stand-in in place of each setting with a problem, apart from its groups."""
+    content, changed, hidden = copy.deepcopy(dict(content)), list[str](), list[Problem]()
+    while new := [each.key for each in found if changed.count(f"{each.key}.") < len(STAND_INS)]:
+        for key in dict.fromkeys(new):
+            _replace(content, key, number, changed.count(f"{key}.") != number)
+            changed.append(f"{key}.")
+        found = ()
+        try:
+            Case.read(content)
+        except SettingsError as error:
+            found = error.found
+        for each in found:
+            key = f"{each.key}."
+            if not any(key.startswith(other) or other.startswith(key) for other in changed):
+                hidden.append(each)
+    return hidden
+
+
+def _replace(content: Any, key: str, number: int, has_example: bool) -> None:
+    """Put a stand-in, or an example, in place of a setting, or leave it out if it is given."""
+    keys = ["load"] if key.startswith("load.") else key.split(".")
+    while keys[-1].isdecimal() or (keys[:-1] and not isinstance(at(content, keys[:-1]), (dict, list))):
+        keys.pop()
+    value = STAND_INS[number].get(keys[-1])
+    if keys[-1] not in STAND_INS[number] and (has_example or at(content, keys) is None):
+        value = entry_of(Case, ".".join(keys)).get("example")
+    put(content, keys, value)
+    if value is None:
+        del at(content, keys[:-1])[keys[-1]]
 
 
 def _names_in(content: Mapping[str, Any]) -> list[Sequence[str]]:

@@ -20,7 +20,6 @@ from asperity.core.types import Progress
 from asperity.engineering.answer import Answer, Sample, answer_to, pool, write_answer
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.answer_files import read_data
-from asperity.engineering.case import Case
 from asperity.engineering.case_file import (
     CHECKSUMS,
     MAP_FILES,
@@ -29,6 +28,7 @@ from asperity.engineering.case_file import (
     changed_files,
     holds_answer,
     names_of_maps,
+    read_case,
 )
 from asperity.engineering.face import RoughFace, memory_on, processes_on, read_face
 from asperity.engineering.folder import (
@@ -183,7 +183,7 @@ def _job(
         content.setdefault("sample", {})
     case, rough, found = None, None, list[Problem]()
     try:
-        case = Case.read(content)
+        case = read_case(content)
     except SettingsError as error:
         found += error.found
     files = {keys: each for keys in MAP_FILES if isinstance(each := at(content, keys), str)}

@@ -14,7 +14,7 @@ import asperity as asp
 from asperity.cli.main import main
 from asperity.cli.parser import COMMANDS, arguments
 from asperity.engineering.case import Case
-from asperity.engineering.case_file import case_text, load_case
+from asperity.engineering.case_file import case_text, load_case, read_case
 from asperity.engineering.show.report import report
 from asperity.engineering.templates import explanation, template, templates
 from asperity.settings.model import SettingsError, described, entries
@@ -110,6 +110,37 @@ def test_all_problems_are_found_at_once():
     assert found["leak.direction"] == " = 'z': x or y is needed"
     assert "distinct items" in found["fields"]
     assert len(found) == 7
+
+
+STEEL_MAP = {"map": "a.x3p", "body": STEEL}
+FILM, LOAD = {"film": {"lambda_ration": 1}}, {"load": {"mean_pressure": "50 MPa"}}
+
+
+@pytest.mark.parametrize(
+    ("groups", "keys"),
+    [
+        (  # of questions, while whole groups are missing
+            {"cycles": {}, "leak": {"viscosity": "1 mPa s"}} | FILM,
+            {"map", "body", "load", "film.lambda_ration", "leak.viscosity", "cycles"},
+        ),
+        (
+            STEEL_MAP | LOAD | FILM | {"load_curve": {"loads": ["1 MPa"]}},
+            {"film.lambda_ration", "load_curve"},
+        ),
+        (  # below a material that is not known, and in the group of a wrong key
+            {"map": {"file": "a", "form": "cylinder"}, "body": {"material": "x", "poisson": 9}} | LOAD,
+            {"body.material", "body.poisson", "map.form"},
+        ),
+        (  # not what the values in place of the others cause
+            {"map": "a", "body": {"young": "1"}, "load_curve": {"loads": ["1 N"]}, "yielding": {}},
+            {"body.young", "body.poisson", "load"},
+        ),
+    ],
+)
+def test_problems_behind_others_are_found_with_them(groups, keys):
+    with pytest.raises(SettingsError) as caught:
+        read_case(groups)
+    assert {each.key for each in caught.value.found} == keys
 
 
 @pytest.mark.parametrize(
