@@ -133,7 +133,7 @@ FILM, LOAD = {"film": {"lambda_ration": 1}}, {"load": {"mean_pressure": "50 MPa"
         ),
         (  # not what the values in place of the others cause
             {"map": "a", "body": {"young": "1"}, "load_curve": {"loads": ["1 N"]}, "yielding": {}},
-            {"body.young", "body.poisson", "load"},
+            {"body.young", "body.poisson", "load", "yielding"},
         ),
     ],
 )
