@@ -22,7 +22,7 @@ from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.body_stress import STRESS_TOLERANCE
 from asperity.engineering.face import ReadFile
-from asperity.engineering.records import Advice, Record, find, frame, record_of
+from asperity.engineering.records import LIMITED, Advice, Record, find, frame, record_of
 from asperity.engineering.scene import Scene
 from asperity.settings.load import UNITS
 from asperity.stress.extremes import Extreme
@@ -287,8 +287,15 @@ def asked_first(case: Scene) -> tuple[list[str], list[str]]:
 
 
 def at_the_top(case: Scene, records: Sequence[Record]) -> list[Record]:
-    """Records at the top of a page: two of the first question that is asked, and one of each in turn."""
-    found = [[each for name in names for each in find(records, name)] for names in tile_names(case)]
+    """Records at the top of a page: two of the first question that is asked, and one of each in turn.
+
+    A stress that the hardness limits does not come first.
+    """
+    found = []
+    for names in tile_names(case):
+        if any(LIMITED in each.note for name in names[:1] for each in find(records, name)):
+            names = (*names[1:2], *names[:1], *names[2:])
+        found.append([each for name in names for each in find(records, name)])
     count = len(asked_first(case)[0])
     if asked := [*filter(None, found[:count])]:
         found = [asked[0][:1], asked[0][1:], *asked[1:], *found[count:]]

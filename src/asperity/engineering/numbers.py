@@ -17,6 +17,7 @@ from asperity.engineering.contact_numbers import ContactNumbers
 from asperity.engineering.records import (
     DISCRETISATION,
     FRACTION,
+    LIMITED,
     POSITIONS,
     POSITIVE,
     UNBOUNDED,
@@ -55,6 +56,9 @@ LIMITS = {
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
 
+
+AT_SURFACE = ("", "the coating", "layer 1")
+"""Names of the materials that are in contact."""
 
 ON_IMAGE, AT_LINE = "on a mirror image of the map", "at the edge of the map, where its mirror image begins"
 """Notes on the positions of numbers."""
@@ -204,7 +208,10 @@ def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -
         if not value > 0:
             return record(quantity, 0.0, words="none")
         residual = "" if limit.startswith(tuple(ON_INTERFACE)) else residual_in(stress.body, found.depth)
+        _, von_mises, material = quantity.partition(EXTREMES["von_mises"])
+        is_limited = von_mises and contact.plastic_area > 0 and material.removeprefix(" in ") in AT_SURFACE
         notes = {
+            LIMITED: is_limited,
             residual: True,
             ON_IMAGE: found.on_image,
             AT_LINE: contact.grid.at_mirror_line(found.y, found.x),

@@ -74,6 +74,9 @@ LEAST_FRACTION = 1e-8
 
 POSITIVE = Bounds(0.0, math.inf, "a size")
 
+LIMITED = "limited by the hardness"
+"""Note on a stress below a pressure that reaches the hardness."""
+
 
 @dataclass(frozen=True)
 class Record:

@@ -8,7 +8,8 @@ from scipy import stats
 import asperity as asp
 from asperity.engineering.places import Blocks
 from asperity.engineering.questions.cycles import _pixel_error
-from asperity.engineering.records import POSITIONS
+from asperity.engineering.records import LIMITED, POSITIONS
+from asperity.engineering.show.tables import tiles_of
 from asperity.settings.model import SettingsError
 
 STEEL = {"young": "207 GPa", "poisson": 0.3, "yield_stress": "2 GPa"}
@@ -119,6 +120,9 @@ def test_single_map_says_which_error_it_has(long, known):
     volume = answer["volume above yield per area"].best_text()
     assert answer.verdict[0].startswith(f"The material yields: volume above yield per area {volume}, down to")
     assert "is limited by the hardness, 1.5 GPa, and is" in answer.verdict[0]
+    shown = tiles_of(answer.tiles)
+    assert shown[0].name == "volume above yield per area"
+    assert [tile.name for tile in shown if LIMITED in tile.lines] == ["maximum von Mises stress"]
     model = [each.short for each in answer.uncertainties if each.subject == "stress beyond yield"]
     ratio = answer["maximum von Mises stress"].best / 500e6
     assert model == [f"model: the stress is elastic, up to {ratio:.3g} times the yield stress"]

@@ -15,10 +15,12 @@ from asperity.core.units import shown_si
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.engineering.answer_data import ALIKE
 from asperity.engineering.face import RoughFace
+from asperity.engineering.numbers import AT_SURFACE
 from asperity.engineering.places import Blocks
 from asperity.engineering.question import Findings, Pressed, Question, Stages
 from asperity.engineering.records import (
     DISCRETISATION,
+    LIMITED,
     PLANES,
     POSITIONS,
     POSITIVE,
@@ -34,9 +36,6 @@ from asperity.stress.planes.stream import LinearPlane
 
 if TYPE_CHECKING:
     from asperity.stress.exceedance import Exceedance
-
-AT_SURFACE = ("", "the coating", "layer 1")
-"""Names of the materials that are in contact."""
 
 
 class Yielded:
@@ -228,7 +227,7 @@ class _Material(NamedTuple):
         volume = f"volume above yield per area {self.volume.best_text()}, down to a depth of "
         volume += self.depth.number(digits=3)
         if self.hardness:
-            limited = f"is limited by the hardness, {shown_si(self.hardness, 'Pa', 3)}"
+            limited = f"is {LIMITED}, {shown_si(self.hardness, 'Pa', 3)}"
             return f"{text}: {volume}; its maximum von Mises stress, {shown}, {limited}, and is {times}"
         return f"{text}: maximum von Mises stress {shown}, {times}; {volume}"
 
@@ -270,6 +269,5 @@ def _materials(stages: Stages, records: Sequence[Record]) -> Iterator[_Material]
                 next(find(records, f"{each}{within}", body), None)
                 for each in ("volume above yield per area", "maximum depth above yield")
             )
-            is_reached = stages.contact.plastic_area > 0 and name in AT_SURFACE
-            hardness = stages.contact.hardness if is_reached else 0.0
+            hardness = stages.contact.hardness if LIMITED in stress.note else 0.0
             yield _Material(name, of, limit, stress, volume, depth, hardness)

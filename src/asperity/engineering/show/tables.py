@@ -10,7 +10,7 @@ import pandas as pd
 
 from asperity.engineering.answer_data import ONE_POSITION, REPEATS, AnswerData, by_topic, without_repeats
 from asperity.engineering.questions.sweep import words_of
-from asperity.engineering.records import POSITIONS, Record
+from asperity.engineering.records import LIMITED, POSITIONS, Record
 from asperity.results.tables import units
 
 SHOWN_ROWS = 40
@@ -45,7 +45,8 @@ def tiles_of(records: Sequence[Record], units: Any = None) -> list[Tile]:
         number, _, rest = each.number(units).partition(": ")
         errors = replace(each, varies=False).error_texts(units)  # `unknown_of` says it once
         name = f"{each.quantity}, {each.body} body" if several and each.body else each.quantity
-        tiles.append(Tile(name, number, [*filter(None, [rest, each.place(units)]), *errors]))
+        limited = LIMITED if LIMITED in each.note else ""
+        tiles.append(Tile(name, number, [*filter(None, [rest, limited, each.place(units)]), *errors]))
     return tiles
 
 
