@@ -16,7 +16,8 @@ length = 100e-6
 height = asp.self_affine((128, 128), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=3, length=length)
 steel = asp.Solid(young=210e9, poisson=0.3)
 contact = asp.solve_contact(height, steel, length, mean_pressure=50e6)
-limits = {"fatigue_torsion": 300e6, "fatigue_bending": 480e6, "yield_stress": 1.5e9}
+# The limits are assumed, the same in all examples: give those of your steel.
+limits = {"fatigue_torsion": 500e6, "fatigue_bending": 800e6, "yield_stress": 2e9}
 rolling = asp.stress.stress_cycles(contact, **limits)
 sliding = asp.stress.stress_cycles(contact, **limits, friction=0.3)
 

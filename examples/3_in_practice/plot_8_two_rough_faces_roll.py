@@ -20,7 +20,8 @@ for seed, rms in ((1, 6e-8), (2, 3e-8)):
 ring, honed = faces
 steel = asp.Solid(young=210e9, poisson=0.3)
 pair = asp.TwoBodies(steel, steel)
-limits = {"fatigue_torsion": 300e6, "fatigue_bending": 480e6, "yield_stress": 1.5e9}
+# The limits are assumed, the same in all examples: give those of your steel.
+limits = {"fatigue_torsion": 500e6, "fatigue_bending": 800e6, "yield_stress": 2e9}
 common = {"wavelength_short": 5e-6, "friction": 0.08}
 
 # %%

@@ -14,13 +14,14 @@ import asperity as asp
 from asperity.stress.cycles.stress_cycles import weibull_exponent
 
 edge, scatter, volume = 100e-6, 0.1, 1e-9  # 1 mm³ of stressed volume in a specimen
-limits = {"fatigue_torsion": 450e6, "fatigue_bending": 700e6}
+# The limits are assumed, the same in all examples: give those of your steel.
+limits = {"fatigue_torsion": 500e6, "fatigue_bending": 800e6}
 steel = asp.Body(young=210e9, poisson=0.3, **limits, residual_stress=-200e6)
 asked, answers = {"fatigue_scatter": scatter, "fatigue_volume": volume}, []
 for seed in (1, 2, 3):
     height = asp.self_affine((64, 64), 0.8, 50e-6, 12.5e-6, rms_height=4e-8, seed=seed, length=edge)
     surface = asp.HeightMap(height, (edge, edge), periodic=True, unit="m", name=f"ring {seed}")
-    answers.append(asp.run(surface, steel, mean_pressure=150e6, cycles=asked))
+    answers.append(asp.run(surface, steel, mean_pressure=200e6, cycles=asked))
 sample = asp.pool(answers)
 
 # %%
