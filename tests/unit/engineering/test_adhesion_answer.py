@@ -1,5 +1,7 @@
 """Answers with adhesion: records, the path, files, the certificate computed anew, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from samples import leave_pictures_out, refuses
@@ -35,6 +37,20 @@ def test_path_gives_pull_off_and_lost_energy(sticking):
     assert path["contact_area_fraction"].iloc[-1] == 0
     assert answer["stability"].value > 0
     assert ("sticks" in answer.verdict[0]) == (answer["criterion of stickiness"].value < 1)
+
+
+def test_unstable_contacts_of_the_path_are_warned_of(sticking, monkeypatch):
+    assert "unstable contact" not in [each.subject for each in sticking[0].warnings]
+
+    def solve(*given, **more):  # contacts that pull are unstable
+        contact = asp.solve_contact(*given, **more)
+        stability = -0.06 if contact.force < 0 else contact.certificate.stability
+        return replace(contact, certificate=replace(contact.certificate, stability=stability))
+
+    monkeypatch.setattr("asperity.engineering.questions.adhesion_path.solve_contact", solve)
+    answer = run(a_rough_map(), RUBBER, mean_pressure=5e4, adhesion={"work": "50 mJ/m^2", "steps": 8})
+    text = next(each.text for each in answer.warnings if each.subject == "unstable contact")
+    assert "stability down to -0.06): of the path, " in text
 
 
 def test_opened_answer_with_adhesion_is_the_same(sticking, capsys):

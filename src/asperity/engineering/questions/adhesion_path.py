@@ -1,6 +1,6 @@
 """Adhesion: contacts on a path of approaches forward and back, pull-off force, dissipated energy."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,7 +18,7 @@ from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_data import AnswerData
 from asperity.engineering.face import RoughFace
 from asperity.engineering.question import Findings, Picture, Question, Stages, part_of
-from asperity.engineering.records import POSITIVE, SEARCH, Record
+from asperity.engineering.records import POSITIVE, SEARCH, Advice, Record
 from asperity.engineering.scene import Scene
 from asperity.settings.load import FIT, Attraction, Hertz
 from asperity.settings.model import SettingsError, Whole, setting
@@ -89,7 +89,7 @@ class Adhesion(Attraction, Question):
         assert law is not None
         is_fitted, solid, grid = self.range == FIT, stages.case.solid, face.grid
         share = 0.5 if is_fitted else 1.0
-        path, force, error = self._path(stages, law, partial(part_of, progress, 0.0, share, 1.0))
+        path, force, error, stabilities = self._path(stages, law, partial(part_of, progress, 0.0, share, 1.0))
         note = ""
         if is_fitted:
             longer = replace(law, range=2 * law.range)
@@ -128,11 +128,14 @@ class Adhesion(Attraction, Question):
             verdict=verdict,
             assumption="Several contacts may exist at one approach: the answer is the one of first approach, "
             "and the path decides on the way back.",
+            warnings=[*_instability(contact.certificate.stability, stabilities)],
             tables={"adhesion": path},
         )
 
-    def _path(self, stages: Stages, law: Law, progress: Progress) -> tuple[pd.DataFrame, float, float]:
-        """The path as a table, the pull-off force, and its error by the steps of the approach."""
+    def _path(
+        self, stages: Stages, law: Law, progress: Progress
+    ) -> tuple[pd.DataFrame, float, float, list[float]]:
+        """The path, the pull-off force, its error by the steps of the approach, and all stabilities."""
         contact = stages.contact
         lowest = float(contact.height.min())
         forward = np.linspace(lowest - FAR * law.range, contact.approach, self.steps).tolist()
@@ -143,9 +146,10 @@ class Adhesion(Attraction, Question):
             raise SettingsError("", [("adhesion", f"{found}; a lower load or a higher hardness is needed")])
         step, most, rows = forward[1] - forward[0], MOST_STEPS * self.steps, []
         ahead = [*forward, *forward[-2::-1], *(forward[0] - step * np.arange(1, most)).tolist()]
-        last, before, least = None, None, 0
+        last, before, least, stabilities = None, None, 0, list[float]()
         for number, approach in enumerate(ahead):
             after = self._after(stages, law, last, approach)
+            stabilities.append(after.certificate.stability)
             row = (approach - lowest, after.force, after.contact_area_fraction, number < len(forward))
             rows.append(row)
             if number >= len(forward) and after.force < rows[least][1]:
@@ -163,9 +167,10 @@ class Adhesion(Attraction, Question):
             for approach in before.approach - step * np.arange(1, 2 * FINER) / FINER:
                 last = self._after(stages, law, last, float(approach))
                 forces.append(last.force)
+                stabilities.append(last.certificate.stability)
         k = int(np.argmin(forces))
         rises = [forces[each] - forces[k] for each in (k - 1, k + 1) if 0 <= each < len(forces)]
-        return table, -forces[k], min(rises, default=0.0)
+        return table, -forces[k], min(rises, default=0.0), stabilities
 
     def _after(self, stages: Stages, law: Law, last: Contact | None, approach: float) -> Contact:
         """The contact that follows from the last one, pressing the surface that was flattened there."""
@@ -184,6 +189,19 @@ class Adhesion(Attraction, Question):
     def pictures(self, answer: AnswerData) -> Iterator[Picture]:
         """Force against approach."""
         yield Picture("adhesion", CAPTION, _drawn(answer.tables["adhesion"]))
+
+
+def _instability(own: float, of_path: Sequence[float]) -> Iterator[Advice]:
+    """A warning on contacts that are in equilibrium, but at no minimum of the energy."""
+    unstable = [each for each in of_path if each < 0]
+    places = ["the contact of the answer"] if own < 0 else []
+    places += [f"of the path, {len(unstable)} of {len(of_path)} contacts"] if unstable else []
+    if places:
+        least = min(each for each in (own, *unstable) if each < 0)
+        text = f"in equilibrium but not stable (stability down to {least:.2g}): {'; '.join(places)}. Real "
+        text += "faces jump on to another contact there: area, pull-off force and dissipated energy may be "
+        text += "wrong. Increase adhesion.steps, or give a longer adhesion.range or a map of more pixels."
+        yield Advice(True, "unstable contact", text)
 
 
 def _drawn(path: pd.DataFrame) -> Any:
