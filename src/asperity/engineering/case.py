@@ -112,8 +112,6 @@ class Case(Scene):
             self.__dict__["map"] = self.map.replaced(crop=self.part_in_hertz_contact)
         for question in self.questions.values():
             found += question.problems(self)
-        # Each varied case of a sensitivity repeats a problem of the case.
-        found = [each for each in found if not any(f"({key}{text})" in each[1] for key, text in found)]
         if found:
             raise SettingsError("", dict.fromkeys(found))
         return self

@@ -204,14 +204,14 @@ def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -
     def record(quantity: str, value: float, unit: str = "Pa", limit: str = "", **more: Any) -> Record:
         return _extrapolated(Record(quantity, value, unit, "stress", name, **more), limits, limit or quantity)
 
-    def extreme(quantity: str, value: float, found: Extreme, limit: str = "", **more: Any) -> Record:
+    def extreme(
+        quantity: str, value: float, found: Extreme, limit: str = "", at_surface: bool = False, **more: Any
+    ) -> Record:
         if not value > 0:
             return record(quantity, 0.0, words="none")
         residual = "" if limit.startswith(tuple(ON_INTERFACE)) else residual_in(stress.body, found.depth)
-        _, von_mises, material = quantity.partition(EXTREMES["von_mises"])
-        is_limited = von_mises and contact.plastic_area > 0 and material.removeprefix(" in ") in AT_SURFACE
         notes = {
-            LIMITED: is_limited,
+            LIMITED: at_surface and contact.plastic_area > 0,
             residual: True,
             ON_IMAGE: found.on_image,
             AT_LINE: contact.grid.at_mirror_line(found.y, found.x),
@@ -227,12 +227,16 @@ def body_records(case: Scene, name: str, stress: BodyStress, contact: Contact) -
             most = 2 * (1 + stress.layer.poisson) / 3 * hardness
             bounds = Bounds(0.0, most, "2 (1 + ν) / 3 of the hardness")
         found = stress.extremes[field]
-        yield extreme(quantity, DIRECTION[field] * found.value, found, bounds=bounds)
+        at_surface = field == "von_mises" and not stress.interfaces
+        yield extreme(quantity, DIRECTION[field] * found.value, found, at_surface=at_surface, bounds=bounds)
     if stress.interfaces:
         for number, (material, (_, extremes)) in enumerate(materials.items()):
             for field in OF_MATERIALS:
                 own = extremes[field]
-                yield extreme(f"{EXTREMES[field]} in {material}", own.value, own, f"{field} {number}")
+                at_surface = field == "von_mises" and material in AT_SURFACE
+                yield extreme(
+                    f"{EXTREMES[field]} in {material}", own.value, own, f"{field} {number}", at_surface
+                )
     for number, (interface, stresses) in enumerate(
         zip(stress.body.interfaces, stress.interfaces, strict=True)
     ):

@@ -52,9 +52,15 @@ class Sensitivity(Question):
                 yield key, f": a tolerance is accepted for {', '.join(known)}"
             elif not 0 <= tolerance < 1:
                 yield key, f": a tolerance below 100 % is needed, ± {100 * tolerance:g} % is given"
-        for key in known if rough is None else ():
+        if rough is not None:
+            return
+        try:
+            alone = self._alone(case)
+        except SettingsError:  # the case reports its own problems
+            return
+        for key in known:
             try:
-                varied(self._alone(case), key)
+                varied(alone, key)
             except SettingsError as error:
                 yield key, f": one per cent more, of the sensitivity, is refused ({error.found[0]})"
 
