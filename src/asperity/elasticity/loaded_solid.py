@@ -217,11 +217,13 @@ def layer_of(contact: xr.Dataset) -> Solid:
     The stress depends on the pressure, and under layers on the ratios of the moduli.
     """
     poisson = float(contact.attrs["poisson_contact"])
+    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
     young = (1 - poisson) * (1 + poisson)
-    settings = json.loads(contact.attrs["settings"])["layer"]
-    height, lateral = settings["height"], settings["lateral"]
-    if contact.attrs["solid"] == "half-space":
+    solid = str(contact.attrs["solid"])
+    if solid == "half-space":
         return Solid(young, poisson, lateral=lateral)
+    settings = json.loads(contact.attrs["settings"])["layer"]
+    height = settings["height"]
     if isinstance(height, str):
         height = to_si(height, "length", "layer.height")
     if base := settings.get("base"):  # of a study, or of a `Solid`
@@ -230,7 +232,8 @@ def layer_of(contact: xr.Dataset) -> Solid:
         else:
             below = _stiffened(layer_from(base), young / settings["young"])
         return Solid(young, poisson, height, lateral=lateral, base=below)
-    return Solid(young, poisson, height, settings["bottom"], lateral)
+    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
+    return Solid(young, poisson, height, bottom, lateral)
 
 
 def solid_of(contact: xr.Dataset) -> Solids:
