@@ -124,16 +124,19 @@ def side_by_side(
                 else:
                     here(own)
             yield found[number].result()
+            found[number] = Future()  # the result may be large
             report(number, 1.0, 1.0)
 
 
 def _fork(pool: ProcessPoolExecutor) -> None:
     """Fork all processes, before there are threads; a signal that ends this one waits until then."""
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, HANDLERS)
-    with catch_warnings():  # threads of libraries, which are prepared for it
-        simplefilter("ignore", DeprecationWarning)
-        pool.submit(int)
-    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    try:
+        with catch_warnings():  # threads of libraries, which are prepared for it
+            simplefilter("ignore", DeprecationWarning)
+            pool.submit(int)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _begin(queue: Any, calls: tuple[Callable[..., Any], Sequence[tuple[Any, ...]]] | None) -> None:

@@ -154,13 +154,17 @@ def _hidden(content: Mapping[str, Any], found: Sequence[Problem], number: int) -
 
 
 def _replace(content: Any, key: str, number: int, has_example: bool) -> None:
-    """Put a stand-in, or an example, in place of a setting, or leave it out if it is given."""
+    """Put a stand-in, or an example, in place of a setting, or leave it out if it is given, once of twice."""
     keys = ["load"] if key.startswith("load.") else key.split(".")
     while keys[-1].isdecimal() or (keys[:-1] and not isinstance(at(content, keys[:-1]), (dict, list))):
         keys.pop()
-    value = STAND_INS[number].get(keys[-1])
-    if keys[-1] not in STAND_INS[number] and (has_example or at(content, keys) is None):
-        value = entry_of(Case, ".".join(keys)).get("example")
+    value, given = STAND_INS[number].get(keys[-1]), at(content, keys)
+    if keys[-1] not in STAND_INS[number]:
+        entry = entry_of(Case, ".".join(keys))
+        if has_example or given is None:
+            value = entry.get("example")
+        if value is None and given is not None and entry and number:
+            return  # other settings may need it, and would have a problem with both stand-ins
     put(content, keys, value)
     if value is None:
         del at(content, keys[:-1])[keys[-1]]

@@ -135,6 +135,14 @@ FILM, LOAD = {"film": {"lambda_ration": 1}}, {"load": {"mean_pressure": "50 MPa"
             {"map": "a", "body": {"young": "1"}, "load_curve": {"loads": ["1 N"]}, "yielding": {}},
             {"body.young", "body.poisson", "load", "yielding"},
         ),
+        (  # not that the bending limit needs the other one, which is given
+            STEEL_MAP | {"body": STEEL | {"fatigue_torsion": "500 MPa", "fatigue_bending": "2 GPa"}} | LOAD,
+            {"body.fatigue_torsion"},
+        ),
+        (
+            STEEL_MAP | LOAD | {"sliding": {"direction": "x"}, "cycles": {"shifts": 8, "slide_to_roll": 0.2}},
+            {"cycles.shifts"},
+        ),
     ],
 )
 def test_problems_behind_others_are_found_with_them(groups, keys):

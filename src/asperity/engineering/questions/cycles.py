@@ -125,7 +125,7 @@ class Cycles(Question):
             except InputError as error:
                 keys = {"shifts": "cycles.shifts", "sliding_direction": "sliding.direction"}
                 yield from (
-                    (keys[key], text) if key else ("cycles", f": {text}") for key, text in error.found
+                    (keys[key], text) if key in keys else ("cycles", f": {text}") for key, text in error.found
                 )
             return
         bodies = case.groups_of_bodies
